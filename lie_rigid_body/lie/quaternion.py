@@ -1,0 +1,238 @@
+"""Unit quaternions, scalar last (x, y, z, w), as the double cover of SO(3).
+
+The product is Hamilton's: ``multiply(p, q)`` rotates by q first, then by p, as matrices do. An attitude quaternion
+takes body vectors to world vectors. All functions are batched over leading axes, and use elementwise arithmetic only,
+so that a batch gives the same bits as its rows one by one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.lie import rotation_vector, series
+
+Array = NDArray[np.float64]
+
+
+def _quaternions(q: ArrayLike) -> Array:
+    array = np.asarray(q, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != 4:
+        raise InputError(f"quaternions need shape (..., 4), given {array.shape}: give x, y, z, w on the last axis")
+    return array
+
+
+def multiply(p: ArrayLike, q: ArrayLike) -> Array:
+    """Hamilton product p⊗q.
+
+    Parameters
+    ----------
+    p, q : array_like, shape (..., 4)
+        Scalar last; leading axes broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+    """
+    p, q = _quaternions(p), _quaternions(q)
+    px, py, pz, pw = p[..., 0], p[..., 1], p[..., 2], p[..., 3]
+    qx, qy, qz, qw = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    return np.stack(
+        [
+            pw * qx + px * qw + py * qz - pz * qy,
+            pw * qy - px * qz + py * qw + pz * qx,
+            pw * qz + px * qy - py * qx + pz * qw,
+            pw * qw - px * qx - py * qy - pz * qz,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: ArrayLike) -> Array:
+    """The conjugate, which for unit quaternions is the inverse rotation.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+    """
+    return _quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0])
+
+
+def norm(q: ArrayLike) -> Array:
+    """Euclidean norm over the last axis.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    q = _quaternions(q)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    return np.asarray(np.hypot(np.hypot(x, y), np.hypot(z, w)))
+
+
+def normalize(q: ArrayLike) -> Array:
+    """The quaternion divided by its norm.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+        Not zero.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+    """
+    q = _quaternions(q)
+    return q / norm(q)[..., np.newaxis]
+
+
+def rotate(q: ArrayLike, v: ArrayLike) -> Array:
+    """The vector v rotated by the unit quaternion q.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+    v : array_like, shape (..., 3)
+        Leading axes broadcast with those of q.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+    """
+    q = _quaternions(q)
+    v = rotation_vector.as_vectors(v)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    return np.stack(
+        [
+            vx + (w * tx + (y * tz - z * ty)),
+            vy + (w * ty + (z * tx - x * tz)),
+            vz + (w * tz + (x * ty - y * tx)),
+        ],
+        axis=-1,
+    )
+
+
+def exp(v: ArrayLike) -> Array:
+    """Unit quaternion of a rotation vector; a rotation by 2π is −1, as on the double cover.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Axis times angle, rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+    """
+    v = rotation_vector.as_vectors(v)
+    theta = rotation_vector.norm(v)
+    ratio = series.half_angle_sine_ratio(theta)
+    return np.concatenate([v * ratio[..., np.newaxis], np.cos(0.5 * theta)[..., np.newaxis]], axis=-1)
+
+
+def log(q: ArrayLike) -> Array:
+    """Rotation vector of a unit quaternion, of norm at most π (q and −q give the same).
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Axis times angle, rad.
+    """
+    q = _quaternions(q)
+    q = np.where(np.signbit(q[..., 3:]), -q, q)
+    vector, w = q[..., :3], q[..., 3]
+    sine = rotation_vector.norm(vector)
+    safe = np.where(sine == 0.0, 1.0, sine)
+    ratio = np.where(sine == 0.0, 2.0, 2.0 * np.arctan2(sine, w) / safe)
+    return vector * ratio[..., np.newaxis]
+
+
+def to_matrix(q: ArrayLike) -> Array:
+    """Rotation matrix of a unit quaternion.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    q = _quaternions(q)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    m = np.empty((*q.shape[:-1], 3, 3))
+    m[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    m[..., 1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    m[..., 2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    m[..., 0, 1], m[..., 1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
+    m[..., 2, 0], m[..., 0, 2] = 2.0 * (x * z - y * w), 2.0 * (x * z + y * w)
+    m[..., 1, 2], m[..., 2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
+    return m
+
+
+def from_matrix(m: ArrayLike) -> Array:
+    """Unit quaternion of a rotation matrix, the one with the largest component positive.
+
+    Of the four components the largest is taken from the diagonal and the rest by division
+    (S. W. Shepperd, J. Guidance and Control 1 (1978) 223), so that no angle loses digits.
+
+    Parameters
+    ----------
+    m : array_like, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+    """
+    m = rotation_vector.as_matrices(m)
+    xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    wx, wy, wz = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
+    xy, xz, yz = m[..., 0, 1] + m[..., 1, 0], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 2] + m[..., 2, 1]
+    # row i holds 4 qᵢ q, so each row is parallel to q, and the longest is the best conditioned
+    rows = np.stack(
+        [
+            np.stack([1.0 + xx - yy - zz, xy, xz, wx], axis=-1),
+            np.stack([xy, 1.0 - xx + yy - zz, yz, wy], axis=-1),
+            np.stack([xz, yz, 1.0 - xx - yy + zz, wz], axis=-1),
+            np.stack([wx, wy, wz, 1.0 + xx + yy + zz], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)
+    chosen = np.take_along_axis(rows, best[..., np.newaxis, np.newaxis], axis=-2)[..., 0, :]
+    return normalize(chosen)
+
+
+def left_jacobian(q: ArrayLike) -> Array:
+    """The left Jacobian of SO(3) at the rotation vector ``log(q)``; see `rotation_vector.left_jacobian`."""
+    return rotation_vector.left_jacobian(log(q))
+
+
+def right_jacobian(q: ArrayLike) -> Array:
+    """The right Jacobian of SO(3) at the rotation vector ``log(q)``; see `rotation_vector.right_jacobian`."""
+    return rotation_vector.right_jacobian(log(q))
+
+
+def left_jacobian_inverse(q: ArrayLike) -> Array:
+    """The inverse left Jacobian at ``log(q)``; see `rotation_vector.left_jacobian_inverse`."""
+    return rotation_vector.left_jacobian_inverse(log(q))
+
+
+def right_jacobian_inverse(q: ArrayLike) -> Array:
+    """The inverse right Jacobian at ``log(q)``; see `rotation_vector.right_jacobian_inverse`."""
+    return rotation_vector.right_jacobian_inverse(log(q))

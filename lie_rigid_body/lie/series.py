@@ -1,0 +1,75 @@
+"""Scalar coefficient functions of the SO(3) exponential, and the one home of their small-angle series.
+
+Each function takes the rotation angle θ ≥ 0 and is accurate to a few units in the last place on all of [0, 2π).
+Where the textbook form cancels, a power series in θ² with exactly rounded coefficients replaces it
+below ``SERIES_LIMIT``; the series are entire (or have radius 2π), so the limit can lie far from 0 where
+the closed form is already well conditioned.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SERIES_LIMIT: Final = 2.0
+"""Angle in rad below which the power series are used."""
+
+
+def _bernoulli(count: int) -> list[Fraction]:
+    """The Bernoulli numbers B₀ … B_{count−1} by their defining recurrence Σ C(n+1, k) Bₖ = 0."""
+    numbers: list[Fraction] = [Fraction(1)]
+    for n in range(1, count):
+        partial = sum((math.comb(n + 1, k) * numbers[k] for k in range(n)), Fraction(0))
+        numbers.append(-partial / (n + 1))
+    return numbers
+
+
+# (θ − sin θ)/θ³ = Σ (−1)ᵏ θ²ᵏ/(2k+3)!
+_DEXP_QUADRATIC: Final = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(14))
+
+# (1 − (θ/2) cot(θ/2))/θ² = Σ |B₂ₖ₊₂| θ²ᵏ/(2k+2)!; at θ = 2 the terms fall like (1/π)²ᵏ
+DEXPINV_QUADRATIC: Final = tuple(
+    float(abs(b) / math.factorial(2 * k + 2)) for k, b in enumerate(_bernoulli(40)[2::2])
+)
+
+
+def _horner(coefficients: tuple[float, ...], x: Array) -> Array:
+    value = np.full_like(x, coefficients[-1])
+    for c in reversed(coefficients[:-1]):
+        value = value * x + c
+    return value
+
+
+def half_angle_sine_ratio(theta: Array) -> Array:
+    """sin(θ/2)/θ, with its limit ½ at 0."""
+    safe = np.where(theta == 0.0, 1.0, theta)
+    return np.where(theta == 0.0, 0.5, np.sin(0.5 * safe) / safe)
+
+
+def dexp_linear(theta: Array) -> Array:
+    """(1 − cos θ)/θ² = 2 (sin(θ/2)/θ)², free of cancellation."""
+    ratio = half_angle_sine_ratio(theta)
+    return 2.0 * ratio * ratio
+
+
+def dexp_quadratic(theta: Array) -> Array:
+    """(θ − sin θ)/θ³, with its limit 1/6 at 0."""
+    small = theta < SERIES_LIMIT
+    series = _horner(_DEXP_QUADRATIC, np.where(small, theta, 0.0) ** 2)
+    safe = np.where(small, SERIES_LIMIT, theta)
+    return np.where(small, series, (safe - np.sin(safe)) / safe**3)
+
+
+def dexpinv_quadratic(theta: Array) -> Array:
+    """(1 − (θ/2) cot(θ/2))/θ², with its limit 1/12 at 0."""
+    small = theta < SERIES_LIMIT
+    series = _horner(DEXPINV_QUADRATIC, np.where(small, theta, 0.0) ** 2)
+    safe = np.where(small, SERIES_LIMIT, theta)
+    half = 0.5 * safe
+    return np.where(small, series, (1.0 - half * np.cos(half) / np.sin(half)) / safe**2)

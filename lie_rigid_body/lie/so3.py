@@ -1,0 +1,66 @@
+"""The rotation group SO(3): matrices, their exponential and logarithm, and the Jacobians of the exponential.
+
+A table of contents: the algebra and its Jacobians live in `rotation_vector`, unit quaternions in `quaternion`,
+small-angle series in `series`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.rotation_vector import (
+    hat,
+    left_jacobian,
+    left_jacobian_inverse,
+    norm,
+    right_jacobian,
+    right_jacobian_inverse,
+    vee,
+)
+
+__all__ = [
+    "exp",
+    "hat",
+    "left_jacobian",
+    "left_jacobian_inverse",
+    "log",
+    "norm",
+    "right_jacobian",
+    "right_jacobian_inverse",
+    "vee",
+]
+
+Array = NDArray[np.float64]
+
+
+def exp(v: ArrayLike) -> Array:
+    """Rotation matrix of a rotation vector (Rodrigues; Iserles et al., eq. B.10).
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Axis times angle, rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    return quaternion.to_matrix(quaternion.exp(v))
+
+
+def log(m: ArrayLike) -> Array:
+    """Rotation vector of a rotation matrix, of norm at most π.
+
+    Parameters
+    ----------
+    m : array_like, shape (..., 3, 3)
+        Rotation matrices.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Axis times angle, rad. At an angle of π either sign of the axis is right; one is returned.
+    """
+    return quaternion.log(quaternion.from_matrix(m))

@@ -1,0 +1,107 @@
+"""The state of a rotating body: where it points and how fast it turns."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import quaternion
+
+Array = NDArray[np.float64]
+
+UNIT_NORM_TOLERANCE: Final = 1e-6
+"""A quaternion farther than this from unit norm is refused, a nearer one normalised."""
+
+
+class State:
+    """Attitude and body rate, of one instant or of many.
+
+    Parameters
+    ----------
+    attitude_xyzw : array_like, shape (..., 4)
+        Rotation taking body vectors to world vectors, scalar last. Normalised when within 1e-6 of unit norm.
+    body_rate : array_like, shape (..., 3)
+        Angular velocity in the body frame, rad/s.
+
+    Attributes
+    ----------
+    attitude_xyzw : ndarray, shape (..., 4)
+        Read only.
+    body_rate : ndarray, shape (..., 3)
+        Read only.
+
+    Raises
+    ------
+    ParameterError
+        If a shape is wrong, a number not finite, or a quaternion not near unit norm.
+    """
+
+    __slots__ = ("attitude_xyzw", "body_rate")
+
+    attitude_xyzw: Array
+    body_rate: Array
+
+    def __init__(self, attitude_xyzw: ArrayLike, body_rate: ArrayLike) -> None:
+        attitude = _numbers("attitude_xyzw", attitude_xyzw, 4)
+        rate = _numbers("body_rate", body_rate, 3)
+        if attitude.shape[:-1] != rate.shape[:-1]:
+            raise ParameterError(
+                "body_rate",
+                f"shape {rate.shape} does not go with attitudes of shape {attitude.shape}: give equal leading axes",
+            )
+        self._set(_unit("attitude_xyzw", attitude), rate.copy())
+
+    @classmethod
+    def trusted(cls, attitude_xyzw: Array, body_rate: Array) -> State:
+        """A state from arrays that are already right: float64, of equal leading axes, unit quaternions; not copied."""
+        state = cls.__new__(cls)
+        state._set(attitude_xyzw, body_rate)
+        return state
+
+    def _set(self, attitude: Array, rate: Array) -> None:
+        attitude.setflags(write=False)
+        rate.setflags(write=False)
+        object.__setattr__(self, "attitude_xyzw", attitude)
+        object.__setattr__(self, "body_rate", rate)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a State is immutable: build a new one instead of setting {name}")
+
+    def __len__(self) -> int:
+        if self.body_rate.ndim < 2:
+            raise TypeError("a State of one instant has no length")
+        return len(self.body_rate)
+
+    def __getitem__(self, index: int | slice) -> State:
+        """The states at an index of the first leading axis."""
+        if self.body_rate.ndim < 2:
+            raise TypeError("a State of one instant cannot be indexed")
+        return State.trusted(self.attitude_xyzw[index], self.body_rate[index])
+
+    def __repr__(self) -> str:
+        return f"State(attitude_xyzw={self.attitude_xyzw.tolist()}, body_rate={self.body_rate.tolist()})"
+
+
+def _numbers(name: str, value: ArrayLike, size: int) -> Array:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ParameterError(name, f"{value!r} is not numbers: give {size} of them") from None
+    if array.ndim == 0 or array.shape[-1] != size:
+        raise ParameterError(name, f"shape {array.shape} is not (..., {size}): give {size} numbers")
+    if not np.isfinite(array).all():
+        raise ParameterError(name, f"{array.tolist()} is not finite: give {size} finite numbers")
+    return array
+
+
+def _unit(name: str, attitude: Array) -> Array:
+    norms = np.atleast_1d(quaternion.norm(attitude))
+    worst = norms[np.argmax(np.abs(norms - 1.0))] if norms.size else 1.0
+    if abs(worst - 1.0) > UNIT_NORM_TOLERANCE:
+        raise ParameterError(
+            name, f"norm {worst:.9g} is not 1 within {UNIT_NORM_TOLERANCE:g}: divide the quaternion x y z w by its norm"
+        )
+    return quaternion.normalize(attitude)

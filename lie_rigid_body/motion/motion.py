@@ -1,0 +1,59 @@
+"""The contract of every motion, and the one reading of its times."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics import State
+
+
+class Motion(Protocol):
+    """A torque-free motion: the states of a body at given times."""
+
+    def at(self, t_ns: ArrayLike) -> State:
+        """The states at the given times.
+
+        Parameters
+        ----------
+        t_ns : int or array_like of int, shape (N,)
+            Nanoseconds since the start.
+
+        Returns
+        -------
+        State
+            Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
+        """
+        ...
+
+
+def nanoseconds(t_ns: ArrayLike) -> NDArray[np.int64]:
+    """Times as an int64 array of at most one axis, or an error that says what they were.
+
+    Parameters
+    ----------
+    t_ns : int or array_like of int, shape (N,)
+        Nanoseconds since the start.
+
+    Returns
+    -------
+    ndarray of int64, shape () or (N,)
+
+    Raises
+    ------
+    InputError
+        If the times are not integers, or not of at most one axis.
+    """
+    array = np.asarray(t_ns)
+    if array.size == 0 and array.ndim == 1:
+        return np.empty(0, dtype=np.int64)
+    if array.dtype.kind not in "iu" or array.ndim > 1:
+        raise InputError(
+            f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat array of them"
+        )
+    if array.dtype.kind == "u" and array.size and int(array.max()) > np.iinfo(np.int64).max:
+        raise InputError(f"t_ns {int(array.max())} is beyond int64: give at most {np.iinfo(np.int64).max} ns (292 years)")
+    return array.astype(np.int64)

@@ -1,0 +1,118 @@
+"""The parameters of a scenario: one table for the node, for parameter files, for the command line and for the docs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from lie_rigid_body.errors import ParameterError
+
+Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
+Value: TypeAlias = float | int | str | bool | tuple[float, ...]
+
+MAX_EPOCH_NS: Final = (2**31 - 1) * 1_000_000_000
+"""Stamps end in 2038, with the 32-bit seconds of builtin_interfaces/Time."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter: its type, its default, its limits and the words that explain it.
+
+    Parameters
+    ----------
+    name : str
+    kind : str
+        ``double``, ``double_array``, ``int``, ``string`` or ``bool``.
+    default : value of that kind
+    description : str
+        One sentence, with the unit.
+    lengths : tuple of int, optional
+        Allowed lengths of an array.
+    minimum, maximum : float, optional
+        Inclusive range of a scalar number.
+    choices : tuple of str, optional
+        Allowed strings.
+    """
+
+    name: str
+    kind: Kind
+    default: Value
+    description: str
+    lengths: tuple[int, ...] = ()
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    choices: tuple[str, ...] = ()
+
+    def read(self, value: object) -> Value:
+        """The value in this parameter's own type.
+
+        Parameters
+        ----------
+        value : object
+            As a YAML file or a ROS parameter gives it. An integer stands for a double.
+
+        Returns
+        -------
+        float, int, str, bool or tuple of float
+
+        Raises
+        ------
+        ParameterError
+            If the type, the length, the range or the choice is another.
+        """
+        if self.kind == "double_array":
+            return self._array(value)
+        if self.kind == "double":
+            return self._in_range(self._number(value))
+        if self.kind == "int":
+            return self._integer(value)
+        if self.kind == "bool" and isinstance(value, bool):
+            return value
+        if self.kind == "string" and isinstance(value, str):
+            return self._string(value)
+        raise self._error(f"{value!r} is not a {self.kind}: give for example {self.default!r}")
+
+    def _error(self, message: str) -> ParameterError:
+        return ParameterError(self.name, message)
+
+    def _number(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._error(f"{value!r} is not a number: give {self._example()}")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self._error(f"{value!r} is not finite: give {self._example()}")
+        return number
+
+    def _example(self) -> str:
+        wanted = " or ".join(str(n) for n in self.lengths)
+        return f"{wanted} finite numbers" if wanted else f"for example {self.default!r}"
+
+    def _in_range(self, value: float) -> float:
+        if not self.minimum <= value <= self.maximum:
+            raise self._error(f"{value:g} is outside [{self.minimum:g}, {self.maximum:g}]: {self.description}")
+        return value
+
+    def _integer(self, value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise self._error(f"{value!r} is not an integer: give for example {self.default!r}")
+        if not self.minimum <= value <= self.maximum:
+            raise self._error(f"{value} is outside [{int(self.minimum)}, {int(self.maximum)}]: {self.description}")
+        return value
+
+    def _array(self, value: object) -> tuple[float, ...]:
+        if isinstance(value, str | bytes | Mapping) or not hasattr(value, "__iter__"):
+            raise self._error(f"{value!r} is not a list: give {self._example()}")
+        numbers = tuple(self._number(v) for v in value)
+        if len(numbers) not in self.lengths:
+            raise self._error(f"{list(numbers)} has {len(numbers)} numbers: give {self._example()}")
+        return numbers
+
+    def _string(self, value: str) -> str:
+        if self.choices and value not in self.choices:
+            raise self._error(f"{value!r} is unknown: choose one of {', '.join(self.choices)}")
+        return value

@@ -1,0 +1,129 @@
+"""The body and its state: accepted forms of inertia, refusals, principal axes, and what the motion conserves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lie_rigid_body import LieRigidBodyError, ParameterError, RigidBody, State
+from lie_rigid_body.lie import so3
+
+# semi-axes of an ellipsoid give every physical set of moments
+semi_axes = st.tuples(*[st.floats(0.01, 10.0)] * 3)
+turns = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
+
+
+def ellipsoid_moments(axes):
+    a, b, c = (x * x for x in axes)
+    return np.array([b + c, a + c, a + b])
+
+
+def test_the_three_forms_agree():
+    moments, six = RigidBody([1.0, 2.0, 3.0]), RigidBody([1.0, 0.0, 0.0, 2.0, 0.0, 3.0])
+    full = RigidBody(np.diag([1.0, 2.0, 3.0]))
+    np.testing.assert_array_equal(moments.inertia, six.inertia)
+    np.testing.assert_array_equal(moments.inertia, full.inertia)
+    products = RigidBody([1.0, 0.1, -0.05, 1.4, 0.2, 1.9])
+    np.testing.assert_array_equal(products.inertia, [[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
+
+
+@given(semi_axes, turns)
+def test_principal_axes_diagonalise_the_tensor(axes, turn):
+    rotation = so3.exp(turn)
+    tensor = rotation @ np.diag(ellipsoid_moments(axes)) @ rotation.T
+    body = RigidBody((tensor + tensor.T) / 2)
+    scale = body.principal_moments[2]
+    assert np.linalg.det(body.principal_axes) == pytest.approx(1.0)
+    np.testing.assert_allclose(np.sort(ellipsoid_moments(axes)), body.principal_moments, rtol=0, atol=1e-14 * scale)
+    rebuilt = body.principal_axes @ np.diag(body.principal_moments) @ body.principal_axes.T
+    np.testing.assert_allclose(rebuilt, body.inertia, rtol=0, atol=1e-14 * scale)
+
+
+def test_diagonal_moments_are_kept_exactly_in_any_order():
+    for order in ([0.3, 0.1, 0.25], [3.0, 1.0, 2.5], [2.0, 2.0, 1.0]):
+        body = RigidBody(order)
+        np.testing.assert_array_equal(body.principal_moments, np.sort(order))
+        np.testing.assert_array_equal(body.principal_axes @ np.diag(np.sort(order)) @ body.principal_axes.T, np.diag(order))
+        assert np.linalg.det(body.principal_axes) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("inertia", "said"),
+    [
+        ([0.0, 1.0, 1.0], "not positive"),
+        ([-1.0, 2.0, 3.0], "not positive"),
+        ([1.0, 2.0, 0.0, 1.0, 0.0, 3.0], "not positive"),
+        ([1.0, 1.0, 2.1], "triangle inequality"),
+        ([1.0, 1.0, np.nan], "not finite"),
+        ([1.0, np.inf, 1.0], "not finite"),
+        ([1.0, 2.0], "3 principal moments or"),
+        ([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "not symmetric"),
+        ("heavy", "not numbers"),
+    ],
+)
+def test_impossible_inertias_are_refused(inertia, said):
+    with pytest.raises(ParameterError, match=said) as caught:
+        RigidBody(inertia)
+    assert caught.value.name == "inertia"
+    assert isinstance(caught.value, ValueError) and isinstance(caught.value, LieRigidBodyError)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("flat", [[0.1, 0.2, 0.3], [0.3, 0.6, 0.9], [1.0, 2.0, 3.0], [1e-12, 1.0, 1.0]])
+def test_flat_bodies_are_allowed_in_spite_of_round_off(flat):
+    RigidBody(flat)
+
+
+@given(semi_axes, turns, turns)
+def test_energy_and_momentum_are_what_the_definitions_say(axes, turn, rate):
+    body = RigidBody(ellipsoid_moments(axes))
+    state = State(np.array([*np.sin(0.5) * np.array([0.6, 0.0, 0.8]), np.cos(0.5)]), rate)
+    momentum = so3.exp([0.6, 0.0, 0.8]) @ body.inertia @ np.array(rate)
+    scale = body.principal_moments[2] * 10
+    np.testing.assert_allclose(body.angular_momentum(state), momentum, rtol=0, atol=1e-15 * scale)
+    energy = 0.5 * np.array(rate) @ body.inertia @ np.array(rate)
+    np.testing.assert_allclose(body.kinetic_energy(state), energy, rtol=1e-14, atol=1e-300)
+
+
+def test_quantities_are_batched():
+    body = RigidBody([1.0, 2.0, 3.0])
+    states = State(np.tile([0, 0, 0, 1.0], (5, 1)), np.arange(15.0).reshape(5, 3))
+    assert body.kinetic_energy(states).shape == (5,)
+    assert body.angular_momentum(states).shape == (5, 3)
+    np.testing.assert_array_equal(body.angular_momentum(states)[3], body.angular_momentum(states[3]))
+
+
+@pytest.mark.parametrize(
+    ("attitude", "rate", "said"),
+    [
+        ([0, 0, 0, 0], [0, 0, 0], "norm 0 is not 1"),
+        ([0, 0, 0, 1.00001], [0, 0, 0], "norm 1.00001 is not 1"),
+        ([0, 0, 1], [0, 0, 0], "give 4 numbers"),
+        ([0, 0, 0, np.nan], [0, 0, 0], "not finite"),
+        ([0, 0, 0, 1], [0, np.inf, 0], "not finite"),
+        ([0, 0, 0, 1], [0, 0], "give 3 numbers"),
+        ([[0, 0, 0, 1]], [0, 0, 0], "leading axes"),
+    ],
+)
+def test_impossible_states_are_refused(attitude, rate, said):
+    with pytest.raises(ParameterError, match=said):
+        State(attitude, rate)
+
+
+def test_nearly_unit_quaternions_are_normalised_and_nothing_else_is_touched():
+    state = State([0, 0, 0, 1.0000009], [1, 2, 3])
+    np.testing.assert_array_equal(state.attitude_xyzw, [0, 0, 0, 1])
+    np.testing.assert_array_equal(state.body_rate, [1, 2, 3])
+
+
+def test_a_state_is_immutable_and_does_not_alias_its_arguments():
+    rate = np.array([1.0, 2.0, 3.0])
+    state = State([0, 0, 0, 1], rate)
+    rate[0] = 9.0
+    assert state.body_rate[0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        state.body_rate[0] = 5.0
+    with pytest.raises(AttributeError, match="immutable"):
+        state.body_rate = rate  # type: ignore[misc]

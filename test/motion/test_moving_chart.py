@@ -1,0 +1,100 @@
+"""The moving chart against the 40-digit truth: accuracy, order of convergence, and its contract as a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import InputError, MovingChart, ParameterError, RigidBody, State
+from lie_rigid_body.lie import so3
+from lie_rigid_body.motion import METHODS
+from reference import attitude_error, rate_error, truth_cases
+
+CASES = truth_cases()
+GENERIC = ("asymmetric", "dzhanibekov_1e-2", "oblate_symmetric", "prolate_symmetric", "products_of_inertia")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_follows_the_truth_for_ten_seconds(name):
+    case = CASES[name]
+    points = [p for p in case.points if p.t_ns <= 10_000_000_000]
+    states = MovingChart(case.body, case.start).at([p.t_ns for p in points])
+    for point, attitude, rate in zip(points, states.attitude_xyzw, states.body_rate, strict=True):
+        assert attitude_error(attitude, point.attitude_xyzw) < 3e-13
+        assert rate_error(rate, point.body_rate) < 3e-13
+
+
+@pytest.mark.parametrize("name", GENERIC)
+@pytest.mark.parametrize("method", METHODS)
+def test_order_is_the_slope_of_the_log_errors(name, method):
+    """Steps from 1/8 to 1/64 of a radian's turn: errors fall like the power of the step that the tableau claims."""
+    case = CASES[name]
+    truth = next(p for p in case.points if p.t_ns == 1_234_567_891)
+    turn = float(so3.norm(case.start.body_rate))
+    steps = np.array([2.0**-k / turn for k in range(3, 7)])
+    errors = []
+    for step in steps:
+        state = MovingChart(case.body, case.start, method=method, max_step=step).at(truth.t_ns)
+        errors.append(attitude_error(state.attitude_xyzw, truth.attitude_xyzw))
+    # the span is divided into equal steps, so the step really used is a little smaller than the one asked for
+    used = 1.234567891 / np.ceil(1.234567891 / steps)
+    slope = np.polyfit(np.log(used), np.log(errors), 1)[0]
+    assert abs(slope - METHODS[method].order) < 0.25
+
+
+def test_spherical_body_turns_uniformly_in_every_method():
+    body, start = RigidBody([2.0, 2.0, 2.0]), State([0, 0, 0, 1], [0.3, 0.5, 1.1])
+    for method in METHODS:
+        state = MovingChart(body, start, method=method, max_step=0.01).at(1_000_000_000)
+        expected = np.array([0.3, 0.5, 1.1]) * np.sin(np.hypot(np.hypot(0.3, 0.5), 1.1) / 2) / so3.norm([0.3, 0.5, 1.1])
+        np.testing.assert_allclose(state.attitude_xyzw[:3], expected, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(state.body_rate, start.body_rate, rtol=1e-15)
+
+
+def test_attitude_passes_many_turns_without_a_seam():
+    """Where one chart would be singular (a turn of 2π) the moving one goes on: the path on S³ has no jump."""
+    case = CASES["asymmetric"]
+    states = MovingChart(case.body, case.start, max_step=0.01).at(np.arange(0, 20_000_000_000, 10_000_000))
+    q = states.attitude_xyzw
+    np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0, rtol=0, atol=4e-16)
+    assert np.min(np.sum(q[1:] * q[:-1], axis=1)) > 0.999
+    assert q[:, 3].min() < -0.9  # it did go round
+
+
+def test_calls_continue_one_another_bit_for_bit():
+    case = CASES["products_of_inertia"]
+    times = np.cumsum(np.random.default_rng(3).integers(0, 20_000_000, size=50))
+    whole = MovingChart(case.body, case.start).at(times)
+    chart = MovingChart(case.body, case.start)
+    parts = [chart.at(times[:7]), chart.at(times[7:8]), chart.at(times[8:])]
+    np.testing.assert_array_equal(whole.attitude_xyzw, np.concatenate([p.attitude_xyzw for p in parts]))
+    np.testing.assert_array_equal(whole.body_rate, np.concatenate([p.body_rate for p in parts]))
+
+
+def test_start_is_returned_as_given_and_shapes_follow_the_times():
+    case = CASES["products_of_inertia"]
+    chart = MovingChart(case.body, case.start)
+    at_start = chart.at(0)
+    np.testing.assert_array_equal(at_start.attitude_xyzw, case.start.attitude_xyzw)
+    np.testing.assert_array_equal(at_start.body_rate, case.start.body_rate)
+    assert chart.at([5]).attitude_xyzw.shape == (1, 4)
+    assert chart.at([]).body_rate.shape == (0, 3)
+
+
+def test_bad_input_is_refused_with_value_and_remedy():
+    body, start = RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.1, 0.2, 0.3])
+    with pytest.raises(ParameterError, match="rkmk9.*rkmk1, rkmk2, rkmk4"):
+        MovingChart(body, start, method="rkmk9")
+    for step in (0.0, -1.0, float("nan"), float("inf")):
+        with pytest.raises(ParameterError, match="max_step"):
+            MovingChart(body, start, max_step=step)
+    chart = MovingChart(body, start)
+    chart.at(1000)
+    with pytest.raises(InputError, match="999 lies before 1000"):
+        chart.at(999)
+    with pytest.raises(InputError, match="lies before"):
+        chart.at([2000, 1500])
+    with pytest.raises(InputError, match="float64"):
+        chart.at(0.5)
+    with pytest.raises(InputError, match="give one"):
+        MovingChart(body, State(np.tile([0, 0, 0, 1.0], (2, 1)), np.zeros((2, 3))))

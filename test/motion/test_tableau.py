@@ -1,0 +1,48 @@
+"""A tableau holds its own order conditions: wrong coefficients cannot be built."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from lie_rigid_body.motion.stepper import RungeKuttaStepper
+from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+
+
+def test_classical_nodes():
+    assert CLASSICAL.c == (0, Fraction(1, 2), Fraction(1, 2), 1)
+
+
+@pytest.mark.parametrize("tableau", [EULER, MIDPOINT, CLASSICAL])
+def test_no_tableau_is_better_than_it_claims(tableau):
+    if tableau.order < 4:
+        with pytest.raises(ValueError, match="order condition"):
+            Tableau(tableau.name, tableau.order + 1, tableau.a, tableau.b)
+
+
+@pytest.mark.parametrize("position", range(4))
+def test_a_changed_weight_is_caught(position):
+    weights = list(CLASSICAL.b)
+    weights[position] += Fraction(1, 1000)
+    with pytest.raises(ValueError, match="order condition Σb gives"):
+        Tableau("broken", 4, CLASSICAL.a, tuple(weights))
+
+
+def test_a_changed_stage_is_caught():
+    rows = (*CLASSICAL.a[:2], (Fraction(1, 100), Fraction(49, 100)), CLASSICAL.a[3])
+    with pytest.raises(ValueError, match="order condition"):
+        Tableau("broken", 4, rows, CLASSICAL.b)
+
+
+def test_an_implicit_shape_is_refused():
+    with pytest.raises(ValueError, match="lower triangular"):
+        Tableau("broken", 1, ((Fraction(1),),), (Fraction(1),))
+
+
+@pytest.mark.parametrize("tableau", [EULER, MIDPOINT, CLASSICAL])
+def test_stepper_integrates_polynomials_of_its_order_exactly(tableau):
+    """y' = (t^(p-1), 1) with t carried along: a method of order p has no error but round-off."""
+    p = tableau.order
+    end = RungeKuttaStepper(tableau).step(lambda y: [y[1] ** (p - 1), 1.0], [0.0, 0.0], 0.7)
+    assert end[0] == pytest.approx(0.7**p / p, rel=1e-15)
