@@ -15,14 +15,14 @@ from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value
 
 LARGEST_TURN_PER_STEP: Final = 1.0
-"""rad: a moving chart that turned farther in one step would leave the region where its Taylor expansion means anything."""
+"""rad: a moving chart that turned farther in one step would go where its Taylor expansion means nothing."""
 
 PARAMETERS: Final = (
     Parameter(
         "inertia",
         "double_array",
         (1.0, 2.0, 3.0),
-        "Inertia about the centre of mass in kg m^2: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
+        "Inertia about the mass centre, kg m^2: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
         lengths=(3, 6),
     ),
     Parameter(
@@ -160,7 +160,7 @@ class Scenario:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, the limit is "
-                f"{LARGEST_TURN_PER_STEP:g}: give at most {LARGEST_TURN_PER_STEP / fastest:.3g} s, or motion closed_form",
+                f"{LARGEST_TURN_PER_STEP:g}: give at most {LARGEST_TURN_PER_STEP / fastest:.3g} s, or use closed_form",
             )
 
 

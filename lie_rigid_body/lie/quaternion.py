@@ -60,7 +60,7 @@ def conjugate(q: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
     """
-    return _quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0])
+    return np.asarray(_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
 def norm(q: ArrayLike) -> Array:

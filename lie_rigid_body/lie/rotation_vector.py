@@ -28,7 +28,9 @@ def as_vectors(v: ArrayLike) -> Array:
     """The argument as float64 vectors, or an error that names its shape."""
     array = np.asarray(v, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise InputError(f"rotation vectors need shape (..., 3), given {array.shape}: put the components on the last axis")
+        raise InputError(
+            f"rotation vectors need shape (..., 3), given {array.shape}: put the components on the last axis"
+        )
     return array
 
 
@@ -36,7 +38,9 @@ def as_matrices(m: ArrayLike) -> Array:
     """The argument as float64 3×3 matrices, or an error that names its shape."""
     array = np.asarray(m, dtype=np.float64)
     if array.shape[-2:] != (3, 3):
-        raise InputError(f"matrices need shape (..., 3, 3), given {array.shape}: put rows and columns on the last two axes")
+        raise InputError(
+            f"matrices need shape (..., 3, 3), given {array.shape}: put rows and columns on the last two axes"
+        )
     return array
 
 

@@ -34,9 +34,7 @@ def _bernoulli(count: int) -> list[Fraction]:
 _DEXP_QUADRATIC: Final = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(14))
 
 # (1 − (θ/2) cot(θ/2))/θ² = Σ |B₂ₖ₊₂| θ²ᵏ/(2k+2)!; at θ = 2 the terms fall like (1/π)²ᵏ
-DEXPINV_QUADRATIC: Final = tuple(
-    float(abs(b) / math.factorial(2 * k + 2)) for k, b in enumerate(_bernoulli(40)[2::2])
-)
+DEXPINV_QUADRATIC: Final = tuple(float(abs(b) / math.factorial(2 * k + 2)) for k, b in enumerate(_bernoulli(40)[2::2]))
 
 
 def _horner(coefficients: tuple[float, ...], x: Array) -> Array:

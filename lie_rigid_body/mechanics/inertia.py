@@ -36,7 +36,9 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
     try:
         array = np.array(inertia, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ParameterError(_NAME, f"{inertia!r} is not numbers: give 3 principal moments or 6 tensor entries") from None
+        raise ParameterError(
+            _NAME, f"{inertia!r} is not numbers: give 3 principal moments or 6 tensor entries"
+        ) from None
     if array.shape not in ((3,), (6,), (3, 3)):
         raise ParameterError(
             _NAME, f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz"
@@ -106,7 +108,7 @@ def require_physical(moments: Array) -> None:
 
 
 def apply_tensor(tensor: Array, vectors: Array) -> Array:
-    """tensor @ vector over leading axes, elementwise, so that a batch gives the bits of its rows.
+    """Tensor @ vector over leading axes, elementwise, so that a batch gives the bits of its rows.
 
     Parameters
     ----------

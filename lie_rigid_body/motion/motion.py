@@ -52,8 +52,10 @@ def nanoseconds(t_ns: ArrayLike) -> NDArray[np.int64]:
         return np.empty(0, dtype=np.int64)
     if array.dtype.kind not in "iu" or array.ndim > 1:
         raise InputError(
-            f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat array of them"
+            f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat list"
         )
     if array.dtype.kind == "u" and array.size and int(array.max()) > np.iinfo(np.int64).max:
-        raise InputError(f"t_ns {int(array.max())} is beyond int64: give at most {np.iinfo(np.int64).max} ns (292 years)")
+        raise InputError(
+            f"t_ns {int(array.max())} is beyond int64: give at most {np.iinfo(np.int64).max} ns (292 years)"
+        )
     return array.astype(np.int64)

@@ -79,7 +79,12 @@ def test_a_batch_gives_the_bits_of_its_rows():
     rng = np.random.default_rng(7)
     v = rng.normal(size=(37, 3))
     q = quaternion.exp(v)
-    for function, argument in ((quaternion.exp, v), (so3.left_jacobian, v), (quaternion.log, q), (quaternion.to_matrix, q)):
+    for function, argument in (
+        (quaternion.exp, v),
+        (so3.left_jacobian, v),
+        (quaternion.log, q),
+        (quaternion.to_matrix, q),
+    ):
         rows = np.stack([function(row) for row in argument])
         np.testing.assert_array_equal(function(argument), rows)
     assert so3.exp(v.reshape(37, 1, 3)).shape == (37, 1, 3, 3)

@@ -45,7 +45,9 @@ def test_diagonal_moments_are_kept_exactly_in_any_order():
     for order in ([0.3, 0.1, 0.25], [3.0, 1.0, 2.5], [2.0, 2.0, 1.0]):
         body = RigidBody(order)
         np.testing.assert_array_equal(body.principal_moments, np.sort(order))
-        np.testing.assert_array_equal(body.principal_axes @ np.diag(np.sort(order)) @ body.principal_axes.T, np.diag(order))
+        np.testing.assert_array_equal(
+            body.principal_axes @ np.diag(np.sort(order)) @ body.principal_axes.T, np.diag(order)
+        )
         assert np.linalg.det(body.principal_axes) == 1.0
 
 
@@ -67,7 +69,8 @@ def test_impossible_inertias_are_refused(inertia, said):
     with pytest.raises(ParameterError, match=said) as caught:
         RigidBody(inertia)
     assert caught.value.name == "inertia"
-    assert isinstance(caught.value, ValueError) and isinstance(caught.value, LieRigidBodyError)
+    assert isinstance(caught.value, ValueError)
+    assert isinstance(caught.value, LieRigidBodyError)
     assert "\n" not in str(caught.value)
 
 

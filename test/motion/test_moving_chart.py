@@ -83,7 +83,7 @@ def test_start_is_returned_as_given_and_shapes_follow_the_times():
 
 def test_bad_input_is_refused_with_value_and_remedy():
     body, start = RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.1, 0.2, 0.3])
-    with pytest.raises(ParameterError, match="rkmk9.*rkmk1, rkmk2, rkmk4"):
+    with pytest.raises(ParameterError, match=r"rkmk9.*rkmk1, rkmk2, rkmk4"):
         MovingChart(body, start, method="rkmk9")
     for step in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(ParameterError, match="max_step"):

@@ -1,0 +1,15 @@
+"""The closed form of torque-free motion: Jacobi's solution in theta functions, exact at every time.
+
+A table of contents, in the order of a computation
+
+- `precision`, `elliptic_integrals`: decimal arithmetic of many digits, for what is computed once per motion;
+- `exact`, `principal_axes`, `principal_frame`: the body and its start, in the frame where the motion is simple;
+- `polhode`, `herpolhode`: the constants of the body rate's path in the body, and of the momentum's turn;
+- `double_double`, `clock`: phases of up to 1e19 ns reduced without loss, batched;
+- `theta`, `wave`, `libration`: the elliptic functions, batched;
+- `steady_motion`, `general_motion`, `closed_form`: the states.
+"""
+
+from lie_rigid_body.motion.closed_form.closed_form import ClosedForm
+
+__all__ = ["ClosedForm"]

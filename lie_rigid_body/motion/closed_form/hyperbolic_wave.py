@@ -1,0 +1,73 @@
+"""Elliptic functions for m > ½, by theta functions of imaginary argument; on the separatrix, hyperbolic functions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+
+from lie_rigid_body.motion.closed_form import theta
+from lie_rigid_body.motion.closed_form.double_double import Array
+from lie_rigid_body.motion.closed_form.periods import Periods
+from lie_rigid_body.motion.closed_form.precision import PI
+from lie_rigid_body.motion.closed_form.theta import Cubic
+from lie_rigid_body.motion.closed_form.wave import Crest
+
+
+@dataclass(frozen=True)
+class HyperbolicWave:
+    """A `Wave` of phase χ = πu/2K′, by Jacobi's imaginary transformation (DLMF 22.6.1, 20.7.30).
+
+    The nome is that of the complementary parameter, q′ = exp(−2X) with X = πK/2K′. The libration is
+    −arg θ₁(β − iχ|q′) + χa/K with β = πa/2K′.
+    """
+
+    quarter: float
+    sn: Cubic
+    cn: Cubic
+    dn: Cubic
+    denominator: Cubic
+    sine: Cubic
+    cosine: Cubic
+    drift: float
+
+    @classmethod
+    def of(cls, periods: Periods) -> HyperbolicWave:
+        """The wave of a polhode's periods."""
+        quarter = float(PI * periods.real / (2 * periods.imaginary))
+        beta, cobeta = (float(PI * x / (2 * periods.imaginary)) for x in (periods.pole, periods.copole))
+        q = math.exp(-2.0 * quarter)
+        p1, p2, p3, p4 = theta.p1(q), theta.p2(q), theta.p3(q), theta.p4(q)
+        unity, crest = theta.value(p2, 2.0 * q), 1.0 + q * q
+        # cos (2n+1)β, from the complement of β
+        w0, w1, w2, w3 = ((-q) ** n * math.sin((2 * n + 1) * cobeta) for n in range(4))
+        v0, v1, v2, v3 = (q**n * math.sin((2 * n + 1) * beta) for n in range(4))
+        return cls(
+            quarter=quarter,
+            sn=theta.scaled(p1, theta.value(p2, crest) / theta.value(p1, crest) / math.tanh(quarter)),
+            cn=theta.scaled(p4, unity / theta.value(p4, 2.0 * q)),
+            dn=theta.scaled(p3, unity / theta.value(p3, 2.0 * q)),
+            denominator=p2,
+            sine=theta.odd_sines(q, (w0, w1, w2, w3)),
+            cosine=theta.odd_cosines(q, (v0, v1, v2, v3)),
+            drift=0.0 if periods.real == Decimal("Infinity") else float(periods.pole / periods.real),
+        )
+
+    def at(self, phase: Array) -> Crest:
+        """The functions at χ in [−X, X], shape (N,)."""
+        size = np.abs(phase)
+        decay = np.exp(-size)
+        square = decay * decay
+        sech, tanh = 2.0 * decay / (1.0 + square), np.tanh(phase)
+        z = np.exp(2.0 * (size - self.quarter)) * (1.0 + square * square)
+        inverse = 1.0 / theta.values(self.denominator, z)
+        return Crest(
+            sn=tanh * (theta.values(self.sn, z) * inverse),
+            cn=sech * (theta.values(self.cn, z) * inverse),
+            dn=sech * (theta.values(self.dn, z) * inverse),
+            sine=tanh * theta.values(self.sine, z),
+            cosine=theta.values(self.cosine, z),
+            drift=self.drift * phase,
+        )

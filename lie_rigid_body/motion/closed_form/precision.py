@@ -1,0 +1,40 @@
+"""Decimal arithmetic of many digits and unlimited range, for the constants of a motion."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from decimal import (
+    MAX_EMAX,
+    MIN_EMIN,
+    ROUND_HALF_EVEN,
+    Context,
+    Decimal,
+    DivisionByZero,
+    InvalidOperation,
+    Overflow,
+    localcontext,
+)
+from typing import Final
+
+DIGITS: Final = 80
+"""Decimal digits carried where nothing asks for more."""
+
+PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")
+
+
+def working_precision(digits: int) -> AbstractContextManager[Context]:
+    """A decimal context of this many digits, in force inside a ``with`` block."""
+    return localcontext(
+        Context(
+            prec=digits,
+            rounding=ROUND_HALF_EVEN,
+            Emin=MIN_EMIN,
+            Emax=MAX_EMAX,
+            traps=[DivisionByZero, InvalidOperation, Overflow],
+        )
+    )
+
+
+def dot(a: tuple[Decimal, ...], b: tuple[Decimal, ...]) -> Decimal:
+    """Σ aᵢ bᵢ in the precision in force."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))

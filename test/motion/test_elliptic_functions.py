@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
+from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
+from lie_rigid_body.motion.closed_form.periods import Periods
+from lie_rigid_body.motion.closed_form.polhode import Polhode
+from lie_rigid_body.motion.closed_form.precision import PI, working_precision
+
+# up to K, but not beyond it by round-off, where the reference's amplitude would fold back
+FRACTIONS = np.concatenate(
+    [-np.geomspace(1e-12, 1.0 - 1e-14, 7), [0.0], np.geomspace(1e-9, 0.9, 6), 1.0 - np.geomspace(1e-9, 0.3, 4)]
+)
+CIRCULAR = ["1", "0.999999999999", "0.9", "0.7", "0.5"]
+HYPERBOLIC = ["0.4999", "0.3", "0.1", "1e-2", "1e-5", "1e-8", "1e-12", "1e-16", "1e-20", "1e-25", "1e-30"]
+CHARACTERISTICS = ["1e-12", "0.5", "3", "1e12"]
+
+
+def periods(m1: str, characteristic: str) -> Periods:
+    zero, m = Decimal(0), 1 - Decimal(m1)
+    ratio = Decimal(characteristic) / m if m else Decimal(1)
+    polhode = Polhode(
+        amplitudes=(zero, zero, zero),
+        momentum=zero,
+        m=m,
+        m1=Decimal(m1),
+        speed=zero,
+        characteristic=Decimal(characteristic) if m else zero,
+        ratio=ratio,
+        start=zero,
+    )
+    return Periods.of(polhode)
+
+
+def sampled(m1: str, characteristic: str = "0.5"):
+    """The wave at the fractions of its quarter period, and the exact u of each sample."""
+    with working_precision(64):
+        p = periods(m1, characteristic)
+        wave = CircularWave.of(p) if m1 in CIRCULAR else HyperbolicWave.of(p)
+        scale = PI / (2 * (p.real if m1 in CIRCULAR else p.imaginary))
+        phase = FRACTIONS * float(scale * p.real)
+        return wave.at(phase), [mpf(x) / mpf(str(scale)) for x in phase.tolist()]
+
+
+@pytest.mark.parametrize("m1", CIRCULAR + HYPERBOLIC)
+def test_jacobi_functions(m1: str):
+    with mp.workdps(80):
+        m = 1 - mpf(m1)
+        crest, us = sampled(m1)
+        for kind, values in (("sn", crest.sn), ("cn", crest.cn), ("dn", crest.dn)):
+            truth = [mp.ellipfun(kind, u, m=m) for u in us]
+            assert max(abs(mpf(v) - t) for v, t in zip(values.tolist(), truth, strict=True)) < 7e-16
+
+
+@pytest.mark.parametrize("m1", CIRCULAR + HYPERBOLIC)
+def test_the_sine_amplitude_is_relatively_accurate_near_zero(m1: str):
+    with mp.workdps(80):
+        crest, us = sampled(m1)
+        for u, sn in zip(us, crest.sn.tolist(), strict=True):
+            truth = mp.ellipfun("sn", u, m=1 - mpf(m1)) if u else mpf(0)
+            assert abs(mpf(sn) - truth) <= 1e-15 * abs(truth)
+
+
+@pytest.mark.parametrize("characteristic", CHARACTERISTICS)
+@pytest.mark.parametrize("m1", ["0.999999999999", "0.7", "0.5", "0.3", "1e-5", "1e-12", "1e-25"])
+def test_the_libration_is_the_periodic_part_of_the_third_kind(m1: str, characteristic: str):
+    with mp.workdps(70):
+        m, nu = 1 - mpf(m1), -mpf(characteristic)
+        crest, us = sampled(m1, characteristic)
+        factor = mp.sqrt((1 - nu) * (m - nu) / -nu)
+        complete, quarter = mp.ellippi(nu, m), mp.ellipk(m)
+        for i, u in enumerate(us):
+            amplitude = mp.asin(mp.ellipfun("sn", u, m=m))
+            truth = factor * (mp.ellippi(nu, amplitude, m) - complete * u / quarter) + mp.pi * u / (2 * quarter)
+            angle = np.arctan2(crest.sine[i], crest.cosine[i]) + crest.drift[i]
+            assert abs(mpf(float(angle)) - truth) < 1e-15
+
+
+def test_a_circle_and_the_separatrix_are_elementary():
+    crest, us = sampled("1")
+    u = np.array([float(x) for x in us])
+    np.testing.assert_allclose(crest.sn, np.sin(u), rtol=0, atol=5e-16)
+    np.testing.assert_allclose(crest.cn, np.cos(u), rtol=0, atol=5e-16)
+    np.testing.assert_array_equal(crest.dn, 1.0)
+    with working_precision(64):
+        wave = HyperbolicWave.of(periods("0", "0.5"))
+    u = np.linspace(-800.0, 800.0, 4001)
+    crest = wave.at(u)
+    np.testing.assert_allclose(crest.sn, np.tanh(u), rtol=0, atol=5e-16)
+    np.testing.assert_allclose(crest.cn, 1.0 / np.cosh(np.clip(u, -700, 700)), rtol=0, atol=5e-16)
+    np.testing.assert_array_equal(crest.cn, crest.dn)
