@@ -1,0 +1,52 @@
+"""Torque-free rigid-body motion on SO(3) by the moving-chart update, with a closed form to hold it against."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
+    from lie_rigid_body.mechanics import RigidBody, State
+    from lie_rigid_body.motion import ClosedForm, MovingChart
+    from lie_rigid_body.scenario import Scenario
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BagError",
+    "ClosedForm",
+    "InputError",
+    "LieRigidBodyError",
+    "MovingChart",
+    "ParameterError",
+    "RigidBody",
+    "Scenario",
+    "State",
+    "__version__",
+]
+
+# Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
+_HOMES = {
+    "BagError": "lie_rigid_body.errors",
+    "ClosedForm": "lie_rigid_body.motion",
+    "InputError": "lie_rigid_body.errors",
+    "LieRigidBodyError": "lie_rigid_body.errors",
+    "MovingChart": "lie_rigid_body.motion",
+    "ParameterError": "lie_rigid_body.errors",
+    "RigidBody": "lie_rigid_body.mechanics",
+    "Scenario": "lie_rigid_body.scenario",
+    "State": "lie_rigid_body.mechanics",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,131 @@
+"""A certificate as a table for people and as JSON for programs."""
+
+from __future__ import annotations
+
+import math
+
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.recording.certificate import Certificate, Law, SegmentCertificate
+
+_COLUMNS = "  {name:<36}{worst:>12}{limit:>12} {unit:<5}{where:<14}{verdict}"
+
+
+def as_table(bag: str, certificate: Certificate) -> str:
+    """The certificate in lines for a terminal.
+
+    Parameters
+    ----------
+    bag : str
+        Name of the bag, as the user gave it.
+    certificate : Certificate
+
+    Returns
+    -------
+    str
+        Without a final newline.
+    """
+    lines = [bag]
+    for i, segment in enumerate(certificate.segments, 1):
+        lines += ["", *_segment_lines(i, len(certificate.segments), segment)]
+    for law in certificate.whole:
+        lines.append(_row(law))
+    return "\n".join([*lines, "", verdict(certificate)])
+
+
+def verdict(certificate: Certificate) -> str:
+    """One sentence: certified to what accuracy, or what is broken."""
+    if not certificate.passed:
+        return "\n".join(["NOT CERTIFIED", *(f"  - {message}" for message in certificate.messages)])
+    return (
+        f"CERTIFIED: attitude within {certificate.attitude_accuracy:.2g} rad of the exact motion "
+        f"(limit {_loosest(certificate):.2g}), kinetic energy to "
+        f"{certificate.accuracy('kinetic energy'):.2g}, world momentum to {_momentum(certificate):.2g} (relative)"
+    )
+
+
+def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
+    """The certificate as JSON-serialisable data; a number that is not finite becomes null."""
+    return {
+        "bag": bag,
+        "passed": certificate.passed,
+        "certified": {
+            "attitude_rad": _number(certificate.attitude_accuracy),
+            "attitude_limit_rad": _number(_loosest(certificate)),
+            "kinetic_energy_relative": _number(certificate.accuracy("kinetic energy")),
+            "world_momentum_relative": _number(_momentum(certificate)),
+        }
+        if certificate.passed
+        else None,
+        "messages": list(certificate.messages),
+        "segments": [_segment_json(segment) for segment in certificate.segments],
+        "laws": [_law_json(law) for law in certificate.whole],
+    }
+
+
+def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> list[str]:
+    scenario = certificate.segment.scenario
+    motion = scenario.motion
+    if motion == "moving_chart":
+        motion = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
+    lines = [
+        f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
+        f"from {certificate.segment.start_ns} ns",
+        f"  inertia {_numbers(scenario.inertia)} kg m², initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
+        f"  {motion}",
+        "",
+        _COLUMNS.format(name="law", worst="worst", limit="limit", unit="", where="sample", verdict=""),
+    ]
+    lines += [_row(law) for law in certificate.laws]
+    return lines + [f"  note: {note}" for note in certificate.notes]
+
+
+def _row(law: Law) -> str:
+    where = "" if law.sample is None or law.worst == 0.0 else str(law.sample)
+    verdict = "holds" if law.holds else "BROKEN"
+    return _COLUMNS.format(
+        name=law.name, worst=f"{law.worst:.2g}", limit=f"{law.limit:.2g}", unit=law.unit, where=where, verdict=verdict
+    )
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return "[" + ", ".join(f"{v:g}" for v in values) + "]"
+
+
+def _momentum(certificate: Certificate) -> float:
+    return max(certificate.accuracy(f"world momentum {axis}") for axis in "xyz")
+
+
+def _loosest(certificate: Certificate) -> float:
+    return max((s.law("closed form").limit for s in certificate.segments), default=0.0)
+
+
+def _segment_json(certificate: SegmentCertificate) -> dict[str, object]:
+    parameters: dict[str, Value] = certificate.segment.scenario.parameters()
+    return {
+        "start_ns": certificate.segment.start_ns,
+        "first_sample": certificate.segment.first_sample,
+        "samples": certificate.samples,
+        "passed": certificate.passed,
+        "scenario": parameters,
+        "laws": [_law_json(law) for law in certificate.laws],
+        "notes": list(certificate.notes),
+    }
+
+
+def _law_json(law: Law) -> dict[str, object]:
+    return {
+        "name": law.name,
+        "unit": law.unit,
+        "holds": law.holds,
+        "worst": _number(law.worst),
+        "limit": _number(law.limit),
+        "sample": law.sample,
+        "stamp_ns": law.stamp_ns,
+        "broken": law.broken,
+        "checked": law.checked,
+        "message": law.message,
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None

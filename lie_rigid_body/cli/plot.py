@@ -1,0 +1,52 @@
+"""``plot``: a bag as one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from lie_rigid_body.cli import arguments
+from lie_rigid_body.errors import BagError, InputError
+
+
+@arguments.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the verb.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    given = _parser().parse_args(argv)
+    if Path(given.out).suffix.lower() != ".png":
+        raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
+
+    from lie_rigid_body.recording.bag_reader import read_bag
+    from lie_rigid_body.recording.certificate.segments import cut
+    from lie_rigid_body.recording.figure import draw
+    from lie_rigid_body.recording.output_file import OutputFile, reason
+
+    figure = draw(cut(read_bag(given.bag)))
+    out = OutputFile(given.out, overwrite=given.force)
+    try:
+        figure.savefig(out.stream, format="png")
+        out.commit()
+    except OSError as error:
+        out.abandon()
+        raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
+    print(f"wrote {given.out}")
+    return arguments.SUCCESS
+
+
+def _parser() -> arguments.Parser:
+    parser = arguments.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
+    parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    parser.add_argument("-o", "--out", metavar="OUT.png", required=True, help="the picture to write")
+    parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")
+    return parser

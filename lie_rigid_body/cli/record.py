@@ -1,0 +1,157 @@
+"""``record``: a scenario into a bag, without ROS."""
+
+from __future__ import annotations
+
+import math
+import os
+import shlex
+import shutil
+import sys
+from collections.abc import Sequence
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from lie_rigid_body.cli import arguments
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interruption import Interruption
+
+if TYPE_CHECKING:
+    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.simulation import Simulation
+
+BYTES_PER_SAMPLE: Final = 105
+"""What a pose and a twist take in a bag after compression."""
+LARGEST_DURATION: Final = 10**10
+"""s; beyond it no stamp of builtin_interfaces/Time reaches."""
+_LARGEST_BATCH: Final = 1024
+_STEPS_PER_BATCH: Final = 10_000
+
+
+@arguments.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the verb.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    given = _parser().parse_args(argv)
+    duration = _duration(given.duration)
+
+    # only now: numpy takes longer to load than a usage error to find
+    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.simulation import Simulation
+
+    scenario = Scenario.from_parameters(arguments.parameters(given))
+    simulation = Simulation(scenario)
+    count = simulation.clock.count_before(duration)
+    out = Path(given.out)
+    simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
+    _require_room(out, count)
+    with Interruption() as interruption:
+        with BagWriter(out, stamped_twist=scenario.stamped_twist, overwrite=given.force) as bag:
+            _record(simulation, bag, count, interruption, quiet=given.quiet)
+        return _report(bag, simulation, count, interruption, quiet=given.quiet)
+
+
+def _parser() -> arguments.Parser:
+    parser = arguments.Parser("record", "Write a bag of a scenario, without ROS.")
+    parser.add_argument("out", metavar="OUT.mcap", help="the file to write")
+    arguments.add_scenario_arguments(parser)
+    parser.add_argument(
+        "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+    return parser
+
+
+def _duration(text: str) -> Fraction:
+    try:
+        value = Decimal(text)
+    except InvalidOperation:
+        value = Decimal("nan")
+    # compared before it becomes a fraction, which 1e999999999 would fill the memory with
+    if not (value.is_finite() and Decimal("1e-9") <= value <= LARGEST_DURATION):
+        raise InputError(f"--duration {text} is not a time from 1e-9 to 1e10 seconds: give for example --duration 60")
+    return Fraction(value)
+
+
+def _require_room(out: Path, count: int) -> None:
+    try:
+        total, _, free = shutil.disk_usage(out.parent)
+    except OSError:
+        return  # opening the file will say what is wrong with the folder
+    needed = count * BYTES_PER_SAMPLE
+    if needed > free and total:  # /proc and its like have no size at all
+        raise BagError(
+            f"{out}: {count} samples need about {_size(needed)} and {_size(free)} are free there: "
+            "record a shorter time, a lower rate, or elsewhere"
+        )
+
+
+def _record(simulation: Simulation, bag: BagWriter, count: int, interruption: Interruption, *, quiet: bool) -> None:
+    from tqdm import tqdm
+
+    from lie_rigid_body.recording.cdr import MessageEncoder
+
+    encoder = MessageEncoder(simulation.segment.scenario)
+    batch = _batch(simulation.segment.scenario)
+    bag.begin_segment(simulation.segment)
+    # disable=None: shown on a terminal only
+    with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
+        while bag.sample_count < count and not interruption.requested:
+            try:
+                with interruption.allowed():
+                    samples = simulation.take(min(batch, count - bag.sample_count))
+            except KeyboardInterrupt:
+                return
+            bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+            bar.update(len(samples.stamps_ns))
+
+
+def _batch(scenario: Scenario) -> int:
+    """How many samples to take at once: few when each costs many steps, so that an interruption loses little."""
+    if scenario.motion == "closed_form":
+        return _LARGEST_BATCH
+    steps = math.ceil(1.0 / (scenario.rate * scenario.max_step))
+    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // steps))
+
+
+def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:
+    done = bag.sample_count
+    size = _size(os.path.getsize(bag.path))
+    if done < count and interruption.requested:
+        arguments.complain(
+            arguments.program("record"), f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
+        )
+        return arguments.INTERRUPTED
+    if not quiet:
+        clock = simulation.clock
+        first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
+        print(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
+        print(f"certify them with: {arguments.program('check')} {shlex.quote(str(bag.path))}")
+    return arguments.SUCCESS
+
+
+def _seconds(stamp_ns: int) -> str:
+    return f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d}"
+
+
+def _size(count: int) -> str:
+    value = float(count)
+    for unit in ("B", "kB", "MB", "GB", "TB"):
+        if value < 1000.0 or unit == "TB":
+            break
+        value /= 1000.0
+    return f"{value:.4g} {unit}"

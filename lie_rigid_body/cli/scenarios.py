@@ -1,0 +1,55 @@
+"""``scenarios``: the named scenarios that come with the package."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from lie_rigid_body.cli import arguments
+from lie_rigid_body.shipped import scenario_files
+
+
+@arguments.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the verb.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    parser = arguments.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
+    parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
+    given = parser.parse_args(argv)
+    entries = [_entry(name, path) for name, path in scenario_files().items()]
+    print(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
+    return arguments.SUCCESS
+
+
+def _entry(name: str, path: Path) -> dict[str, object]:
+    from lie_rigid_body.parameter_file import read_parameter_file
+    from lie_rigid_body.scenario import Scenario
+
+    scenario = Scenario.from_parameters(read_parameter_file(path))
+    return {"name": name, "description": describe(path), "file": str(path), **scenario.parameters()}
+
+
+def describe(path: Path) -> str:
+    """The first comment line of a parameter file."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return next((line.lstrip("# ").rstrip() for line in lines if line.startswith("#")), "")
+
+
+def _paragraph(entry: dict[str, object]) -> str:
+    facts = f"inertia {_vector(entry['inertia'])} kg m^2, {entry['rate']:g} samples/s, {entry['motion']}"
+    return f"{entry['name']}\n    {entry['description']}\n    {facts}"
+
+
+def _vector(values: object) -> str:
+    return " ".join(f"{value:g}" for value in values) if isinstance(values, tuple) else str(values)

@@ -1,0 +1,111 @@
+"""What the executables share: arguments, one-line errors, exit statuses."""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final, NoReturn
+
+from lie_rigid_body.errors import LieRigidBodyError
+
+SUCCESS: Final = 0
+UNUSABLE: Final = 2
+INTERRUPTED: Final = 130
+_BROKEN_PIPE: Final = 141
+
+Main = Callable[[Sequence[str] | None], int]
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose usage errors are one line on stderr, and status 2.
+
+    Parameters
+    ----------
+    verb : str
+    description : str
+    """
+
+    def __init__(self, verb: str, description: str) -> None:
+        super().__init__(prog=program(verb), description=description, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and end with status 2."""
+        complain(self.prog, f"{message}; '{self.prog} --help' explains the arguments")
+        raise SystemExit(UNUSABLE)
+
+
+def program(verb: str) -> str:
+    """How the user calls a verb: with ROS 2 each is an executable of its own, with pip all belong to one."""
+    own = Path(sys.argv[0]).stem == verb
+    return f"ros2 run lie_rigid_body {verb}" if own else f"lie-rigid-body {verb}"
+
+
+def complain(prog: str, message: str) -> None:
+    """Print an error as one line on stderr."""
+    print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
+
+
+def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add ``--scenario``, ``--params-file`` and ``-p``, which `parameters` reads."""
+    group = parser.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p")
+    group.add_argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them")
+    group.add_argument(
+        "--params-file", metavar="FILE", action="append", default=[], help="a ROS 2 parameter file; may be repeated"
+    )
+    group.add_argument(
+        "-p",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        dest="assignments",
+        help="one parameter; may be repeated",
+    )
+
+
+def parameters(arguments: argparse.Namespace) -> dict[str, object]:
+    """The parameters that the arguments of `add_scenario_arguments` give."""
+    from lie_rigid_body.parameter_file import gather
+
+    return gather(arguments.scenario, arguments.params_file, arguments.assignments)
+
+
+def run(main: Main) -> Main:
+    """Wrap a verb's main so that users see one line instead of a traceback, and status codes instead of exceptions.
+
+    Parameters
+    ----------
+    main : callable
+        ``main(argv) -> int`` of a module that is named after its verb.
+
+    Returns
+    -------
+    callable
+        The same, which returns 2 after a `LieRigidBodyError` or a usage error, 130 when interrupted, 141 when the
+        reader of stdout has gone.
+    """
+    verb = main.__module__.rpartition(".")[2]
+
+    @functools.wraps(main)
+    def wrapped(argv: Sequence[str] | None = None) -> int:
+        try:
+            status = main(argv)
+            sys.stdout.flush()
+            return status
+        except SystemExit as request:
+            return request.code if isinstance(request.code, int) else SUCCESS
+        except LieRigidBodyError as error:
+            complain(program(verb), str(error))
+            return UNUSABLE
+        except KeyboardInterrupt:
+            complain(program(verb), "interrupted")
+            return INTERRUPTED
+        except BrokenPipeError:
+            # else the interpreter would try once more, and complain, when it closes stdout
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return _BROKEN_PIPE
+
+    return wrapped

@@ -1,0 +1,66 @@
+"""SIGINT and SIGTERM, heeded where it does no harm."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType, TracebackType
+from typing import Final
+
+_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+
+
+class Interruption:
+    """While it is entered, either signal raises KeyboardInterrupt inside `allowed`, and is noted elsewhere.
+
+    Attributes
+    ----------
+    requested : bool
+        Whether a signal came.
+    """
+
+    def __init__(self) -> None:
+        self.requested = False
+        self._allowed = False
+
+    def install(self) -> None:
+        """Heed the signals from now on."""
+        self._previous = [signal.signal(number, self._heed) for number in _SIGNALS]
+
+    def __enter__(self) -> Interruption:
+        self.install()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        for number, handler in zip(_SIGNALS, self._previous, strict=True):
+            # once asked to end, the process ends: a second request in its last moments must not tear it
+            signal.signal(number, signal.SIG_IGN if self.requested else handler)
+
+    @staticmethod
+    def ignore() -> None:
+        """Ignore the signals from now on: this process is ending, and a second Ctrl-C must not spoil its exit status.
+
+        The interpreter gives up every other handler before it has taken down the modules.
+        """
+        for number in _SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+
+    def _heed(self, number: int, frame: FrameType | None) -> None:
+        self.requested = True
+        if self._allowed:
+            self._allowed = False
+            raise KeyboardInterrupt
+
+    @contextmanager
+    def allowed(self) -> Iterator[None]:
+        """Let the signals end this block, which has nothing to lose; one that came before ends it at once."""
+        self._allowed = True
+        try:
+            if self.requested:
+                raise KeyboardInterrupt
+            yield
+        finally:
+            self._allowed = False

@@ -1,0 +1,1 @@
+"""Bags: message text and bytes, and MCAP files as rosbag2 writes and reads them."""

@@ -1,0 +1,186 @@
+"""Samples into an MCAP file that rosbag2 plays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Final
+
+from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body import __version__
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording import message_text
+from lie_rigid_body.recording.cdr import encode_string
+from lie_rigid_body.recording.output_file import OutputFile, reason
+from lie_rigid_body.simulation import SOFTWARE, Samples, Segment
+
+POSE_TOPIC: Final = "/pose"
+TWIST_TOPIC: Final = "/twist"
+SCENARIO_TOPIC: Final = "/lie_rigid_body/scenario"
+
+METADATA: Final = "lie_rigid_body"
+"""Name of the record that closes a finished bag; it tells a bag's end from a cut."""
+
+_CHUNK_BYTES: Final = 256 * 1024
+_SAMPLE_DEPTH: Final = 10
+_SEQUENCES: Final = 2**32
+
+
+class BagWriter:
+    """An MCAP file of one live or headless run.
+
+    Use it as a context manager: leaving it finishes the file, also on KeyboardInterrupt. An exception that a signal
+    handler raises *inside* a method may tear the message being written; let such handlers note the signal, and act on
+    it between calls.
+
+    Parameters
+    ----------
+    path : str or Path
+    stamped_twist : bool
+        The type of the twist topic. It holds for the whole bag, because rosbag2 knows one type per topic.
+    overwrite : bool, optional
+        Replace a regular file of that name, at `finish` and not before.
+    max_chunk_seconds : float, optional
+        Finish a chunk when its stamps span as much, s. Without it, chunks end at 256 KiB or at `flush`.
+    pose_topic, twist_topic, scenario_topic : str, optional
+        Full names of the topics.
+
+    Raises
+    ------
+    BagError
+        If the file cannot be created, or later not written.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        stamped_twist: bool,
+        overwrite: bool = False,
+        max_chunk_seconds: float | None = None,
+        pose_topic: str = POSE_TOPIC,
+        twist_topic: str = TWIST_TOPIC,
+        scenario_topic: str = SCENARIO_TOPIC,
+    ) -> None:
+        self._stamped_twist = stamped_twist
+        self._max_chunk_ns = None if max_chunk_seconds is None else round(max_chunk_seconds * 1e9)
+        self._chunk_start_ns: int | None = None
+        self._samples = self._segments = 0
+        self._open = True
+        self._file = OutputFile(path, overwrite=overwrite)
+        with self._writing():
+            self._writer = Writer(
+                self._file.stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD, enable_data_crcs=True
+            )
+            self._writer.start(profile="ros2", library=f"{SOFTWARE} {__version__}")
+            twist = message_text.TWIST_STAMPED if stamped_twist else message_text.TWIST
+            self._pose = self._channel(pose_topic, message_text.POSE_STAMPED)
+            self._twist = self._channel(twist_topic, twist)
+            self._scenario = self._channel(scenario_topic, message_text.STRING, latched=True)
+
+    @property
+    def path(self) -> Path:
+        """Where the bag is, or will be when it is finished."""
+        return self._file.path
+
+    @property
+    def sample_count(self) -> int:
+        """How many samples were written."""
+        return self._samples
+
+    def _channel(self, topic: str, message_type: str, *, latched: bool = False) -> int:
+        schema = self._writer.register_schema(message_type, "ros2msg", message_text.definition(message_type).encode())
+        qos = message_text.offered_qos_profiles(latched=latched, depth=1 if latched else _SAMPLE_DEPTH)
+        return self._writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": qos})
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Write the scenario message of a new segment, at the time of the segment's start.
+
+        Raises
+        ------
+        BagError
+            If its twists are of another type than the bag's.
+        """
+        if segment.scenario.stamped_twist != self._stamped_twist:
+            raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
+        with self._writing():
+            self._add(self._scenario, segment.start_ns, encode_string(segment.to_json()), self._segments)
+            self._segments += 1
+
+    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
+        """Write samples: for each its pose, then its twist, logged at its stamp.
+
+        Parameters
+        ----------
+        samples : Samples, N of them
+        poses, twists : sequence of bytes, N each
+            As `MessageEncoder` makes them.
+        """
+        stamps: list[int] = samples.stamps_ns.tolist()
+        with self._writing():
+            for stamp, pose, twist in zip(stamps, poses, twists, strict=True):
+                number = self._samples % _SEQUENCES
+                self._add(self._pose, stamp, pose, number)
+                self._add(self._twist, stamp, twist, number)
+                self._samples += 1
+                self._bound_chunk(stamp)
+
+    def _add(self, channel: int, stamp: int, data: bytes, number: int) -> None:
+        self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp, sequence=number)
+
+    def _bound_chunk(self, stamp: int) -> None:
+        if self._max_chunk_ns is None:
+            return
+        if self._chunk_start_ns is None:
+            self._chunk_start_ns = stamp
+        elif stamp - self._chunk_start_ns >= self._max_chunk_ns:
+            self.flush()
+
+    def flush(self) -> None:
+        """Finish the present chunk and hand it to the operating system: it survives the end of this process."""
+        with self._writing():
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._chunk_start_ns = None
+
+    def finish(self) -> None:
+        """Write the indexes and close the file. Calling it again does nothing."""
+        if not self._open:
+            return
+        self.flush()
+        with self._writing():
+            self._writer.add_metadata(METADATA, {"samples": str(self._samples)})
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._file.commit()
+        self._open = False
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        if not self._open:
+            raise BagError(f"{self.path} is already finished: begin a new bag")
+        try:
+            yield
+        except OSError as error:
+            self._open = False
+            self._file.abandon()
+            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains()}") from None
+
+    def _what_remains(self) -> str:
+        if self._file.replaces:
+            return "the older file of that name is kept: make room and record again"
+        return f"make room and record again, or read what is whole after 'mcap recover {self.path} -o recovered.mcap'"
+
+    def __enter__(self) -> BagWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if kind is None or not self._file.replaces or issubclass(kind, KeyboardInterrupt | SystemExit):
+            self.finish()
+        elif self._open:
+            # a run that failed does not replace a bag that is whole
+            self._open = False
+            self._file.abandon()

@@ -1,0 +1,106 @@
+"""A law held against a stretch of a bag: how near it came to being broken, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Law:
+    """The outcome of one law on one segment.
+
+    Parameters
+    ----------
+    name : str
+        What was checked.
+    unit : str
+        Of ``worst`` and ``limit``; ``rel`` means relative.
+    worst : float
+        The largest residual; of a broken law the one that went farthest beyond its limit.
+    limit : float
+        Its limit.
+    sample : int or None
+        Number of the sample where that was.
+    stamp_ns : int or None
+        Its stamp.
+    broken : int
+        How many residuals exceed their limits.
+    checked : int
+        How many residuals there were.
+    message : str
+        What is wrong and where, or empty.
+    """
+
+    name: str
+    unit: str
+    worst: float
+    limit: float
+    sample: int | None
+    stamp_ns: int | None
+    broken: int
+    checked: int
+    message: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether no residual exceeds its limit."""
+        return self.broken == 0
+
+
+def judge(
+    name: str,
+    unit: str,
+    residuals: Array,
+    limits: Array | float,
+    samples: NDArray[np.int64],
+    stamps_ns: NDArray[np.int64],
+    what: str,
+) -> Law:
+    """Hold residuals against their limits.
+
+    Parameters
+    ----------
+    name, unit : str
+        Of the law.
+    residuals : ndarray, shape (N,)
+        Not negative; NaN counts as broken.
+    limits : ndarray, shape (N,), or float
+    samples, stamps_ns : ndarray of int64, shape (N,)
+        Where each residual belongs.
+    what : str
+        The sentence for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
+
+    Returns
+    -------
+    Law
+    """
+    limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
+    if residuals.size == 0:
+        return Law(name, unit, 0.0, 0.0, None, None, 0, 0)
+    broken = ~(residuals <= limits)
+    weights = np.where(np.isnan(residuals), np.inf, residuals)
+    at = int(np.argmax(weights / limits if broken.any() else weights))
+    sample, stamp, count = int(samples[at]), int(stamps_ns[at]), int(broken.sum())
+    worst, limit = float(residuals[at]), float(limits[at])
+    message = ""
+    if count:
+        message = what.format(
+            worst=f"{worst:.3g}",
+            limit=f"{limit:.2g}",
+            where=_where(samples[broken], sample),
+            count=f"{count} of {residuals.size}",
+        )
+    return Law(name, unit, worst, limit, sample, stamp, count, residuals.size, message)
+
+
+def _where(broken: NDArray[np.int64], worst: int) -> str:
+    if broken.size == 1:
+        return f"sample {worst}"
+    if broken.size <= 4:
+        return "samples " + ", ".join(str(k) for k in broken)
+    return f"{broken.size} samples from {broken[0]} to {broken[-1]}, worst at {worst}"

@@ -1,0 +1,83 @@
+"""What a bag says about its messages: type names, definitions, and the quality of service they were offered with."""
+
+from __future__ import annotations
+
+from typing import Final
+
+POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
+TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
+TWIST: Final = "geometry_msgs/msg/Twist"
+STRING: Final = "std_msgs/msg/String"
+
+# Each definition as an MCAP schema wants it: fields only, and the types they are made of by name.
+_FIELDS: Final = {
+    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
+    "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z\n",
+    "geometry_msgs/Pose": "Point position\nQuaternion orientation\n",
+    "geometry_msgs/PoseStamped": "std_msgs/Header header\nPose pose\n",
+    "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
+    "geometry_msgs/Twist": "Vector3 linear\nVector3 angular\n",
+    "geometry_msgs/TwistStamped": "std_msgs/Header header\nTwist twist\n",
+    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
+    "std_msgs/String": "string data\n",
+}
+_PARTS: Final = {
+    POSE_STAMPED: (
+        "std_msgs/Header",
+        "builtin_interfaces/Time",
+        "geometry_msgs/Pose",
+        "geometry_msgs/Point",
+        "geometry_msgs/Quaternion",
+    ),
+    TWIST_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Twist", "geometry_msgs/Vector3"),
+    TWIST: ("geometry_msgs/Vector3",),
+    STRING: (),
+}
+_SEPARATOR: Final = "=" * 80 + "\n"
+
+
+def definition(message_type: str) -> str:
+    """The ``ros2msg`` text of a message type, followed by the types it is made of.
+
+    Parameters
+    ----------
+    message_type : str
+        One of the names of this module.
+
+    Returns
+    -------
+    str
+    """
+    own = _FIELDS[message_type.replace("/msg/", "/")]
+    return own + "".join(f"{_SEPARATOR}MSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
+
+
+def offered_qos_profiles(*, latched: bool, depth: int) -> str:
+    """The channel metadata from which ``ros2 bag play`` takes its quality of service: a YAML list with one profile.
+
+    Parameters
+    ----------
+    latched : bool
+        Transient local, so that late subscribers get the last message; else volatile.
+    depth : int
+        Of the history.
+
+    Returns
+    -------
+    str
+    """
+    forever = "{sec: 9223372036, nsec: 854775807}"
+    return "\n".join(
+        [
+            "- history: keep_last",
+            f"  depth: {depth}",
+            "  reliability: reliable",
+            f"  durability: {'transient_local' if latched else 'volatile'}",
+            f"  deadline: {forever}",
+            f"  lifespan: {forever}",
+            "  liveliness: automatic",
+            f"  liveliness_lease_duration: {forever}",
+            "  avoid_ros_namespace_conventions: false",
+        ]
+    )

@@ -1,0 +1,131 @@
+"""``check``: exit statuses, the table, the JSON, and one clear line for what cannot be judged."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lie_rigid_body.cli.check import main
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.cdr import MessageEncoder
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+
+def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
+    simulation = Simulation(Scenario.from_parameters(parameters))
+    encoder = MessageEncoder(simulation.segment.scenario)
+    with BagWriter(path, stamped_twist=True) as bag:
+        bag.begin_segment(simulation.segment)
+        samples = simulation.take(count)
+        bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+    return path
+
+
+@pytest.fixture
+def bag(tmp_path):
+    return write_bag(tmp_path / "bag.mcap")
+
+
+def refused(capsys, arguments: list[str]) -> str:
+    """The one line that a refusal prints."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.endswith("\n")
+    return err
+
+
+def test_a_certified_bag(bag, capsys):
+    assert main([str(bag)]) == 0
+    out, err = capsys.readouterr()
+    assert "CERTIFIED: attitude within" in out
+    assert "NOT" not in out
+    assert "closed form" in out
+    assert "world momentum y" in out
+    assert err == ""
+
+
+def test_json_is_for_programs(bag, capsys):
+    assert main([str(bag), "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["passed"] is True
+    assert 0 < content["certified"]["attitude_rad"] < 1e-10
+    laws = {law["name"]: law for law in content["segments"][0]["laws"]}
+    assert laws["kinetic energy"]["holds"]
+    assert laws["kinetic energy"]["worst"] <= laws["kinetic energy"]["limit"]
+    assert content["segments"][0]["scenario"]["inertia"] == [1.0, 2.0, 3.0]
+
+
+def test_a_bag_that_breaks_a_law(tmp_path, capsys):
+    bag = write_bag(tmp_path / "poor.mcap", method="rkmk1")
+    assert main([str(bag)]) == 1
+    out = capsys.readouterr().out
+    assert "NOT CERTIFIED" in out
+    assert "BROKEN" in out
+    assert "exact solution" in out
+    assert main([str(bag), "--json"]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert content["passed"] is False
+    assert content["certified"] is None
+    assert content["messages"]
+
+
+def test_another_inertia(bag, capsys):
+    assert main([str(bag), "--inertia", "1,2,3"]) == 0
+    assert main([str(bag), "--inertia", "1,0,0,2,0,3"]) == 0
+    assert main([str(bag), "--inertia", "1.1,2,3"]) == 1
+    capsys.readouterr()
+    assert "not numbers between commas" in refused(capsys, [str(bag), "--inertia", "1;2;3"])
+    assert "triangle inequality" in refused(capsys, [str(bag), "--inertia", "1,1,3"])
+    assert "3 principal moments" in refused(capsys, [str(bag), "--inertia", "1,2"])
+
+
+def test_unusable_bags_are_refused_in_one_line(bag, tmp_path, capsys):
+    assert "absent.mcap" in refused(capsys, [str(tmp_path / "absent.mcap")])
+    empty = tmp_path / "empty.mcap"
+    empty.touch()
+    assert "empty" in refused(capsys, [str(empty)])
+    text = tmp_path / "text.mcap"
+    text.write_text("not a bag\n" * 20)
+    assert "MCAP" in refused(capsys, [str(text)])
+    for part in (0.3, 0.9, 0.999):
+        cut = tmp_path / "cut.mcap"
+        cut.write_bytes(bag.read_bytes()[: int(part * bag.stat().st_size)])
+        assert "cut off" in refused(capsys, [str(cut)])
+    assert "the following arguments are required: BAG" in refused(capsys, [])
+
+
+def test_as_a_process(bag):
+    run = subprocess.run(
+        [sys.executable, "-m", "lie_rigid_body", "check", str(bag)], capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0
+    assert run.stderr == ""
+
+
+@pytest.mark.parametrize("name", ["asymmetric_top", "dzhanibekov", "tumbling_cubesat", "tossed_phone"])
+def test_shipped_scenarios_are_certified(name, tmp_path, capsys):
+    from lie_rigid_body.cli.record import main as record
+
+    bag = tmp_path / "bag.mcap"
+    assert record([str(bag), "--scenario", name, "--duration", "5", "--quiet"]) == 0
+    assert main([str(bag)]) == 0, capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_every_shipped_scenario_is_certified_over_a_minute_and_drawn(tmp_path, capsys):
+    from lie_rigid_body.cli.plot import main as plot
+    from lie_rigid_body.cli.record import main as record
+    from lie_rigid_body.shipped import scenario_files
+
+    for name in scenario_files():
+        bag = tmp_path / f"{name}.mcap"
+        assert record([str(bag), "--scenario", name, "--duration", "60", "--quiet"]) == 0
+        assert main([str(bag)]) == 0, capsys.readouterr().out
+        assert plot([str(bag), "-o", str(bag.with_suffix(".png"))]) == 0

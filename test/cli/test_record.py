@@ -1,0 +1,223 @@
+"""``record`` as its users meet it: in a process of its own."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.recording.bag_reader import Recording, read_bag
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Segment, Simulation
+
+RECORD = [sys.executable, "-m", "lie_rigid_body", "record"]
+FAST = ["-p", "motion:=closed_form"]
+ENDLESS = [*FAST, "--duration", "10000"]
+SLOW_STEPS = ["-p", "rate:=0.01", "-p", "max_step:=1e-6", "--duration", "1000"]
+
+
+def record(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*RECORD, *arguments], capture_output=True, text=True, check=False, timeout=60)
+
+
+def recorded(path: Path, *arguments: str | Path) -> Recording:
+    done = record(path, *arguments, "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return read_bag(path)
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out.mcap"
+
+
+def test_a_summary_says_what_was_recorded_and_how_to_certify_it(tmp_path: Path) -> None:
+    out = tmp_path / "my bag.mcap"
+    done = record(out, *FAST, "--duration", "2", "-p", "epoch_ns:=1500000000")
+    first, second = done.stdout.splitlines()
+    assert first.startswith(f"200 samples, stamps 1.500000000 to 3.490000000 s, in {out} (")
+    assert second == f"certify them with: lie-rigid-body check '{out}'"
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_the_bag_holds_the_simulation(out: Path, motion: str) -> None:
+    parameters = {"motion": motion, "rate": 33.3, "inertia": [2.0, 3.0, 4.0], "initial_body_rate": [1.0, 2.0, 3.0]}
+    assignments = [f"-p{name}:={value}" for name, value in parameters.items()]
+    recording = recorded(out, *assignments, "--duration", "3.0")
+    samples = Simulation(Scenario.from_parameters(parameters)).take(100)
+    np.testing.assert_array_equal(recording.poses.stamps_ns, samples.stamps_ns)
+    np.testing.assert_array_equal(recording.poses.attitudes_xyzw, samples.states.attitude_xyzw)
+    np.testing.assert_array_equal(recording.twists.body_rates, samples.states.body_rate)
+    [(start, text)] = recording.scenario_texts
+    assert start == 0
+    assert Segment.from_json(text).scenario == Scenario.from_parameters(parameters)
+
+
+@pytest.mark.parametrize(
+    ("rate", "duration", "count"),
+    [
+        ("100.0", "1", 100),
+        ("100.0", "1.000000001", 101),
+        ("100.0", "0.999999999", 100),
+        ("100.0", "1e-9", 1),
+        ("10.0", "0.3", 3),
+        ("0.1", "10", 1),
+        ("0.1", "10.0000000000000000001", 2),
+        ("3.0", "1", 3),
+        ("1e9", "0.000001", 1000),
+    ],
+)
+def test_every_sample_before_the_duration_is_recorded(out: Path, rate: str, duration: str, count: int) -> None:
+    assert len(recorded(out, *FAST, "-p", f"rate:={rate}", "--duration", duration).poses.stamps_ns) == count
+
+
+def test_later_parameters_win(tmp_path: Path, out: Path) -> None:
+    low, high = tmp_path / "low.yaml", tmp_path / "high.yaml"
+    low.write_text("/**: {ros__parameters: {rate: 10.0, body_frame: low, world_frame: low, record_path: /no/where}}")
+    high.write_text("lie_rigid_body: {ros__parameters: {rate: 20.0, body_frame: high}}")
+    files = ["--params-file", low, "--params-file", high]
+    recording = recorded(out, "-p", "rate:=40.0", *files, "--scenario", "slow_dzhanibekov", "--duration", "1")
+    scenario = Segment.from_json(recording.scenario_texts[0][1]).scenario
+    assert (scenario.rate, scenario.body_frame, scenario.world_frame) == (40.0, "high", "low")
+    assert scenario.initial_body_rate == (1e-6, 1.0, 1e-6)
+    assert os.listdir(tmp_path).count("out.mcap") == 1
+
+
+def test_the_same_scenario_gives_the_same_bytes(tmp_path: Path) -> None:
+    a, b = tmp_path / "a.mcap", tmp_path / "b.mcap"
+    for path in (a, b):
+        recorded(path, "--scenario", "tumbling_cubesat", "--duration", "60")
+    assert a.read_bytes() == b.read_bytes()
+
+
+def test_an_existing_file_is_kept_without_force(out: Path) -> None:
+    out.write_text("precious")
+    done = record(out, *FAST, "--duration", "1")
+    assert done.returncode == 2
+    assert "exists and is kept" in done.stderr
+    assert out.read_text() == "precious"
+    assert len(recorded(out, *FAST, "--duration", "1", "--force").poses.stamps_ns) == 100
+    assert os.listdir(out.parent) == [out.name]
+
+
+def running(out: Path, *arguments: str, size: int = 300_000) -> subprocess.Popen[str]:
+    """A recording that has already written something."""
+    process = subprocess.Popen([*RECORD, out, *arguments], stdout=-1, stderr=-1, text=True)
+    deadline = time.monotonic() + 30
+    while sum(file.stat().st_size for file in out.parent.iterdir()) < size and time.monotonic() < deadline:
+        assert process.poll() is None
+        time.sleep(0.01)
+    return process
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_finishes_the_file(out: Path, number: signal.Signals) -> None:
+    process = running(out, *ENDLESS)
+    process.send_signal(number)
+    stdout, stderr = process.communicate(timeout=20)
+    recording = read_bag(out)
+    count = len(recording.poses.stamps_ns)
+    assert process.returncode == 130
+    assert stdout == ""
+    assert stderr.startswith(f"lie-rigid-body record: error: interrupted after {count} of 1000000 samples; ")
+    assert stderr.count("\n") == 1
+    assert recording.expected_samples == count == len(recording.twists.body_rates)
+    assert 0 < count < 1_000_000
+
+
+def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
+    process = running(out, *SLOW_STEPS, size=0)
+    while not out.exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=5)[1].count("\n") == 1
+    assert process.returncode == 130
+    assert out.stat().st_size > 0
+
+
+def test_many_signals_do_no_more_than_one(out: Path) -> None:
+    process = running(out, *ENDLESS)
+    while process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.002)
+    assert process.communicate()[1].count("interrupted") == 1
+    assert process.returncode == 130
+    assert read_bag(out).expected_samples
+
+
+def test_force_keeps_the_old_file_until_the_new_one_is_whole(out: Path) -> None:
+    out.write_text("precious")
+    process = running(out, *ENDLESS, "--force")
+    assert out.read_text() == "precious"
+    process.kill()
+    process.communicate()
+    assert out.read_text() == "precious"
+
+
+def test_force_and_a_signal_leave_the_new_file(out: Path) -> None:
+    out.write_text("precious")
+    process = running(out, *ENDLESS, "--force")
+    process.terminate()
+    assert process.wait(20) == 130
+    process.communicate()
+    assert read_bag(out).expected_samples
+    assert os.listdir(out.parent) == [out.name]
+
+
+def on_terminal(*arguments: str | Path) -> str:
+    """What a terminal shows of stderr."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    with subprocess.Popen([*RECORD, *arguments], stderr=theirs, stdout=subprocess.DEVNULL) as process:
+        os.close(theirs)
+        shown = b""
+        while select.select([ours], [], [], 30)[0]:
+            try:
+                shown += os.read(ours, 4096)
+            except OSError:  # the other side is closed
+                break
+    os.close(ours)
+    assert process.returncode == 0
+    return shown.decode()
+
+
+def test_a_terminal_shows_progress_unless_quiet(tmp_path: Path) -> None:
+    shown = on_terminal(tmp_path / "a.mcap", *FAST, "--duration", "50")
+    assert "100%" in shown
+    assert "5.00k/5.00k" in shown
+    assert on_terminal(tmp_path / "b.mcap", *FAST, "--duration", "50", "--quiet") == ""
+
+
+def test_a_reader_that_leaves_is_no_traceback(out: Path) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [*RECORD, out, *FAST, "--duration", "1"], stdout=write, stderr=-1, text=True, check=False, timeout=30
+    )
+    os.close(write)
+    assert done.stderr == ""
+    assert read_bag(out).expected_samples == 100
+
+
+def test_the_help_does_not_wait_for_numpy() -> None:
+    code = (
+        "import sys; from lie_rigid_body.cli import record, scenarios; status = record.main(['--help']); "
+        "sys.exit(status or 'numpy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "--params-file FILE" in done.stdout

@@ -1,0 +1,208 @@
+"""Bags that others wrote, and files that are no bags or no longer whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import MakeBag
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_reader import read_bag
+
+Rename = Callable[[str], str | None]
+
+
+def rewrite(
+    source: Path,
+    target: Path,
+    rename: Rename = lambda topic: topic,
+    *,
+    keep: Callable[[int, str], bool] = lambda number, topic: True,
+    change: Callable[[int, str, bytes], bytes] = lambda number, topic, data: data,
+    encoding: str = "cdr",
+    **options: object,
+) -> Path:
+    """A copy of a bag by the mcap library's own writer, as other recorders would have written it."""
+    with open(source, "rb") as stream, open(target, "wb") as out:
+        writer = Writer(out, **options)  # type: ignore[arg-type]
+        writer.start("ros2", "another recorder")
+        noise = writer.register_schema("rcl_interfaces/msg/Log", "ros2msg", b"")
+        log = writer.register_channel("/rosout", "cdr", noise)
+        channels: dict[str, int] = {}
+        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages(log_time_order=False)):
+            topic = rename(channel.topic)
+            if topic is None:
+                continue
+            assert schema is not None
+            if topic not in channels:
+                own = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[topic] = writer.register_channel(topic, encoding, own)
+            if keep(number, topic):
+                data = change(number, topic, message.data)
+                writer.add_message(channels[topic], message.log_time + 5, data, message.publish_time)
+                writer.add_message(log, message.log_time + 5, b"anything", 0)
+        writer.finish()
+    return target
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+@pytest.mark.parametrize("chunked", [True, False])
+def test_bags_of_other_recorders_are_read(
+    make_bag: MakeBag, tmp_path: Path, compression: CompressionType, chunked: bool
+) -> None:
+    own = read_bag(make_bag())
+    path = rewrite(
+        tmp_path / "bag.mcap",
+        tmp_path / "other.mcap",
+        lambda topic: f"/robot_3{topic}",
+        compression=compression,
+        use_chunking=chunked,
+        enable_data_crcs=True,
+    )
+    other = read_bag(path)
+    np.testing.assert_array_equal(other.poses.attitudes_xyzw, own.poses.attitudes_xyzw)
+    np.testing.assert_array_equal(other.twists.body_rates, own.twists.body_rates)
+    np.testing.assert_array_equal(other.poses.stamps_ns, own.poses.stamps_ns)
+    np.testing.assert_array_equal(other.poses.log_times_ns, own.poses.log_times_ns + 5)
+    assert other.poses.topic == "/robot_3/pose"
+    assert other.library == "another recorder"
+    assert other.expected_samples is None
+
+
+def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
+    own = make_bag(count=4)
+    payloads: list[bytes] = []
+    rewrite(own, tmp_path / "x.mcap", change=lambda n, t, data: payloads.append(data) or data)
+    swapped = {3: payloads[5], 5: payloads[3]}  # messages are scenario, pose, twist, pose, twist, pose …
+    path = rewrite(own, tmp_path / "swapped.mcap", change=lambda number, topic, data: swapped.get(number, data))
+    assert read_bag(path).poses.stamps_ns.tolist() == [0, 20_000_000, 10_000_000, 30_000_000]
+
+
+def folder(tmp_path: Path, *names: str) -> Path:
+    bag = tmp_path / "folder"
+    bag.mkdir()
+    files = "".join(f"\n  - {name}" for name in names)
+    (bag / "metadata.yaml").write_text(f"rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:{files}\n")
+    return bag
+
+
+@pytest.mark.parametrize("with_metadata", [True, False])
+def test_a_rosbag2_folder_of_several_files_is_one_bag(make_bag: MakeBag, tmp_path: Path, with_metadata: bool) -> None:
+    own = make_bag(count=30)
+    names = [f"run_{i}.mcap" for i in range(11)]
+    bag = folder(tmp_path, *names)
+    for i, name in enumerate(names):
+        rewrite(own, bag / name, keep=lambda number, topic, i=i: i == min(number // 5, 10))  # type: ignore[misc]
+    if not with_metadata:
+        (bag / "metadata.yaml").unlink()
+    recording = read_bag(bag)
+    assert recording.poses.stamps_ns.tolist() == read_bag(own).poses.stamps_ns.tolist()
+
+
+def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match="is a folder without MCAP files"):
+        read_bag(tmp_path)
+    with pytest.raises(BagError, match=r"none.mcap does not exist"):
+        read_bag(folder(tmp_path, "none.mcap"))
+    (tmp_path / "folder" / "metadata.yaml").write_text("[")
+    with pytest.raises(BagError, match="reindex"):
+        read_bag(tmp_path / "folder")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "is empty"),
+        (b"hello", "not an MCAP file: it begins with b'hello'"),
+        (b"\x89MCAP0\r", "not an MCAP file"),
+        (b"SQLite format 3\x00...", "SQLite bag: .*-s mcap"),
+        (b"#ROSBAG V2.0\n", "ROS 1 bag"),
+    ],
+)
+def test_a_file_that_is_no_bag_is_refused(tmp_path: Path, content: bytes, said: str) -> None:
+    path = tmp_path / "x.mcap"
+    path.write_bytes(content)
+    with pytest.raises(BagError, match=said):
+        read_bag(path)
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match=r"none.mcap does not exist"):
+        read_bag(tmp_path / "none.mcap")
+
+
+def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: Path) -> None:
+    whole = make_bag(count=4000).read_bytes()
+    cut = tmp_path / "cut.mcap"
+    rng = np.random.default_rng(3)
+    for size in [9, 20, len(whole) - 1, len(whole) - 8, len(whole) - 9, *rng.integers(9, len(whole), 60)]:
+        cut.write_bytes(whole[:size])
+        with pytest.raises(BagError, match=r"cut off.* hold \d+ messages.*mcap recover") as caught:
+            read_bag(cut)
+        assert "\n" not in str(caught.value)
+    cut.write_bytes(whole[: len(whole) // 2] + bytes(1000))
+    with pytest.raises(BagError, match="cut off"):
+        read_bag(cut)
+
+
+def test_a_flipped_bit_is_refused_wherever_it_is(make_bag: MakeBag, tmp_path: Path) -> None:
+    """Each byte of our files but the two magics is under a checksum."""
+    whole, damaged = make_bag(count=1500).read_bytes(), tmp_path / "damaged.mcap"
+    size = len(whole)
+    places = {*range(0, 60, 3), *range(size - 1200, size, 7), *np.random.default_rng(5).integers(0, size, 60).tolist()}
+    for at in sorted(places | {size - 1}):
+        damaged.write_bytes(whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1 :])
+        with pytest.raises(BagError) as caught:
+            read_bag(damaged)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_chunk_whose_checksum_differs_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", compression=CompressionType.NONE)
+    content = path.read_bytes()
+    at = content.index(b"base_link")
+    path.write_bytes(content[:at] + b"base_lynk" + content[at + 9 :])
+    with pytest.raises(BagError, match=r"damaged at byte .*crc"):
+        read_bag(path)
+
+
+@pytest.mark.parametrize("missing", ["/pose", "/twist", "/lie_rigid_body/scenario"])
+def test_a_missing_topic_is_named_with_those_that_are_there(make_bag: MakeBag, tmp_path: Path, missing: str) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", lambda topic: None if topic == missing else topic)
+    with pytest.raises(BagError, match=rf"no topic .*{missing.rpartition('/')[2]}.*/rosout") as caught:
+        read_bag(path)
+    assert f"{missing} (" not in str(caught.value)
+
+
+def test_topics_of_several_bodies_are_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    own = make_bag(count=3)
+    bag = folder(tmp_path, "a.mcap", "b.mcap")
+    for name in "ab":
+        rewrite(own, bag / f"{name}.mcap", lambda topic, name=name: f"/{name}{topic}")  # type: ignore[misc]
+    with pytest.raises(BagError, match=r"several topics .*/a/pose .*/b/pose"):
+        read_bag(bag)
+
+
+def test_a_topic_without_messages_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", keep=lambda number, topic: topic != "/twist")
+    with pytest.raises(BagError, match="no message on /twist"):
+        read_bag(path)
+
+
+def test_a_malformed_message_is_named(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = rewrite(
+        make_bag(), tmp_path / "x.mcap", change=lambda number, topic, data: data[:-1] if number == 7 else data
+    )
+    with pytest.raises(BagError, match=r"x.mcap: topic /pose: message 3 has \d+ bytes where"):
+        read_bag(path)
+
+
+def test_another_encoding_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", encoding="json")
+    with pytest.raises(BagError, match="encoded as 'json'"):
+        read_bag(path)

@@ -1,0 +1,230 @@
+"""Bags as others read them: two independent libraries, and the facts that rosbag2 insists on."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from bags import MakeBag, write_samples
+from mcap.reader import make_reader
+from mcap.records import Chunk, ChunkIndex, MessageIndex
+from mcap.stream_reader import StreamReader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
+
+from lie_rigid_body import __version__
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.message_text import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Samples, Segment, Simulation
+
+EPOCH = 1_700_000_000_123_456_789
+TOPICS = ["/pose", "/twist", "/lie_rigid_body/scenario"]
+
+
+def expected(count: int, **parameters: object) -> Samples:
+    return Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters})).take(count)
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_mcap_ros2_support_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> None:
+    path = make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH)
+    samples = expected(50, epoch_ns=EPOCH)
+    with open(path, "rb") as stream:
+        rows = list(make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
+    poses, twists = ([row for row in rows if row.channel.topic == topic] for topic in TOPICS[:2])
+    assert [row.message.log_time for row in poses] == samples.stamps_ns.tolist()
+    for k, (pose, twist) in enumerate(zip(poses, twists, strict=True)):
+        stamp, q = int(samples.stamps_ns[k]), pose.decoded_message.pose.orientation
+        header = pose.decoded_message.header
+        rate = (twist.decoded_message.twist if stamped else twist.decoded_message).angular
+        assert (header.stamp.sec, header.stamp.nanosec, header.frame_id) == (*divmod(stamp, 10**9), "world")
+        assert [q.x, q.y, q.z, q.w] == samples.states.attitude_xyzw[k].tolist()
+        assert [rate.x, rate.y, rate.z] == samples.states.body_rate[k].tolist()
+        assert {m.message.log_time for m in (pose, twist)} == {m.message.publish_time for m in (pose, twist)} == {stamp}
+        assert [m.message.sequence for m in (pose, twist)] == [k, k]
+        if stamped:
+            assert twist.decoded_message.header.frame_id == "base_link"
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_rosbags_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> None:
+    path = make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH)
+    samples = expected(50, epoch_ns=EPOCH)
+    with AnyReader([path]) as reader:
+        messages: dict[str, list[tuple[int, object]]] = {topic: [] for topic in TOPICS}
+        for connection, time, data in reader.messages():
+            messages[connection.topic].append((time, reader.deserialize(data, connection.msgtype)))
+    assert [time for time, _ in messages["/pose"]] == [time for time, _ in messages["/twist"]]
+    assert [time for time, _ in messages["/pose"]] == samples.stamps_ns.tolist()
+    for k, ((_, pose), (_, twist)) in enumerate(zip(messages["/pose"], messages["/twist"], strict=True)):
+        q, rate = pose.pose.orientation, (twist.twist if stamped else twist).angular
+        assert [q.x, q.y, q.z, q.w] == samples.states.attitude_xyzw[k].tolist()
+        assert [rate.x, rate.y, rate.z] == samples.states.body_rate[k].tolist()
+        assert pose.header.stamp.sec * 10**9 + pose.header.stamp.nanosec == samples.stamps_ns[k]
+    [(time, scenario)] = messages["/lie_rigid_body/scenario"]
+    assert time == EPOCH
+    assert Segment.from_json(scenario.data).scenario.epoch_ns == EPOCH
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_our_reader_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> None:
+    path = make_bag(count=3000, stamped_twist=stamped, epoch_ns=EPOCH, world_frame="wörld")
+    samples, recording = expected(3000, epoch_ns=EPOCH), read_bag(path)
+    np.testing.assert_array_equal(recording.poses.stamps_ns, samples.stamps_ns)
+    np.testing.assert_array_equal(recording.poses.log_times_ns, samples.stamps_ns)
+    np.testing.assert_array_equal(recording.twists.log_times_ns, samples.stamps_ns)
+    np.testing.assert_array_equal(recording.poses.attitudes_xyzw, samples.states.attitude_xyzw)
+    np.testing.assert_array_equal(recording.twists.body_rates, samples.states.body_rate)
+    assert not recording.poses.positions.any()
+    assert not recording.twists.linear.any()
+    assert recording.poses.frame_ids == ("wörld",)
+    assert recording.expected_samples == 3000
+    assert recording.library == f"lie_rigid_body {__version__}"
+    if stamped:
+        np.testing.assert_array_equal(recording.twists.stamps_ns, samples.stamps_ns)
+        assert recording.twists.frame_ids == ("base_link",)
+    else:
+        assert recording.twists.stamps_ns is None
+
+
+def test_the_same_run_gives_the_same_bytes_whatever_its_batches(make_bag: MakeBag) -> None:
+    first, again, odd = make_bag("a.mcap", 2500), make_bag("b.mcap", 2500), make_bag("c.mcap", 2500, batch=37)
+    assert first.read_bytes() == again.read_bytes() == odd.read_bytes()
+
+
+@pytest.mark.parametrize(("stamped", "twist"), [(True, TWIST_STAMPED), (False, TWIST)])
+def test_the_file_is_built_as_rosbag2_wants_it(make_bag: MakeBag, stamped: bool, twist: str) -> None:
+    path = make_bag(count=4000, stamped_twist=stamped)
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        header, summary = reader.get_header(), reader.get_summary()
+        metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+    assert (header.profile, header.library) == ("ros2", f"lie_rigid_body {__version__}")
+    assert summary is not None
+    assert summary.statistics is not None
+    types = {channel.topic: summary.schemas[channel.schema_id].name for channel in summary.channels.values()}
+    assert types == dict(zip(TOPICS, [POSE_STAMPED, twist, STRING], strict=True))
+    assert {channel.message_encoding for channel in summary.channels.values()} == {"cdr"}
+    assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
+    assert summary.statistics.message_count == 8001
+    assert summary.statistics.message_start_time == 0
+    assert summary.statistics.message_end_time == 39_990_000_000
+    assert metadata == {"lie_rigid_body": {"samples": "4000"}}
+    assert len(summary.chunk_indexes) > 1
+    assert {index.compression for index in summary.chunk_indexes} == {"zstd"}
+    assert all(index.uncompressed_size < 257 * 1024 for index in summary.chunk_indexes)
+
+
+def test_every_message_is_indexed(make_bag: MakeBag) -> None:
+    path = make_bag(count=4000)
+    with open(path, "rb") as stream:
+        records = list(StreamReader(stream, emit_chunks=True, validate_crcs=True).records)
+    assert sum(len(record.records) for record in records if isinstance(record, MessageIndex)) == 8001
+    chunks = [record for record in records if isinstance(record, Chunk)]
+    assert len(chunks) == len([record for record in records if isinstance(record, ChunkIndex)])
+    assert all(chunk.uncompressed_crc for chunk in chunks)
+
+
+def test_qos_profiles_are_a_yaml_list_with_every_key_of_rosbag2(make_bag: MakeBag) -> None:
+    with open(make_bag(), "rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    forever = {"sec": 9223372036, "nsec": 854775807}
+    for channel in summary.channels.values():
+        latched = channel.topic.endswith("scenario")
+        assert yaml.safe_load(channel.metadata["offered_qos_profiles"]) == [
+            {
+                "history": "keep_last",
+                "depth": 1 if latched else 10,
+                "reliability": "reliable",
+                "durability": "transient_local" if latched else "volatile",
+                "deadline": forever,
+                "lifespan": forever,
+                "liveliness": "automatic",
+                "liveliness_lease_duration": forever,
+                "avoid_ros_namespace_conventions": False,
+            }
+        ]
+
+
+@pytest.mark.ros
+def test_definitions_have_the_fields_of_the_installed_messages(make_bag: MakeBag) -> None:
+    for stamped in (True, False):
+        with open(make_bag(f"{stamped}.mcap", stamped_twist=stamped), "rb") as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary is not None
+        for schema in summary.schemas.values():
+            own, *parts = re.split(r"={80}\nMSG: ", schema.data.decode())
+            texts = {schema.name: own} | {
+                name.replace("/", "/msg/"): text for name, _, text in (part.partition("\n") for part in parts)
+            }
+            for name, text in texts.items():
+                fields = dict(reversed(line.split()[:2]) for line in text.splitlines())
+                package, _, kind = name.split("/")
+                installed = getattr(import_module(f"{package}.msg"), kind).get_fields_and_field_types()
+                assert list(fields) == list(installed)
+                for field, own_kind in installed.items():
+                    assert own_kind.replace("double", "float64").rpartition("/")[2] == fields[field].rpartition("/")[2]
+
+
+def test_topics_of_a_namespace_are_written_and_found(tmp_path: Path) -> None:
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation = Simulation(scenario)
+    names = {f"{key}_topic": f"/sat1/{key}" for key in ("pose", "twist", "scenario")}
+    with BagWriter(tmp_path / "ns.mcap", stamped_twist=True, **names) as bag:  # type: ignore[arg-type]
+        bag.begin_segment(simulation.segment)
+        write_samples(bag, scenario, simulation.take(3))
+    recording = read_bag(tmp_path / "ns.mcap")
+    assert (recording.poses.topic, recording.twists.topic) == ("/sat1/pose", "/sat1/twist")
+
+
+def test_each_segment_begins_with_its_scenario_at_its_start(tmp_path: Path) -> None:
+    scenario = Scenario.from_parameters({"motion": "closed_form", "epoch_ns": EPOCH})
+    simulation = Simulation(scenario)
+    with BagWriter(tmp_path / "two.mcap", stamped_twist=True) as bag:
+        for _ in range(2):
+            bag.begin_segment(simulation.segment)
+            write_samples(bag, scenario, simulation.take(7))
+            simulation.reset(scenario)
+    texts = read_bag(tmp_path / "two.mcap").scenario_texts
+    assert [time for time, _ in texts] == [EPOCH, EPOCH + 70_000_000]
+    assert [Segment.from_json(text).first_sample for _, text in texts] == [0, 7]
+
+
+def test_the_twist_type_cannot_change_within_a_bag(tmp_path: Path) -> None:
+    segment = Simulation(Scenario.from_parameters({"stamped_twist": False})).segment
+    with (
+        BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag,
+        pytest.raises(BagError, match="stamped_twist cannot change"),
+    ):
+        bag.begin_segment(segment)
+
+
+def test_writing_after_the_end_is_refused(tmp_path: Path) -> None:
+    bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True)
+    bag.finish()
+    bag.finish()
+    with pytest.raises(BagError, match="already finished"):
+        bag.flush()
+
+
+def test_interruption_finishes_the_bag(tmp_path: Path) -> None:
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation = Simulation(scenario)
+
+    def interrupted() -> None:
+        with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+            bag.begin_segment(simulation.segment)
+            write_samples(bag, scenario, simulation.take(5))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert read_bag(tmp_path / "a.mcap").expected_samples == 5

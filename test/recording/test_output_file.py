@@ -1,0 +1,182 @@
+"""Files that cannot be written, or not to the end, and older ones that must not suffer from it."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+import sys
+import textwrap
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+import zstandard
+from bags import MakeBag
+from mcap.exceptions import McapError
+from mcap.records import Channel, Message
+from mcap.stream_reader import StreamReader
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+
+KILLED = """
+    import os, signal, sys
+    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.recording.cdr import MessageEncoder
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.simulation import Simulation
+
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    bag = BagWriter(sys.argv[1], stamped_twist=True, **eval(sys.argv[2]))
+    bag.begin_segment(simulation.segment)
+    for last in (False, True):
+        samples = simulation.take(150)
+        bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+        if not last and sys.argv[3] == "flush":
+            bag.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def kill_midway(path: Path, options: str, flush: str) -> None:
+    command = [sys.executable, "-c", textwrap.dedent(KILLED), str(path), options, flush]
+    assert subprocess.run(command, check=False).returncode == -9
+
+
+def message_topics_before_the_cut(path: Path) -> list[str]:
+    """What a recovering reader finds: every message of every whole chunk."""
+    topics: dict[int, str] = {}
+    found = []
+    with open(path, "rb") as stream, suppress(McapError, zstandard.ZstdError, struct.error):
+        for record in StreamReader(stream).records:
+            if isinstance(record, Channel):
+                topics[record.id] = record.topic
+            if isinstance(record, Message):
+                found.append(topics[record.channel_id])
+    return found
+
+
+def test_what_was_flushed_outlives_a_kill(tmp_path: Path) -> None:
+    path = tmp_path / "killed.mcap"
+    kill_midway(path, "{}", "flush")
+    found = message_topics_before_the_cut(path)
+    assert [found.count(topic) for topic in ("/pose", "/twist", "/lie_rigid_body/scenario")] == [150, 150, 1]
+    with pytest.raises(BagError, match=r"its 1 whole chunks hold 301 messages.*mcap recover"):
+        read_bag(path)
+
+
+def test_chunks_bounded_in_time_outlive_a_kill(tmp_path: Path) -> None:
+    path = tmp_path / "killed.mcap"
+    kill_midway(path, "{'max_chunk_seconds': 0.5}", "no")
+    assert message_topics_before_the_cut(path).count("/pose") >= 250
+
+
+def test_a_bag_to_be_replaced_survives_a_kill(make_bag: MakeBag) -> None:
+    path = make_bag()
+    before = path.read_bytes()
+    kill_midway(path, "{'overwrite': True}", "flush")
+    assert path.read_bytes() == before
+    assert read_bag(path).expected_samples == 100
+
+
+def test_a_failed_run_keeps_the_bag_it_was_to_replace_and_nothing_else(make_bag: MakeBag) -> None:
+    path = make_bag()
+    before = path.read_bytes()
+    with pytest.raises(ZeroDivisionError), BagWriter(path, stamped_twist=True, overwrite=True):
+        raise ZeroDivisionError
+    assert path.read_bytes() == before
+    assert os.listdir(path.parent) == [path.name]
+
+
+FULL = """
+    import resource, sys
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.recording.cdr import MessageEncoder
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.simulation import Simulation
+
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    try:
+        with BagWriter(sys.argv[1], stamped_twist=True, overwrite=True) as bag:
+            bag.begin_segment(simulation.segment)
+            for _ in range(20):
+                samples = simulation.take(500)
+                bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+    except Exception as error:
+        print(type(error).__name__, error)
+"""
+
+
+@pytest.mark.parametrize("old", [b"", b"the older file"])
+def test_a_full_disk_is_told_in_one_line(tmp_path: Path, old: bytes) -> None:
+    path = tmp_path / "full.mcap"
+    if old:
+        path.write_bytes(old)
+    command = [sys.executable, "-c", textwrap.dedent(FULL), str(path)]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert done.stderr == ""
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"BagError {path} cannot be written: File too large; ")
+    assert done.stdout.count("\n") == 1
+    if old:
+        assert path.read_bytes() == old
+        assert "older file of that name is kept" in done.stdout
+        assert os.listdir(tmp_path) == [path.name]
+    else:
+        assert f"mcap recover {path}" in done.stdout
+        assert message_topics_before_the_cut(path).count("/pose") > 500
+
+
+def test_replacing_follows_links_and_keeps_permissions(make_bag: MakeBag) -> None:
+    path = make_bag()
+    path.chmod(0o640)
+    link = path.with_name("link.mcap")
+    link.symlink_to(path)
+    with BagWriter(link, stamped_twist=True, overwrite=True):
+        pass
+    assert link.is_symlink()
+    assert path.stat().st_mode & 0o777 == 0o640
+    with pytest.raises(BagError, match="no message on /pose"):
+        read_bag(path)
+
+
+def test_an_existing_file_is_kept(make_bag: MakeBag) -> None:
+    path = make_bag()
+    before = path.read_bytes()
+    with pytest.raises(BagError, match=r"exists and is kept: .*--force"):
+        BagWriter(path, stamped_twist=True)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        (".", "is a folder"),
+        ("none/a.mcap", "folder .*none does not exist"),
+        ("file/a.mcap", "Not a directory"),
+        ("n" * 300, "File name too long"),
+        ("nul\0l", "null"),
+        ("fifo", "not a regular file"),
+        ("/proc/a.mcap", "does not exist|cannot be created"),
+        ("/dev/null", "not a regular file"),
+    ],
+)
+def test_a_place_where_nothing_can_be_written_is_refused(tmp_path: Path, name: str, said: str) -> None:
+    os.mkfifo(tmp_path / "fifo")
+    (tmp_path / "file").touch()
+    with pytest.raises(BagError, match=said) as caught:
+        BagWriter(tmp_path / name, stamped_twist=True, overwrite=True)
+    assert "\n" not in str(caught.value)
+    assert sorted(os.listdir(tmp_path)) == ["fifo", "file"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    with pytest.raises(BagError, match="cannot be created: Permission denied"):
+        BagWriter(tmp_path / "a.mcap", stamped_twist=True)
