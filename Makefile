@@ -1,0 +1,41 @@
+# Every target sets up what it needs, inside this folder and nowhere else.
+#
+# PYTHON=/path/to/python names the Python to build environments from; without it one is looked for.
+# PYTHON_ROS=none pretends that there is no Python 3.12, which the live node needs.
+
+export PYTHON PYTHON_ROS
+
+# Caches and logs that would otherwise land in the home folder.
+export PIP_CACHE_DIR ?= $(CURDIR)/.cache/pip
+export XDG_CACHE_HOME := $(CURDIR)/.cache
+export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
+export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
+
+# A sourced ROS 2 would mix its libraries with those of the environment.
+unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+.PHONY: help sim test test-oldest lint clean
+
+help:
+	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
+	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
+	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
+	@echo "make lint         check style and types"
+	@echo "make clean        remove environments, caches and build folders"
+
+sim:
+	@exec scripts/sim.sh $(ARGS)
+
+test: lint
+	@exec scripts/test.sh newest $(ARGS)
+
+test-oldest:
+	@exec scripts/test.sh oldest $(ARGS)
+
+lint:
+	@exec scripts/lint.sh
+
+clean:
+	rm -rf .venv .venv-headless .venv-oldest .cache build install log dist *.egg-info
+	rm -rf .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

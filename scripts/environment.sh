@@ -1,0 +1,63 @@
+#!/bin/sh
+# Bring one virtual environment inside the clone up to date, and print its folder on standard output.
+#
+#   environment.sh live      .venv           newest libraries, the ROS 2 client library, everything the tests need
+#   environment.sh headless  .venv-headless  the same without ROS
+#   environment.sh any       the first of these two that there is a Python for
+#   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
+#
+# Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
+# so a set-up that was interrupted is thrown away and made anew by the next one.
+set -eu
+cd "$(dirname "$0")/.."
+root=$PWD
+
+kind=$1
+constraints=
+case $kind in
+    live | any)
+        if python=$(scripts/find-python.sh live); then
+            folder=.venv extras=ros,test,lint
+        elif [ "$kind" = any ]; then
+            exec scripts/environment.sh headless
+        else
+            exit 3
+        fi ;;
+    headless)
+        python=$(scripts/find-python.sh headless) || {
+            echo "make: no Python 3.10 or newer with venv found: install one, or name one with PYTHON=/path/to/python3" >&2
+            exit 1
+        }
+        folder=.venv-headless extras=test,lint ;;
+    oldest)
+        python=$(scripts/find-python.sh live) || exit 3
+        folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
+    *)
+        echo "environment.sh: unknown environment '$kind'" >&2
+        exit 2 ;;
+esac
+
+# Two at a time would build the same metadata folder.
+mkdir -p .cache
+if command -v flock >/dev/null; then
+    exec 9>.cache/environment.lock
+    flock 9
+fi
+
+base="$root $python"
+wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum)"
+if [ -f $folder/complete ] && $folder/bin/python -I -c '' 2>/dev/null; then
+    made=$(cat $folder/complete)
+    [ "$made" != "$wanted" ] || { echo "$root/$folder"; exit 0; }
+    # Made elsewhere or with another Python: its programs name the wrong interpreter.
+    [ "${made#"$base "}" != "$made" ] || rm -rf $folder
+else
+    rm -rf $folder
+fi
+
+echo "Setting up $folder with $python (once; it takes about a minute)" >&2
+rm -f $folder/complete
+[ -d $folder ] || "$python" -m venv $folder >&2
+$folder/bin/python -m pip install --quiet ${constraints:+--constraint $constraints} --editable ".[$extras]" >&2
+echo "$wanted" >$folder/complete
+echo "$root/$folder"

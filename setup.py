@@ -1,0 +1,95 @@
+"""All metadata of the package, for pip and for colcon alike.
+
+It lives here and not in pyproject.toml because colcon silently skips a package with a ``[project]`` table there.
+"""
+
+import sys
+from glob import glob
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = "lie_rigid_body"
+
+# colcon symlinks this file into its build folder, but not the README beside it.
+README = Path(__file__).resolve().parent / "README.md"
+
+# `ros2 run` looks for executables in lib/lie_rigid_body, where short names are safe; a virtual environment has one bin
+# folder for everything, where `check` or `plot` would hide somebody else's program. colcon, bloom and Debian's tools
+# call this file with `install` or `develop`; pip and other wheel builders with `bdist_wheel`, `editable_wheel` or
+# `dist_info`. Those commands run `install` inside, so only the command line tells the two apart.
+FOR_ROS = not {"install", "develop"}.isdisjoint(sys.argv[1:])
+ONE_NAME = [f"lie-rigid-body = {NAME}.__main__:main"]
+ROS_NAMES = [
+    f"sim = {NAME}.ros.sim:main",
+    f"record = {NAME}.cli.record:main",
+    f"check = {NAME}.cli.check:main",
+    f"plot = {NAME}.cli.plot:main",
+    f"scenarios = {NAME}.cli.scenarios:main",
+]
+
+# The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
+REQUIRES = [
+    "mcap>=1.5",
+    "matplotlib>=3.6.3",
+    "numpy>=1.26",
+    "PyYAML>=6.0.1",
+    "scipy>=1.11",
+    "tqdm>=4.66",
+    "zstandard>=0.22",
+]
+ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
+EXTRAS = {
+    "ros": [
+        f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
+        f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
+    ],
+    "test": [
+        "colcon-core",
+        "colcon-ros",
+        "hypothesis",
+        "mcap-ros2-support",
+        "mpmath",
+        "pytest>=7.4",
+        "pytest-xdist",
+        "rosbags",
+        "setuptools",
+        "wheel",
+    ],
+    "lint": ["mypy", "ruff", "scipy-stubs", "types-PyYAML", "types-tqdm"],
+}
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="Torque-free rigid-body motion on SO(3): a live ROS 2 node, bags, and a certificate of their accuracy",
+    long_description=README.read_text(encoding="utf-8") if README.is_file() else "",
+    long_description_content_type="text/markdown",
+    author="Seed 2b615e39 maintainers",
+    author_email="maintainers@users.noreply.h-seed-2b615e39.example",
+    maintainer="Seed 2b615e39 maintainers",
+    maintainer_email="maintainers@users.noreply.h-seed-2b615e39.example",
+    license="Apache-2.0",
+    keywords=["ROS 2", "rigid body", "Lie group", "SO(3)", "geometric integration", "MCAP"],
+    classifiers=[
+        "Intended Audience :: Science/Research",
+        "Operating System :: POSIX :: Linux",
+        "Programming Language :: Python :: 3",
+        "Topic :: Scientific/Engineering :: Physics",
+        "Typing :: Typed",
+    ],
+    python_requires=">=3.10",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    # lie_rigid_body/config is a link to config/: one set of files, found beside the code however it was installed.
+    package_data={NAME: ["py.typed", "config/*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/config", sorted(glob("config/*.*"))),
+        (f"share/{NAME}/launch", sorted(glob("launch/*.launch.py"))),
+    ],
+    install_requires=REQUIRES,
+    extras_require=EXTRAS,
+    entry_points={"console_scripts": ONE_NAME + (ROS_NAMES if FOR_ROS else [])},
+    zip_safe=False,
+)

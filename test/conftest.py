@@ -1,0 +1,88 @@
+"""What every test run shares: ROS kept to itself, and the parts left out counted."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import random
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+ROS_INSTALLED = find_spec("rclpy") is not None
+ROS_LEFT_OUT = "rclpy is not installed"
+
+# Above 101 the ports of a domain reach into the range that Linux hands out to clients; 0 is everybody's default.
+DOMAINS = range(1, 102)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--run-slow", action="store_true", help="run the tests marked slow as well")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required" and not ROS_INSTALLED:
+        raise pytest.UsageError("this environment should have rclpy and has not: remove it and set it up again")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not ROS_INSTALLED:
+        for item in items:
+            if item.get_closest_marker("ros"):
+                item.add_marker(pytest.mark.skip(reason=ROS_LEFT_OUT))
+    if config.getoption("--run-slow") or config.getoption("-m"):
+        return
+    slow = [item for item in items if item.get_closest_marker("slow")]
+    if slow:
+        config.hook.pytest_deselected(items=slow)
+        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+
+
+@pytest.hookimpl(hookwrapper=True, tryfirst=True)
+def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
+    """Make what was left out the last line of the run."""
+    yield
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if ROS_INSTALLED or reporter is None:
+        return
+    skipped = reporter.stats.get("skipped", [])
+    count = sum(isinstance(r.longrepr, tuple) and ROS_LEFT_OUT in r.longrepr[2] for r in skipped)
+    reporter.write_line(f"ROS part left out: {count} tests ({ROS_LEFT_OUT})", yellow=True)
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """A ROS domain that no other test process of this machine uses while the context lasts."""
+    for domain in random.sample(DOMAINS, len(DOMAINS)):
+        lock = Path(tempfile.gettempdir()) / f"ros-domain-{domain}.lock"
+        try:
+            handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
+        except PermissionError:
+            continue
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            continue
+        try:
+            yield domain
+        finally:
+            os.close(handle)
+        return
+    raise RuntimeError(f"all {len(DOMAINS)} ROS domains are in use by other test runs: wait for them to end")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Give this process, and those it starts, a ROS domain of their own on this machine only."""
+    with own_domain() as domain, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
+        for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "RMW_IMPLEMENTATION"):
+            patch.delenv(name, raising=False)
+        yield

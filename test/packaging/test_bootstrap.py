@@ -1,0 +1,98 @@
+"""Finding a Python on machines of every kind."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BASE_PYTHON = getattr(sys, "_base_executable", sys.executable)
+
+
+def find_python(kind: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    kept = {name: value for name, value in os.environ.items() if name not in {"PYTHON", "PYTHON_ROS"}}
+    command = (str(ROOT / "scripts/find-python.sh"), kind)
+    return subprocess.run(command, env=kept | environment, capture_output=True, text=True, timeout=60, check=False)
+
+
+def executable(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    path.chmod(0o755)
+    return path
+
+
+def test_a_python_is_found_that_runs() -> None:
+    found = find_python("headless")
+    assert found.returncode == 0
+    new_enough = "import sys; sys.exit(sys.version_info < (3, 10))"
+    assert subprocess.run((found.stdout.strip(), "-c", new_enough), check=False).returncode == 0
+
+
+def test_a_shim_that_fails_is_passed_over(tmp_path: Path) -> None:
+    for name in ("python3", "python3.12"):
+        executable(tmp_path / "bin" / name, "#!/bin/sh\nexit 127\n")
+    found = find_python("headless", PATH=f"{tmp_path / 'bin'}:{Path(BASE_PYTHON).parent}:/usr/bin:/bin")
+    assert found.returncode == 0
+    assert str(tmp_path) not in found.stdout
+
+
+@pytest.mark.skipif(sys.version_info[:2] != (3, 12), reason="needs a Python 3.12 to be found")
+@pytest.mark.parametrize("home", ["pyenv", "with a space"])
+def test_a_python_beside_the_path_is_found(tmp_path: Path, home: str) -> None:
+    for name in ("python", "python3", "python3.12"):
+        executable(tmp_path / "bin" / name, "#!/bin/sh\nexit 1\n")
+    executable(tmp_path / home / "versions/3.12.1/bin/python3.12", f'#!/bin/sh\nexec "{BASE_PYTHON}" "$@"\n')
+    places = {"HOME": str(tmp_path), "PYENV_ROOT": str(tmp_path / home), "PATH": f"{tmp_path / 'bin'}:/usr/bin:/bin"}
+    found = find_python("live", **places)
+    assert found.returncode == 0
+    assert Path(found.stdout.strip()).is_file()
+
+
+def test_none_means_none() -> None:
+    assert find_python("live", PYTHON_ROS="none").returncode == 3
+
+
+def test_an_unsuitable_choice_is_not_replaced() -> None:
+    found = find_python("headless", PYTHON="/bin/false")
+    assert (found.returncode, found.stdout) == (3, "")
+
+
+def test_a_python_without_venv_is_named_with_the_remedy(tmp_path: Path) -> None:
+    python = executable(tmp_path / "python3", "#!/bin/sh\necho /usr/bin/python3\nexit 4\n")
+    found = find_python("headless", PYTHON=str(python))
+    assert found.returncode == 3
+    assert "apt install python3-venv" in found.stderr
+
+
+def make(*arguments: str) -> subprocess.CompletedProcess[str]:
+    # A make that runs these tests would make this one a part of itself.
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS", "PYTHON"))}
+    return subprocess.run(
+        ("make", *arguments), cwd=ROOT, env=kept, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+def test_make_alone_prints_help() -> None:
+    done = make()
+    assert done.returncode == 0
+    assert [target for target in ("sim", "test", "test-oldest", "clean") if f"make {target}" not in done.stdout] == []
+
+
+@pytest.mark.parametrize("target", ["sim", "test", "lint"])
+def test_make_without_any_python_is_one_clear_line(target: str) -> None:
+    done = make(target, "PYTHON=/bin/false")
+    assert done.returncode != 0
+    ours = [line for line in done.stderr.splitlines() if not line.startswith("make: ***")]
+    assert len(ours) == 1
+    assert "no Python 3.10 or newer" in ours[0]
+
+
+def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
+    done = make("test-oldest", "PYTHON_ROS=none")
+    assert done.returncode == 0
+    assert "left out" in done.stderr

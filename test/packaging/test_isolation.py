@@ -1,0 +1,74 @@
+"""A test run keeps its ROS traffic to itself, and says what it left out."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CONFTEST = Path(__file__).resolve().parents[1] / "conftest.py"
+TESTS = """
+import pytest
+
+@pytest.mark.ros
+@pytest.mark.parametrize("number", range(3))
+def test_with_ros(number): ...
+
+@pytest.mark.slow
+def test_slow(): ...
+
+def test_quick(): ...
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    shutil.copy(CONFTEST, tmp_path)
+    (tmp_path / "test_parts.py").write_text(TESTS, encoding="utf-8")
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    ros\n    slow\n", encoding="utf-8")
+    return tmp_path
+
+
+def run_without_ros(project: Path, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    start = "import sys; sys.modules['rclpy'] = None; import pytest; sys.exit(pytest.main(sys.argv[1:]))"
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST", "LIE_RIGID_BODY"))}
+    command = (sys.executable, "-c", start, "-p", "no:cacheprovider", *options)
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return subprocess.run(
+        command, cwd=project, env=kept | alone | environment, capture_output=True, text=True, check=False
+    )
+
+
+def test_ros_tests_left_out_are_counted(project: Path) -> None:
+    done = run_without_ros(project)
+    assert done.returncode == 0
+    assert "1 passed, 3 skipped, 1 deselected" in done.stdout
+    assert done.stdout.splitlines()[-1].startswith("ROS part left out: 3 tests")
+
+
+def test_ros_that_should_be_there_is_missed(project: Path) -> None:
+    done = run_without_ros(project, LIE_RIGID_BODY_TEST_ROS="required")
+    assert done.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "should have rclpy" in done.stderr
+
+
+@pytest.mark.parametrize("options", [("--run-slow",), ("-m", "slow or not ros")])
+def test_slow_tests_run_when_asked_for(project: Path, options: tuple[str, ...]) -> None:
+    assert "2 passed" in run_without_ros(project, *options).stdout
+
+
+def test_domain_is_private() -> None:
+    assert 1 <= int(os.environ["ROS_DOMAIN_ID"]) <= 101
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert not Path(os.environ["ROS_LOG_DIR"]).is_relative_to(Path.home() / ".ros")
+
+
+@pytest.mark.ros
+def test_processes_started_by_a_test_share_its_domain() -> None:
+    script = "import rclpy; rclpy.init(); print(rclpy.get_default_context().get_domain_id()); rclpy.shutdown()"
+    done = subprocess.run((sys.executable, "-c", script), capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.strip() == os.environ["ROS_DOMAIN_ID"]

@@ -1,0 +1,81 @@
+"""The one executable, and the table of contents of the package."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+
+import lie_rigid_body
+from lie_rigid_body.__main__ import VERBS, main
+from lie_rigid_body.shipped import scenario_files
+
+
+def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out
+    assert [verb for verb in VERBS if verb not in said] == []
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"lie-rigid-body {lie_rigid_body.__version__}\n"
+
+
+def test_no_verb_prints_help_and_is_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("usage: lie-rigid-body VERB")
+
+
+@pytest.mark.parametrize("argv", [["fly"], ["--fly"], ["", "record"]])
+def test_unknown_verb_is_one_line(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(argv) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    assert repr(argv[0]) in said.err
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_explains_itself(verb: str) -> None:
+    if verb == "sim" and find_spec("rclpy") is None:
+        pytest.skip("rclpy is not installed")
+    command = (sys.executable, "-m", "lie_rigid_body", verb, "--help")
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert verb in done.stdout
+
+
+def test_sim_without_ros_says_what_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    for name in [name for name in sys.modules if name.startswith("lie_rigid_body.ros")]:
+        monkeypatch.delitem(sys.modules, name)
+    assert main(["sim"]) == 2
+    said = capsys.readouterr().err
+    assert len(said.splitlines()) == 1
+    assert "rclpy is not installed" in said
+
+
+def test_help_does_not_wait_for_numpy() -> None:
+    script = "import sys; from lie_rigid_body.__main__ import main; main(['--help']); sys.exit('numpy' in sys.modules)"
+    assert subprocess.run((sys.executable, "-c", script), capture_output=True, check=False).returncode == 0
+
+
+def test_public_names_are_there() -> None:
+    names = {name: getattr(lie_rigid_body, name) for name in lie_rigid_body.__all__}
+    assert [name for name, value in names.items() if name != "__version__" and value.__name__ != name] == []
+    assert set(dir(lie_rigid_body)) >= set(names)
+    assert not hasattr(lie_rigid_body, "Bicycle")
+
+
+def test_shipped_scenarios_are_files_by_name() -> None:
+    files = scenario_files()
+    assert "dzhanibekov" in files
+    assert list(files) == sorted(files)
+    assert [name for name, file in files.items() if file.name != f"{name}.yaml" or not file.is_file()] == []

@@ -1,0 +1,195 @@
+"""The rooms of the package and the doors between them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = "lie_rigid_body"
+SOURCES = Path(__file__).parent.parent / PACKAGE
+
+# What each room may import of the package besides itself and `errors`. A room is a folder or a module of the package,
+# and its own __init__ is the room "".
+SCENARIO = {"lie", "mechanics", "motion", "parameters", "shipped", "scenario"}
+EDGE = {"console", "interruption", "parameter_file"}
+MAY_IMPORT: dict[str, set[str]] = {
+    "errors": set(),
+    "lie": set(),
+    "mechanics": {"lie"},
+    "motion": {"lie", "mechanics"},
+    "parameters": set(),
+    "shipped": set(),
+    "interruption": set(),
+    "parameter_file": {"parameters", "shipped"},
+    "console": {"parameter_file"},
+    "scenario": SCENARIO - {"scenario"},
+    "simulation": SCENARIO,
+    "recording": SCENARIO | {"simulation"},
+    "cli": SCENARIO | EDGE | {"simulation", "recording"},
+    "ros": SCENARIO | EDGE | {"simulation", "recording"},
+    "": SCENARIO | {"simulation"},
+    "__main__": set(),
+}
+PURE = {"lie", "mechanics", "motion"}
+IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
+ROS = {"ament_index_python", "builtin_interfaces", "launch", "launch_ros", "rclpy", "rosidl_runtime_py"}
+ROS_SUFFIXES = ("_msgs", "_srvs", "_interfaces")
+MOTION = f"{PACKAGE}.motion"
+VERSION = f"{PACKAGE}.__version__"
+
+
+def source_modules() -> dict[str, Path]:
+    """Every module of the package by its full name."""
+    found = {}
+    for path in sorted(SOURCES.rglob("*.py")):
+        parts = path.relative_to(SOURCES.parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+MODULES = source_modules()
+
+
+def imports(source: str, module: str, *, is_package: bool = False) -> Iterator[str]:
+    """Every module that a source imports, wherever in it, by its full name."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                folder = module.split(".")[: -node.level + is_package or None]
+                base = ".".join([*folder, *([base] if base else [])])
+            for alias in node.names:
+                full = f"{base}.{alias.name}"
+                if full != VERSION:
+                    yield full if full in MODULES or (base == PACKAGE and alias.name in MAY_IMPORT) else base
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+            yield from (a.value for a in node.args if isinstance(a, ast.Constant) and isinstance(a.value, str))
+
+
+def room(module: str) -> str:
+    return module.removeprefix(PACKAGE).removeprefix(".").partition(".")[0]
+
+
+def head(module: str) -> str:
+    return module.partition(".")[0]
+
+
+def wall_between_rooms(module: str, target: str) -> bool:
+    return head(target) == PACKAGE and room(target) not in {room(module), "errors", *MAY_IMPORT.get(room(module), ())}
+
+
+def wall_around_ros(module: str, target: str) -> bool:
+    return room(module) != "ros" and (head(target) in ROS or head(target).endswith(ROS_SUFFIXES))
+
+
+def wall_around_mathematics(module: str, target: str) -> bool:
+    return room(module) in PURE and (head(target) in IMPURE or target.startswith("numpy.random"))
+
+
+def wall_around_referee(module: str, target: str) -> bool:
+    """The closed form and the moving chart know the contract they both fulfil, and nothing of each other."""
+    if not module.startswith(f"{MOTION}.") or not (target == MOTION or target.startswith(f"{MOTION}.")):
+        return False
+    return side(target) not in {side(module), "contract"}
+
+
+def side(module: str) -> str:
+    name = module.removeprefix(MOTION).removeprefix(".").partition(".")[0]
+    return {"": "both", "motion": "contract", "closed_form": "closed form"}.get(name, "moving chart")
+
+
+WALLS = (wall_between_rooms, wall_around_ros, wall_around_mathematics, wall_around_referee)
+
+
+def breaches(source: str, module: str, *, is_package: bool = False) -> list[str]:
+    """What a module imports and must not, as sentences."""
+    targets = sorted(set(imports(source, module, is_package=is_package)))
+    return [
+        f"{module} imports {target} through the {wall.__name__.replace('_', ' ')}"
+        for target in targets
+        for wall in WALLS
+        if wall(module, target)
+    ]
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_module_keeps_to_its_room(module: str) -> None:
+    path = MODULES[module]
+    assert room(module) in MAY_IMPORT, f"{module} is in a room that MAY_IMPORT does not know"
+    assert breaches(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py") == []
+
+
+@pytest.mark.parametrize(
+    ("module", "source", "wall"),
+    [
+        ("lie.so3", "from lie_rigid_body.mechanics import State", "rooms"),
+        ("lie.so3", "import lie_rigid_body.motion.moving_chart", "rooms"),
+        ("lie.so3", "from lie_rigid_body import State", "rooms"),
+        ("lie.so3", "from ..motion import moving_chart", "rooms"),
+        ("lie.so3", "def f():\n    from .. import scenario", "rooms"),
+        ("mechanics.state", "from lie_rigid_body import motion", "rooms"),
+        ("motion.moving_chart", "from lie_rigid_body.scenario import Scenario", "rooms"),
+        ("scenario", "from lie_rigid_body.simulation import simulate", "rooms"),
+        ("scenario", "from . import recording", "rooms"),
+        ("simulation", "from lie_rigid_body.recording.writer import Writer", "rooms"),
+        ("recording.writer", "from lie_rigid_body.cli import record", "rooms"),
+        ("cli.record", "from lie_rigid_body.ros import node", "rooms"),
+        ("cli.record", "import importlib\nimportlib.import_module('lie_rigid_body.ros.sim')", "rooms"),
+        ("ros.sim", "if True:\n    from lie_rigid_body.cli.record import main", "rooms"),
+        ("errors", "from lie_rigid_body.lie import so3", "rooms"),
+        ("shipped", "from lie_rigid_body.scenario import Scenario", "rooms"),
+        ("recording.writer", "from lie_rigid_body import parameter_file", "rooms"),
+        ("__main__", "from lie_rigid_body.cli.record import main", "rooms"),
+        ("cli.record", "import rclpy", "ros"),
+        ("recording.cdr", "from geometry_msgs.msg import PoseStamped", "ros"),
+        ("recording.cdr", "try:\n    import std_srvs.srv\nexcept ImportError:\n    pass", "ros"),
+        ("simulation", "from rclpy.node import Node", "ros"),
+        ("mechanics.state", "import os.path", "mathematics"),
+        ("lie.so3", "from time import monotonic", "mathematics"),
+        ("motion.moving_chart", "import numpy.random", "mathematics"),
+        ("motion.moving_chart", "from numpy.random import default_rng", "mathematics"),
+        ("lie.series", "from pathlib import Path", "mathematics"),
+        ("motion.closed_form.solution", "from lie_rigid_body.motion.tableau import Tableau", "referee"),
+        ("motion.closed_form.solution", "from lie_rigid_body.motion import MovingChart", "referee"),
+        ("motion.closed_form.solution", "from ..moving_chart import MovingChart", "referee"),
+        ("motion.moving_chart", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
+        ("motion.moving_chart", "from .closed_form.elliptic import rf", "referee"),
+        ("motion.motion", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
+    ],
+)
+def test_breach_is_found(module: str, source: str, wall: str) -> None:
+    found = breaches(source, f"{PACKAGE}.{module}")
+    assert len(found) == 1
+    assert found[0].endswith(wall)
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        (
+            "lie.so3",
+            "from lie_rigid_body.errors import InputError\nfrom lie_rigid_body.lie import series\nimport numpy",
+        ),
+        ("mechanics.state", "from ..lie import quaternion"),
+        ("motion.closed_form.solution", "from lie_rigid_body.motion.motion import nanoseconds\nfrom . import elliptic"),
+        ("motion.moving_chart", "from lie_rigid_body.motion.tableau import EULER"),
+        ("scenario", "from lie_rigid_body import parameters, shipped\nfrom lie_rigid_body.motion import ClosedForm"),
+        ("simulation", "from lie_rigid_body.scenario import Scenario\nimport time"),
+        ("recording.writer", "from lie_rigid_body.simulation import simulate\nimport mcap.writer\nimport os"),
+        ("cli.record", "from lie_rigid_body import __version__\nfrom lie_rigid_body.recording.writer import Writer"),
+        ("ros.sim", "import rclpy\nfrom geometry_msgs.msg import PoseStamped"),
+    ],
+)
+def test_open_door_is_no_breach(module: str, source: str) -> None:
+    assert breaches(source, f"{PACKAGE}.{module}") == []
+
+
+def test_relative_imports_of_a_package_start_in_itself() -> None:
+    source = "from .closed_form import ClosedForm\nfrom .moving_chart import MovingChart"
+    assert breaches(source, MOTION, is_package=True) == []
+    assert len(breaches("from ..scenario import Scenario", MOTION, is_package=True)) == 1
