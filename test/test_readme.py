@@ -1,0 +1,84 @@
+"""What the README shows works: its commands and its Python run, and what it says of ROS is what the node offers."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lie_rigid_body.scenario import PARAMETERS
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def commands(language: str, program: str) -> list[list[str]]:
+    lines = [line.removeprefix("$ ") for block in blocks(language) for line in block.splitlines()]
+    return [shlex.split(line, comments=True) for line in lines if line.removeprefix("$ ").startswith(program)]
+
+
+def test_headless_commands_run_in_their_order(tmp_path):
+    shown = commands("bash", "lie-rigid-body")
+    assert len(shown) >= 6
+    for _, *arguments in shown:
+        run = subprocess.run(
+            [sys.executable, "-m", "lie_rigid_body", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert run.returncode == 0, (arguments, run.stderr)
+    assert (tmp_path / "flips.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("code", blocks("python"))
+def test_python_runs(code):
+    exec(compile(code, "README.md", "exec"), {})
+
+
+def test_make_targets_exist():
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE)
+    shown = [words[1] for words in commands("bash", "make")]
+    assert shown == ["sim", "test"]
+    assert {*shown, "test-oldest"} <= set(targets)
+
+
+def test_ros_names_are_those_of_the_package():
+    setup = (ROOT / "setup.py").read_text()
+    for words in commands("console", "ros2 run"):
+        assert words[2] == "lie_rigid_body"
+        assert f'"{words[3]} = ' in setup
+    launched = [words[3] for words in commands("console", "ros2 launch")]
+    assert launched
+    assert all((ROOT / "launch" / name).is_file() for name in launched)
+    for words in commands("console", "ros2 launch"):
+        text = (ROOT / "launch" / words[3]).read_text()
+        assert all(f'"{argument.split(":=")[0]}"' in text for argument in words[4:])
+
+
+def test_parameter_table_names_every_parameter_with_its_default():
+    rows = [line for line in README.splitlines() if line.startswith("| `")]
+    for parameter in PARAMETERS:
+        row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
+        default = parameter.default
+        if isinstance(default, tuple):
+            shown = re.findall(r"-?[\d.]+", row.split("|")[3])
+            assert tuple(map(float, shown)) == default
+        elif isinstance(default, bool):
+            assert f"`{str(default).lower()}`" in row
+        else:
+            assert f"`{default}`" in row or f"`'{default}'`" in row
+
+
+def test_files_it_points_to_exist():
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", README):
+        assert (ROOT / target).is_file(), target
