@@ -32,14 +32,14 @@ def test_group_axioms(v, w):
     p, q = quaternion.exp(v), quaternion.exp(w)
     np.testing.assert_allclose(quaternion.multiply(p, quaternion.conjugate(p)), [0, 0, 0, 1], rtol=0, atol=1e-15)
     product = so3.exp(v) @ so3.exp(w)
-    np.testing.assert_allclose(quaternion.to_matrix(quaternion.multiply(p, q)), product, rtol=0, atol=3e-15)
-    np.testing.assert_allclose(product @ product.T, np.eye(3), rtol=0, atol=3e-15)
+    np.testing.assert_allclose(quaternion.to_matrix(quaternion.multiply(p, q)), product, rtol=0, atol=8e-15)
+    np.testing.assert_allclose(product @ product.T, np.eye(3), rtol=0, atol=8e-15)
 
 
 @given(vectors, vectors)
 def test_rotation_agrees_with_scipy(v, x):
     rotation = Rotation.from_rotvec(v)
-    np.testing.assert_allclose(so3.exp(v), rotation.as_matrix(), rtol=0, atol=3e-15)
+    np.testing.assert_allclose(so3.exp(v), rotation.as_matrix(), rtol=0, atol=8e-15)
     np.testing.assert_allclose(quaternion.rotate(quaternion.exp(v), x), rotation.apply(x), rtol=0, atol=2e-14)
     np.testing.assert_allclose(so3.log(so3.exp(v)), rotation.as_rotvec(), rtol=0, atol=1e-13)
 

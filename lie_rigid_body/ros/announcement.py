@@ -1,0 +1,93 @@
+"""What the node says at its start: what it simulates, where it publishes, how to listen."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lie_rigid_body.mechanics import RigidBody
+from lie_rigid_body.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Names:
+    """Full names of what the node offers, as remapped.
+
+    Parameters
+    ----------
+    node, pose, twist, scenario, reset : str
+    domain : int
+        The ROS domain.
+    """
+
+    node: str
+    pose: str
+    twist: str
+    scenario: str
+    reset: str
+    domain: int
+
+
+def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
+    """The text, of several lines."""
+    twist = "TwistStamped" if scenario.stamped_twist else "Twist"
+    lines = [
+        f"{names.node} simulates a torque-free rigid body",
+        f"  body      {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
+        f"  start     body rate {_numbers(scenario.initial_body_rate)} rad/s, "
+        f"attitude {_numbers(scenario.initial_attitude_xyzw)} (x y z w)",
+        f"  motion    {_motion(scenario)}",
+        f"publishes {scenario.rate:g} times a second, in ROS domain {names.domain}",
+        f"  {names.pose}  PoseStamped in {scenario.world_frame}",
+        f"  {names.twist}  {twist} in {scenario.body_frame}",
+        f"  {names.scenario}  the whole scenario, latched",
+        *([f"records {record_path}"] if record_path else []),
+        "listen and reset from another terminal",
+        *(f"  {command}" for command in commands(names)),
+        "Ctrl-C ends it.",
+    ]
+    return "\n".join(lines)
+
+
+def commands(names: Names) -> list[str]:
+    """Commands to listen with: those of ROS 2 where they are installed, else our own."""
+    if shutil.which("ros2"):
+        return [
+            f"ros2 topic echo {names.pose}",
+            f"ros2 service call {names.reset} std_srvs/srv/Trigger",
+        ]
+    listen = f"{_python()} -m lie_rigid_body.ros.listen"
+    return [f"{listen} --pose {names.pose}", f"{listen} --reset {names.reset}"]
+
+
+def _python() -> str:
+    """What another terminal has to type for this very Python."""
+    found = shutil.which("python")
+    return "python" if found and Path(found) == Path(sys.executable) else shlex.quote(sys.executable)
+
+
+def shape(body: RigidBody) -> str:
+    """What kind of top the body is, by its principal moments."""
+    small, middle, large = (float(m) for m in body.principal_moments)
+    alike = [bool(np.isclose(a, b, rtol=1e-12, atol=0.0)) for a, b in ((small, middle), (middle, large))]
+    return {
+        (True, True): "spherical top",
+        (True, False): "oblate symmetric top",
+        (False, True): "prolate symmetric top",
+        (False, False): "asymmetric top",
+    }[alike[0], alike[1]]
+
+
+def _motion(scenario: Scenario) -> str:
+    if scenario.motion == "closed_form":
+        return "closed_form, the exact solution"
+    return f"{scenario.motion}, stepper {scenario.method}, steps of at most {scenario.max_step:g} s"
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return " ".join(f"{value:g}" for value in values)

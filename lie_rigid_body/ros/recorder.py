@@ -1,0 +1,49 @@
+"""The bag of a live run, kept whole on the disk but for its last moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.simulation import Samples, Segment
+
+FLUSH_INTERVAL_NS: Final = 500_000_000
+"""Half of the second that a crash may cost, so that a busy machine keeps the promise as well."""
+_NEVER: Final = 2**63
+
+
+class Recorder:
+    """An outlet into a bag, whose chunks end by the steady clock.
+
+    Parameters
+    ----------
+    bag : BagWriter
+    """
+
+    def __init__(self, bag: BagWriter) -> None:
+        self._bag = bag
+        self._unsafe = False
+        self._flush_due_ns: int | None = None
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Record the scenario."""
+        self._bag.begin_segment(segment)
+        self._unsafe = True
+
+    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
+        """Record samples."""
+        self._bag.write(samples, poses, twists)
+        self._unsafe = True
+
+    def tick(self, steady_ns: int, lateness_ns: int) -> int:
+        """End the chunk when it is half a second old."""
+        if not self._unsafe:
+            return _NEVER
+        if self._flush_due_ns is None:
+            self._flush_due_ns = steady_ns + FLUSH_INTERVAL_NS
+        if steady_ns >= self._flush_due_ns:
+            self._bag.flush()
+            self._unsafe, self._flush_due_ns = False, None
+            return _NEVER
+        return self._flush_due_ns - steady_ns

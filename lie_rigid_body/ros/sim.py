@@ -1,0 +1,157 @@
+"""``sim``: the live node."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Final
+
+from lie_rigid_body import console
+from lie_rigid_body.errors import BagError, InputError, ParameterError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros.arguments import Arguments, parse
+
+if TYPE_CHECKING:
+    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.ros.announcement import Names
+    from lie_rigid_body.ros.node import SimulatorNode
+
+NEEDED: Final = ("rclpy", "geometry_msgs", "std_msgs", "std_srvs")
+
+
+@console.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the node until SIGINT or SIGTERM.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit status: 0 when asked to end, 2 when the input is unusable or the bag can no longer be written.
+    """
+    given = parse(sys.argv[1:] if argv is None else argv)
+    _require_ros()
+    _require_readable(given)
+    interruption = Interruption()
+    interruption.install()
+    try:
+        _simulate(given, interruption)
+    finally:
+        interruption.ignore()
+    return console.SUCCESS
+
+
+def _require_ros() -> None:
+    missing = [name for name in NEEDED if not _is_installed(name)]
+    if missing:
+        raise InputError(
+            f"{missing[0]} is not installed: with ROS 2 Jazzy from apt, source /opt/ros/jazzy/setup.bash; elsewhere, "
+            "with Python 3.12 on Linux, pip install '.[ros]'; or use 'record', which needs no ROS"
+        )
+
+
+def _is_installed(name: str) -> bool:
+    try:
+        return find_spec(name) is not None
+    except ValueError:  # None in sys.modules
+        return False
+
+
+def _require_readable(given: Arguments) -> None:
+    """Say what is wrong with ROS parameters more clearly than rclpy would."""
+    from lie_rigid_body.parameter_file import parse_assignment, read_sections
+
+    for path in given.ros_params_files:
+        read_sections(path)
+    for text in given.ros_assignments:
+        parse_assignment(text)
+
+
+def _simulate(given: Arguments, interruption: Interruption) -> None:
+    from lie_rigid_body.parameter_file import gather
+    from lie_rigid_body.ros.node import SimulatorNode
+    from lie_rigid_body.ros.spinning import initialised, spinning
+
+    if interruption.requested:
+        return
+    with initialised(given.ros):
+        node = SimulatorNode(partial(gather, given.scenario, given.params_files, given.assignments))
+        path = str(node.parameters.held()["record_path"])
+        with spinning(node), _settled(node), _recording(node, path) as bag:
+            _run(node, bag, interruption)
+        node.destroy_node()
+
+
+def _run(node: SimulatorNode, bag: BagWriter | None, interruption: Interruption) -> None:
+    from lie_rigid_body.ros.announcement import announcement
+    from lie_rigid_body.ros.live_run import LiveRun
+    from lie_rigid_body.ros.mailbox import Mailbox
+    from lie_rigid_body.ros.recorder import Recorder
+    from lie_rigid_body.simulation import Simulation
+
+    scenario = node.parameters.scenario()
+    mailbox = Mailbox()
+    simulation = Simulation(scenario, scenario.epoch_ns or time.time_ns())
+    run = LiveRun(simulation, [node.publisher, *([Recorder(bag)] if bag else [])], mailbox, interruption)
+    node.serve(lambda start: mailbox.request(lambda: run.reset(start)))
+    _say(announcement(scenario, _names(node), str(bag.path) if bag else ""))
+    try:
+        run.run()
+    finally:
+        mailbox.close()
+
+
+@contextmanager
+def _recording(node: SimulatorNode, path: str) -> Iterator[BagWriter | None]:
+    """Keep the bag of ``record_path`` open, and finish it whatever happens."""
+    if not path:
+        yield None
+        return
+    with _open_bag(node, path) as bag:
+        yield bag
+    _say(f"recorded {bag.sample_count} samples; certify them with: {console.program('check')} {path}")
+
+
+def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
+    from lie_rigid_body.recording.bag_writer import BagWriter
+
+    if os.path.lexists(path):
+        raise ParameterError("record_path", f"{path} exists and is kept: give another name, or move it away")
+    pose, twist, scenario = node.publisher.topics
+    stamped = node.parameters.scenario().stamped_twist
+    try:
+        return BagWriter(path, stamped_twist=stamped, pose_topic=pose, twist_topic=twist, scenario_topic=scenario)
+    except BagError as error:
+        raise ParameterError("record_path", str(error)) from None
+
+
+@contextmanager
+def _settled(node: SimulatorNode) -> Iterator[None]:
+    """Let the last samples arrive before rclpy forgets them."""
+    yield
+    node.publisher.finish()
+
+
+def _names(node: SimulatorNode) -> Names:
+    from lie_rigid_body.ros.announcement import Names
+
+    pose, twist, scenario = node.publisher.topics
+    domain = node.context.get_domain_id()
+    return Names(node.get_fully_qualified_name(), pose, twist, scenario, node.reset_service, domain)
+
+
+def _say(text: str) -> None:
+    """Print, unless nobody listens: the node's work is on its topics."""
+    try:
+        print(text, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

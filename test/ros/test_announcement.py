@@ -1,0 +1,43 @@
+"""What the node says at its start is what it does."""
+
+from __future__ import annotations
+
+import pytest
+
+from lie_rigid_body import RigidBody
+from lie_rigid_body.ros.announcement import Names, announcement, shape
+from lie_rigid_body.scenario import Scenario
+
+NAMES = Names("/a/top", "/a/truth", "/a/twist", "/a/top/scenario", "/a/top/reset", 42)
+
+
+@pytest.mark.parametrize(
+    ("moments", "name"),
+    [
+        ([1.0, 1.0, 1.0], "spherical"),
+        ([1.0, 1.0, 1.5], "oblate"),
+        ([1.5, 1.0, 1.5], "prolate"),
+        ([1.0, 2.0, 3.0], "asymmetric"),
+        ([1.0, 1.0 + 1e-6, 1.5], "asymmetric"),
+    ],
+)
+def test_tops_by_their_shape(moments: list[float], name: str) -> None:
+    assert shape(RigidBody(moments)).startswith(name)
+
+
+def test_names_numbers_and_files_are_told() -> None:
+    scenario = Scenario.from_parameters(
+        {"inertia": [1, 2, 2.5], "rate": 250, "stamped_twist": False, "world_frame": "map"}
+    )
+    text = announcement(scenario, NAMES, "/tmp/a.mcap")
+    for word in ("1 2 2.5 kg m²", "250 times", "domain 42", "rkmk4", "in map", " Twist in", "records /tmp/a.mcap"):
+        assert word in text
+    for name in (NAMES.node, NAMES.pose, NAMES.twist, NAMES.scenario, NAMES.reset):
+        assert name in text
+
+
+def test_no_bag_is_told_of_where_there_is_none() -> None:
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    text = announcement(scenario, NAMES, "")
+    assert "records" not in text
+    assert "rkmk4" not in text

@@ -1,0 +1,178 @@
+"""The loop without ROS and without waiting: a steady clock that the test holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from threading import Thread
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros.live_run import LARGEST_BURST, STEPS_PER_BURST, LiveRun, largest_burst
+from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Samples, Segment, Simulation
+
+NS = 1_000_000_000
+
+
+class Outlet:
+    """Keeps what comes, and asks the run to end after a number of samples."""
+
+    def __init__(self, interruption: Interruption, enough: int) -> None:
+        self.interruption = interruption
+        self.enough = enough
+        self.events: list[Segment | list[int]] = []
+        self.latest: list[int] = []
+
+    def begin_segment(self, segment: Segment) -> None:
+        self.events.append(segment)
+
+    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
+        assert len(poses) == len(twists) == len(samples.stamps_ns)
+        self.events.append(samples.stamps_ns.tolist())
+        self.interruption.requested = len(self.stamps) >= self.enough
+
+    def tick(self, steady_ns: int, lateness_ns: int) -> int:
+        self.latest.append(lateness_ns)
+        return 2**63
+
+    @property
+    def stamps(self) -> list[int]:
+        return [stamp for event in self.events if isinstance(event, list) for stamp in event]
+
+    @property
+    def segments(self) -> list[Segment]:
+        return [event for event in self.events if isinstance(event, Segment)]
+
+
+class FakeTime(Mailbox):
+    """A mailbox whose waiting moves the clock, by more than was asked for now and then."""
+
+    def __init__(self, stalls: dict[int, int], calls: dict[int, Call[object]] | None = None) -> None:
+        super().__init__()
+        self.now = 5 * NS
+        self.stalls = stalls
+        self.calls = calls or {}
+        self.waits: list[float] = []
+
+    def steady(self) -> int:
+        return self.now
+
+    def wait(self, seconds: float) -> Call[object] | None:
+        self.waits.append(seconds)
+        self.now += max(0, round(seconds * NS)) + self.stalls.get(len(self.waits), 0)
+        return self.calls.pop(len(self.waits), None)
+
+
+def run(time: FakeTime, enough: int, **parameters: object) -> Outlet:
+    interruption = Interruption()
+    outlet = Outlet(interruption, enough)
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
+    LiveRun(simulation, [outlet], time, interruption, time.steady).run()
+    return outlet
+
+
+@pytest.mark.parametrize("rate", [0.1, 100.0, 333.0, 1000.0, 12345.0])
+def test_every_sample_comes_once_and_in_time(rate: float) -> None:
+    outlet = run(FakeTime({}), 500, rate=rate)
+    assert outlet.stamps[:500] == [NS + round(k * NS / rate) for k in range(500)]
+    assert max(outlet.latest) < 2_000_000
+    assert isinstance(outlet.events[0], Segment)
+
+
+def test_stall_loses_nothing_and_comes_in_bursts() -> None:
+    outlet = run(FakeTime({10: 30 * NS}), 4000)
+    assert set(np.diff(outlet.stamps).tolist()) == {10_000_000}
+    bursts = [len(event) for event in outlet.events if isinstance(event, list)]
+    assert max(bursts) == LARGEST_BURST
+    assert sum(bursts[9:25]) > 3000
+    assert max(outlet.latest) == pytest.approx(30 * NS, rel=0.01)
+
+
+def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
+    slow, fast = FakeTime({}), FakeTime({})
+    run(slow, 100, rate=50.0)
+    run(fast, 5000, rate=1e5)
+    assert {round(w, 9) for w in slow.waits} == {0.02}
+    assert {round(w, 9) for w in fast.waits} == {0.001}
+
+
+def test_reset_begins_with_the_next_sample() -> None:
+    time = FakeTime({})
+    interruption = Interruption()
+    outlet = Outlet(interruption, 100)
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}), NS)
+    live = LiveRun(simulation, [outlet], time, interruption, time.steady)
+    time.calls[20] = Call(lambda: live.reset(Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})))
+    live.run()
+    _, second = outlet.segments
+    assert second.start_ns == NS + 20 * 10_000_000
+    assert outlet.events.index(second) == 1 + 20
+    assert outlet.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
+    assert outlet.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
+    assert second.scenario.initial_body_rate == (0.0, 0.0, 9.0)
+
+
+def test_failed_reset_is_answered_and_changes_nothing() -> None:
+    def fail() -> None:
+        raise InputError("no")
+
+    call: Call[object] = Call(fail)
+    outlet = run(FakeTime({}, {20: call}), 100)
+    assert len(outlet.segments) == 1
+    assert set(np.diff(outlet.stamps).tolist()) == {10_000_000}
+    with pytest.raises(InputError, match="no"):
+        call.result()
+
+
+def test_failed_recording_is_answered_and_ends_the_run() -> None:
+    def fail() -> None:
+        raise BagError("full")
+
+    call: Call[object] = Call(fail)
+    with pytest.raises(BagError, match="full"):
+        run(FakeTime({}, {20: call}), 100)
+    with pytest.raises(BagError, match="full"):
+        call.result()
+
+
+@pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BURST), (1e-4, 20), (1e-7, 1)])
+def test_bursts_are_bounded_by_their_work(max_step: float, most: int) -> None:
+    scenario = Scenario.from_parameters({"rate": 100.0, "max_step": max_step})
+    assert largest_burst(scenario) == most
+    assert most * 0.01 / max_step <= STEPS_PER_BURST or most == 1
+
+
+def test_call_from_another_thread_is_carried_out_by_the_owner() -> None:
+    mailbox = Mailbox()
+    results: list[object] = []
+    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
+    asking.start()
+    call = mailbox.wait(10.0)
+    assert call is not None
+    call.carry_out()
+    asking.join(10.0)
+    assert results == [42]
+
+
+def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
+    mailbox = Mailbox()
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            mailbox.request(lambda: None)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask)
+    asking.start()
+    while mailbox._calls.empty():
+        pass
+    mailbox.close()
+    asking.join(10.0)
+    ask()
+    assert len(errors) == 2

@@ -1,0 +1,196 @@
+"""What other nodes see and may do: parameters, services, names and the latched scenario."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from importlib.util import find_spec
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from simulator_process import DEADLINE, SimulatorProcess
+
+from lie_rigid_body.scenario import PARAMETERS
+from lie_rigid_body.simulation import Segment
+
+if find_spec("rclpy"):
+    import rclpy
+    from geometry_msgs.msg import PoseStamped, Twist
+    from peer import LATCHED, Peer
+    from rclpy.parameter_client import AsyncParameterClient
+    from rclpy.qos import ReliabilityPolicy
+    from std_msgs.msg import String
+    from std_srvs.srv import Trigger
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture(scope="module", autouse=True)
+def ros(isolated_ros: None) -> Iterator[None]:
+    rclpy.init(args=[])
+    yield
+    rclpy.shutdown()
+
+
+@pytest.fixture(scope="module")
+def simulator() -> Iterator[SimulatorProcess]:
+    with SimulatorProcess("--scenario", "dzhanibekov", "-p", "inertia:=[1, 2, 2.5]") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def peer(simulator: SimulatorProcess) -> Iterator[Peer]:
+    peer = Peer("peer")
+    yield peer
+    peer.node.destroy_node()
+
+
+@pytest.fixture(scope="module")
+def parameters(peer: Peer) -> AsyncParameterClient:
+    client = AsyncParameterClient(peer.node, "/lie_rigid_body")
+    assert client.wait_for_services(DEADLINE)
+    return client
+
+
+def test_late_joiner_gets_the_scenario(peer: Peer) -> None:
+    for _ in range(2):
+        messages = peer.listen(String, "/lie_rigid_body/scenario", LATCHED)
+        peer.spin_until(lambda found=messages: found, "the latched scenario")
+        segment = Segment.from_json(messages[0].data)
+        assert segment.scenario.inertia == (1.0, 2.0, 2.5)
+        assert abs(segment.scenario.epoch_ns - time.time_ns()) < 600e9
+
+
+def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClient) -> None:
+    listed = peer.wait_for(parameters.list_parameters([], 0)).result.names
+    names = [parameter.name for parameter in PARAMETERS]
+    assert set(names) <= set(listed)
+    described = dict(zip(names, peer.wait_for(parameters.describe_parameters(names)).descriptors, strict=True))
+    assert [name for name in names if not described[name].description] == []
+    [rate] = described["rate"].floating_point_range
+    assert (rate.from_value, rate.to_value) == (1e-6, 1e9)
+    assert len(described["max_step"].floating_point_range) == 1
+    assert len(described["epoch_ns"].integer_range) == 1
+    assert {name for name in names if described[name].read_only} == {"stamped_twist", "epoch_ns", "record_path"}
+    assert "next ~/reset" in described["inertia"].additional_constraints
+    assert "closed_form" in described["motion"].additional_constraints
+    assert "rad/s" in described["initial_body_rate"].description
+
+
+def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient) -> None:
+    assert peer.values(parameters, "inertia") == [pytest.approx([1.0, 2.0, 2.5])]
+    assert peer.set_together(rate=50, inertia=[2, 3, 4]).successful
+    inertia, rate = peer.values(parameters, "inertia", "rate")
+    assert (list(inertia), rate) == ([2.0, 3.0, 4.0], 50.0)
+    assert isinstance(rate, float)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"rate": -1.0}, "rate"),
+        ({"rate": "fast"}, "DOUBLE"),
+        ({"inertia": [1.0, 1.0, 3.0]}, "triangle inequality"),
+        ({"inertia": [1.0, 1.0]}, "3 or 6"),
+        ({"inertia": [1.0, float("nan"), 1.0]}, "finite"),
+        ({"initial_attitude_xyzw": [0.0, 0.0, 0.0, 0.0]}, "norm 0"),
+        ({"motion": "perpetual"}, "moving_chart, closed_form"),
+        ({"max_step": 10.0, "rate": 0.01}, "max_step"),
+        ({"world_frame": "/world"}, "slash"),
+        ({"stamped_twist": False}, "read-only"),
+        ({"record_path": "/tmp/x.mcap"}, "read-only"),
+        ({"speed": 1.0}, "undeclared"),
+        ({"body_frame": "good", "inertia": [0.0, 1.0, 1.0]}, "positive"),
+    ],
+)
+def test_bad_change_is_refused_with_the_reason(
+    peer: Peer, parameters: AsyncParameterClient, changes: dict[str, Any], reason: str
+) -> None:
+    known = [name for name in changes if name != "speed"]
+    before = peer.values(parameters, *known)
+    result = peer.set_together(**changes)
+    assert not result.successful
+    assert reason in result.reason
+    assert peer.values(parameters, *known) == before
+
+
+def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:
+    scenarios = peer.listen(String, "/lie_rigid_body/scenario", LATCHED)
+    poses = peer.listen(PoseStamped, "/pose")
+    peer.spin_until(lambda: scenarios and poses, "the scenario and a pose")
+    change = {"world_frame": "map", "initial_attitude_xyzw": [1.0, 0.0, 0.0, 0.0], "rate": 40.0}
+    assert peer.set_together(**change).successful
+    count = len(poses)
+    peer.spin_until(lambda: len(poses) > count + 20, "more poses")
+    assert {pose.header.frame_id for pose in poses} == {"world"}
+    answer = peer.reset()
+    assert answer.success
+    peer.spin_until(lambda: len(scenarios) > 1 and poses[-1].header.frame_id == "map", "the new scenario")
+    segment = Segment.from_json(scenarios[-1].data)
+    assert str(segment.start_ns) in answer.message
+    assert (segment.scenario.world_frame, segment.scenario.rate) == ("map", 40.0)
+    peer.spin_until(lambda: len([p for p in poses if p.header.frame_id == "map"]) > 5, "poses of the new motion")
+    stamps = [pose.header.stamp.sec * 10**9 + pose.header.stamp.nanosec for pose in poses]
+    assert all(a < b for a, b in pairwise(stamps))
+    first = poses[stamps.index(segment.start_ns)]
+    assert first.header.frame_id == "map"
+    assert first.pose.orientation.x == 1.0
+    assert stamps[stamps.index(segment.start_ns) + 1] - segment.start_ns == 25_000_000
+
+
+def test_announced_commands_work(simulator: SimulatorProcess) -> None:
+    """Without the ros2 command line they are our own; with it, they are not ours to test."""
+    listen, reset = (
+        line.strip() for line in simulator.said if "--pose" in line or "--reset" in line or "ros2 " in line
+    )
+    if listen.startswith("ros2 "):
+        pytest.skip("the ros2 command line is installed, and announced")
+    done = subprocess.run(shlex.split(reset), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "begins the motion anew" in done.stdout
+    with subprocess.Popen(shlex.split(listen), stdout=subprocess.PIPE, text=True) as listener:
+        assert listener.stdout is not None
+        line = listener.stdout.readline()
+        listener.send_signal(signal.SIGINT)
+        assert listener.wait(DEADLINE) == 0
+    assert re.match(r"\d+\.\d{9} s  x [-+]\d\.\d{6}  y ", line)
+
+
+def test_names_and_types_are_the_users(peer: Peer) -> None:
+    arguments = ["--ros-args", "-r", "__ns:=/a", "-r", "__node:=top", "-r", "pose:=truth", "-p", "stamped_twist:=false"]
+    poses = peer.listen(PoseStamped, "/a/truth")
+    twists = peer.listen(Twist, "/a/twist")
+    scenarios = peer.listen(String, "/a/top/scenario", LATCHED)
+    with SimulatorProcess(*arguments) as other:
+        peer.spin_until(lambda: poses and twists and scenarios, "renamed topics")
+        assert peer.answer(Trigger, "/a/top/reset", Trigger.Request()).success
+        assert any("/a/truth" in line for line in other.said)
+        assert any("/a/top" in line for line in other.said)
+    assert twists[0].angular.y == pytest.approx(1.0, abs=0.1)
+    assert not Segment.from_json(scenarios[0].data).scenario.stamped_twist
+
+
+def test_topics_are_reliable_and_stamped_by_default(peer: Peer) -> None:
+    for topic, kind in (("/pose", "geometry_msgs/msg/PoseStamped"), ("/twist", "geometry_msgs/msg/TwistStamped")):
+        found = peer.node.get_publishers_info_by_topic(topic)
+        assert {(info.topic_type, info.qos_profile.reliability) for info in found} == {
+            (kind, ReliabilityPolicy.RELIABLE)
+        }
+
+
+def test_own_options_give_way_to_ros_arguments_and_later_files(peer: Peer, tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    for_all, for_one = "rate: 20.0, body_frame: from_file", "rate: 21.0"
+    file.write_text(f"/**: {{ros__parameters: {{{for_all}}}}}\ntop: {{ros__parameters: {{{for_one}}}}}\n")
+    own = ["--scenario", "dzhanibekov", "--params-file", str(file), "-p", "world_frame:=own"]
+    with SimulatorProcess(*own, "--ros-args", "-r", "__node:=top", "-p", "world_frame:=ros"):
+        scenarios = peer.listen(String, "/top/scenario", LATCHED)
+        peer.spin_until(lambda: scenarios, "the scenario")
+    scenario = Segment.from_json(scenarios[0].data).scenario
+    assert (scenario.world_frame, scenario.body_frame, scenario.rate) == ("ros", "from_file", 21.0)
