@@ -162,12 +162,11 @@ def _decoded(path: Path, track: Track, decode: Callable[[], T]) -> T:
 
 
 def _find(path: Path, contents: McapTracks, ending: str, *types: str) -> Track:
-    """The one track of these types whose topic has the given last name."""
-    found = [
-        track
-        for (topic, message_type), track in contents.tracks.items()
-        if message_type in types and topic.rpartition("/")[2] == ending
-    ]
+    """The one track of these types whose topic has the given last name, or else the only one of these types."""
+    alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
+    found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
+    if not found and len(alike) == 1:
+        found = alike  # remapped
     if not found:
         raise BagError(f"{path} has no topic .../{ending} of type {' or '.join(types)}; it has {_list(contents)}")
     if len(found) > 1:

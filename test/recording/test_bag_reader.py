@@ -188,6 +188,14 @@ def test_topics_of_several_bodies_are_refused(make_bag: MakeBag, tmp_path: Path)
         read_bag(bag)
 
 
+def test_remapped_topics_are_found_by_their_types(make_bag: MakeBag, tmp_path: Path) -> None:
+    own = make_bag()
+    names = {"/pose": "/truth", "/twist": "/truth_rate"}
+    remapped = read_bag(rewrite(own, tmp_path / "x.mcap", lambda topic: names.get(topic, topic)))
+    assert (remapped.poses.topic, remapped.twists.topic) == ("/truth", "/truth_rate")
+    np.testing.assert_array_equal(remapped.poses.attitudes_xyzw, read_bag(own).poses.attitudes_xyzw)
+
+
 def test_a_topic_without_messages_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", keep=lambda number, topic: topic != "/twist")
     with pytest.raises(BagError, match="no message on /twist"):
