@@ -135,6 +135,16 @@ class Samples:
     stamps_ns: NDArray[np.int64]
     states: State
 
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def __getitem__(self, index: slice) -> Samples:
+        return Samples(self.stamps_ns[index], self.states[index])
+
+
+LOOK_AHEAD: Final = 64
+"""Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
+
 
 class Simulation:
     """Samples one after the other, across torque-free resets, on one rising sequence of stamps.
@@ -156,6 +166,8 @@ class Simulation:
         self._motion = scenario.make_motion()
         start = int(self._clock.stamps_ns(first, 1)[0])
         self._segment = Segment(scenario, first, start)
+        self._look_ahead = LOOK_AHEAD if scenario.motion == "closed_form" else 0
+        self._ready = self._samples(0)
 
     @property
     def segment(self) -> Segment:
@@ -174,10 +186,24 @@ class Simulation:
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples."""
-        stamps = self._clock.stamps_ns(self._next, count)
-        states = self._motion.at(stamps - self._segment.start_ns)
+        if count > len(self._ready):
+            self._ready = self._ahead(count)
+        taken, self._ready = self._ready[:count], self._ready[count:]
         self._next += count
-        return Samples(stamps, states)
+        return taken
+
+    def _ahead(self, count: int) -> Samples:
+        """At least the next ``count`` samples."""
+        if count < self._look_ahead:
+            try:
+                return self._samples(self._look_ahead)
+            except ParameterError:
+                pass  # the stamps end before that, though perhaps not before the samples that are wanted
+        return self._samples(count)
+
+    def _samples(self, count: int) -> Samples:
+        stamps = self._clock.stamps_ns(self._next, count)
+        return Samples(stamps, self._motion.at(stamps - self._segment.start_ns))
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample, which carries the initial state of ``scenario``.

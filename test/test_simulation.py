@@ -1,0 +1,125 @@
+"""The one simulation loop: stamps in exact arithmetic, states at the stamps, resets on one rising sequence."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lie_rigid_body import InputError, ParameterError
+from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import LOOK_AHEAD, SampleClock, Segment, Simulation
+
+MOTIONS = [{"motion": "closed_form"}, {"motion": "moving_chart", "max_step": 0.01}]
+
+
+def simulation(**parameters: object) -> Simulation:
+    return Simulation(Scenario.from_parameters(parameters))
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 1024.0, 37.0, 3.0, 0.3, 0.1, 59.94, 1e-6, 1e6])
+def test_stamps_are_those_of_the_definition(rate):
+    """Python rounds half to even, and so does the clock."""
+    epoch = 1_234_567_890_123_456_789
+    stamps = SampleClock(epoch, rate).stamps_ns(0, 300)
+    assert stamps.tolist() == [epoch + round(k * 1_000_000_000 / Fraction(repr(rate))) for k in range(300)]
+    if rate in (100.0, 200.0, 1024.0, 37.0, 3.0, 0.1):
+        assert stamps.tolist() == [epoch + round(k * 1e9 / rate) for k in range(300)]
+
+
+@given(st.integers(0, 10**12), st.sampled_from([3.0, 7.0, 48000.0, 0.7]))
+def test_far_stamps_lose_no_nanosecond(k, rate):
+    clock = SampleClock(0, rate)
+    exact = k * 1_000_000_000 / Fraction(repr(rate))
+    if exact <= MAX_EPOCH_NS:
+        assert abs(int(clock.stamps_ns(k, 1)[0]) - exact) <= Fraction(1, 2)
+
+
+def test_stamps_end_with_the_message_type():
+    clock = SampleClock(MAX_EPOCH_NS - 10_000_000, 100.0)
+    assert clock.stamps_ns(0, 2)[-1] == MAX_EPOCH_NS
+    with pytest.raises(ParameterError, match="beyond"):
+        clock.stamps_ns(0, 3)
+
+
+@pytest.mark.parametrize(
+    ("duration", "rate", "count"),
+    [("1", 100.0, 100), ("1.1", 100.0, 110), ("1.101", 100.0, 111), ("0.001", 100.0, 1), ("10", 0.3, 3), ("1", 3.0, 3)],
+)
+def test_samples_before_a_time(duration, rate, count):
+    clock = SampleClock(0, rate)
+    assert clock.count_before(Fraction(duration)) == count
+
+
+@pytest.mark.parametrize("parameters", MOTIONS)
+def test_how_samples_are_taken_makes_no_difference(parameters):
+    whole = simulation(**parameters, rate=59.94).take(200)
+    other = simulation(**parameters, rate=59.94)
+    parts = [other.take(n) for n in (1, 2, 0, LOOK_AHEAD - 1, LOOK_AHEAD, 1, 5)]
+    parts.append(other.take(200 - other.next_sample))
+    np.testing.assert_array_equal(whole.stamps_ns, np.concatenate([p.stamps_ns for p in parts]))
+    np.testing.assert_array_equal(whole.states.attitude_xyzw, np.concatenate([p.states.attitude_xyzw for p in parts]))
+    np.testing.assert_array_equal(whole.states.body_rate, np.concatenate([p.states.body_rate for p in parts]))
+
+
+@pytest.mark.parametrize("parameters", MOTIONS)
+def test_states_belong_to_their_stamps(parameters):
+    run = simulation(**parameters, rate=59.94, epoch_ns=10**18 + 7)
+    samples = run.take(50)
+    exact = Scenario.from_parameters({"motion": "closed_form"}).make_motion().at(samples.stamps_ns - (10**18 + 7))
+    np.testing.assert_allclose(samples.states.attitude_xyzw, exact.attitude_xyzw, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("parameters", MOTIONS)
+def test_a_reset_returns_to_the_start_and_stamps_go_on(parameters):
+    run = simulation(**parameters, rate=59.94)
+    before = run.take(10)
+    segment = run.reset(Scenario.from_parameters({**parameters, "rate": 59.94, "initial_body_rate": [0.0, 0.5, 0.1]}))
+    after = run.take(3)
+    whole = SampleClock(0, 59.94).stamps_ns(0, 13)
+    np.testing.assert_array_equal(np.concatenate([before.stamps_ns, after.stamps_ns]), whole)
+    assert (segment.first_sample, segment.start_ns) == (10, whole[10])
+    np.testing.assert_allclose(after.states.attitude_xyzw[0], [0, 0, 0, 1], rtol=0, atol=2e-16)
+    np.testing.assert_allclose(after.states.body_rate[0], [0.0, 0.5, 0.1], rtol=3e-16)
+
+
+def test_another_rate_begins_at_the_next_stamp():
+    run = simulation(rate=100.0)
+    run.take(5)
+    segment = run.reset(Scenario.from_parameters({"rate": 10.0}))
+    assert (segment.first_sample, segment.start_ns) == (0, 50_000_000)
+    assert run.take(3).stamps_ns.tolist() == [50_000_000, 150_000_000, 250_000_000]
+
+
+def test_look_ahead_does_not_end_a_run_before_its_last_stamp():
+    run = simulation(motion="closed_form", epoch_ns=MAX_EPOCH_NS - 20_000_000)
+    assert run.take(3).stamps_ns[-1] == MAX_EPOCH_NS
+    with pytest.raises(ParameterError, match="beyond"):
+        run.take(1)
+
+
+def test_a_segment_survives_its_json():
+    run = simulation(rate=59.94, inertia=[1.0, 0.1, -0.05, 1.4, 0.2, 1.9], world_frame="wörld")
+    run.take(7)
+    segment = run.reset(run.segment.scenario)
+    assert Segment.from_json(segment.to_json()) == segment
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        '{"first_sample": 0}',
+        '{"first_sample": -1, "start_ns": 0}',
+        '{"first_sample": 0, "start_ns": 0.5}',
+    ],
+)
+def test_other_texts_are_no_segment(text):
+    with pytest.raises(InputError, match="scenario message"):
+        Segment.from_json(text)
