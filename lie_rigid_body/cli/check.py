@@ -6,26 +6,15 @@ import json
 from collections.abc import Sequence
 from typing import Final
 
-from lie_rigid_body.cli import arguments
+from lie_rigid_body import console
 from lie_rigid_body.errors import InputError, ParameterError
 
 BROKEN: Final = 1
 
 
-@arguments.run
+@console.run
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the verb.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit status: 0 certified, 1 a law is broken, 2 unusable input.
-    """
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     inertia = None if given.inertia is None else _inertia(given.inertia)
 
@@ -38,11 +27,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(json.dumps(certificate_text.as_json(given.bag, certificate), indent=2, ensure_ascii=False))
     else:
         print(certificate_text.as_table(given.bag, certificate))
-    return arguments.SUCCESS if certificate.passed else BROKEN
+    return console.SUCCESS if certificate.passed else BROKEN
 
 
-def _parser() -> arguments.Parser:
-    parser = arguments.Parser("check", "Certify that a bag obeys the laws of torque-free motion, and how exactly.")
+def _parser() -> console.Parser:
+    parser = console.Parser("check", "Certify that a bag obeys the laws of torque-free motion, and how exactly.")
     parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
     parser.add_argument("--json", action="store_true", help="print the certificate for programs")
     parser.add_argument(

@@ -5,24 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from lie_rigid_body.cli import arguments
+from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 
 
-@arguments.run
+@console.run
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the verb.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
@@ -41,11 +30,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         out.abandon()
         raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
     print(f"wrote {given.out}")
-    return arguments.SUCCESS
+    return console.SUCCESS
 
 
-def _parser() -> arguments.Parser:
-    parser = arguments.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
+def _parser() -> console.Parser:
+    parser = console.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
     parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
     parser.add_argument("-o", "--out", metavar="OUT.png", required=True, help="the picture to write")
     parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")

@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body.cli import arguments
+from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 
@@ -30,20 +30,9 @@ _LARGEST_BATCH: Final = 1024
 _STEPS_PER_BATCH: Final = 10_000
 
 
-@arguments.run
+@console.run
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the verb.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     duration = _duration(given.duration)
 
@@ -52,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-    scenario = Scenario.from_parameters(arguments.parameters(given))
+    scenario = Scenario.from_parameters(console.parameters(given))
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
     out = Path(given.out)
@@ -64,10 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _report(bag, simulation, count, interruption, quiet=given.quiet)
 
 
-def _parser() -> arguments.Parser:
-    parser = arguments.Parser("record", "Write a bag of a scenario, without ROS.")
+def _parser() -> console.Parser:
+    parser = console.Parser("record", "Write a bag of a scenario, without ROS.")
     parser.add_argument("out", metavar="OUT.mcap", help="the file to write")
-    arguments.add_scenario_arguments(parser)
+    console.add_scenario_arguments(parser)
     parser.add_argument(
         "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
     )
@@ -132,16 +121,16 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
     done = bag.sample_count
     size = _size(os.path.getsize(bag.path))
     if done < count and interruption.requested:
-        arguments.complain(
-            arguments.program("record"), f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
+        console.complain(
+            console.program("record"), f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
         )
-        return arguments.INTERRUPTED
+        return console.INTERRUPTED
     if not quiet:
         clock = simulation.clock
         first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
         print(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
-        print(f"certify them with: {arguments.program('check')} {shlex.quote(str(bag.path))}")
-    return arguments.SUCCESS
+        print(f"certify them with: {console.program('check')} {shlex.quote(str(bag.path))}")
+    return console.SUCCESS
 
 
 def _seconds(stamp_ns: int) -> str:

@@ -6,30 +6,19 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from lie_rigid_body.cli import arguments
+from lie_rigid_body import console
 from lie_rigid_body.shipped import scenario_files
 
 
-@arguments.run
+@console.run
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the verb.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments; those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
-    parser = arguments.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    parser = console.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
     parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
     given = parser.parse_args(argv)
     entries = [_entry(name, path) for name, path in scenario_files().items()]
     print(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
-    return arguments.SUCCESS
+    return console.SUCCESS
 
 
 def _entry(name: str, path: Path) -> dict[str, object]:
