@@ -108,7 +108,7 @@ def _quadratic(v: Array, linear: Array, quadratic: Array) -> Array:
 
 
 def left_jacobian(v: ArrayLike) -> Array:
-    """J with d/dt exp(v) = hat(J v̇) exp(v), the ``dexp`` of SO(3) (Iserles et al., eq. B.11).
+    """J with d/dt exp(v) = hat(J v̇) exp(v), the ``dexp`` of SO(3) (Iserles et al., app. B).
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def right_jacobian(v: ArrayLike) -> Array:
 
 
 def left_jacobian_inverse(v: ArrayLike) -> Array:
-    """Inverse of `left_jacobian`, ``dexpinv``: the rate of the chart coordinates (Iserles et al., eq. B.12).
+    """Inverse of `left_jacobian`, ``dexpinv``: the rate of the chart coordinates (Iserles et al., app. B).
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 def exp(v: ArrayLike) -> Array:
-    """Rotation matrix of a rotation vector (Rodrigues; Iserles et al., eq. B.10).
+    """Rotation matrix of a rotation vector (Rodrigues; Iserles et al., app. B).
 
     Parameters
     ----------

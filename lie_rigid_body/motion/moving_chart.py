@@ -1,6 +1,6 @@
 """The moving chart: Euler's equations integrated in a chart that is re-centred on the attitude at every step.
 
-The chart of Lucas (arXiv 1111.1275, sec. 3) about the present attitude A₀ is A(α) = exp(αᵃTᵃ) A₀. At the start of each
+The chart of Lucas (arXiv 1111.1275) about the present attitude A₀ is A(α) = exp(αᵃTᵃ) A₀. At the start of each
 step α = 0; the step carries α by its rate dexp⁻¹ and the momentum by Euler's equations; then the end point becomes the
 new centre. As α never grows beyond one step, the coordinates never become singular. With Runge–Kutta in the chart this
 is the Runge–Kutta–Munthe-Kaas method (Iserles et al., Acta Numerica 9 (2000), sec. 4.2).
