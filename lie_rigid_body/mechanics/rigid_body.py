@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor, inertia_matrix, principal_decomposition, require_physical
+from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
 
 Array = NDArray[np.float64]
@@ -46,6 +47,31 @@ class RigidBody:
         self.inverse_inertia: Array = np.linalg.inv(self.inertia)
         for array in (self.inertia, self.inverse_inertia, self.principal_moments, self.principal_axes):
             array.setflags(write=False)
+
+    @classmethod
+    def from_second_moment(cls, second_moment: ArrayLike) -> RigidBody:
+        """The body with a given second moment K about its centre of mass, of inertia tr(K) 1 − K.
+
+        Parameters
+        ----------
+        second_moment : array_like, shape (3, 3)
+            K = ∫ρ x xᵀ in the body frame, kg m².
+
+        Returns
+        -------
+        RigidBody
+
+        Raises
+        ------
+        InputError
+            If K is not symmetric or not positive semidefinite, or its rank is below 2 (a rod, a point).
+        """
+        return cls(inertia_from_second_moment(second_moment))
+
+    @property
+    def second_moment(self) -> Array:
+        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M about the centre of mass in the body frame, shape (3, 3), kg m²."""
+        return second_moment_from_inertia(self.inertia)
 
     def __repr__(self) -> str:
         return f"RigidBody({self.inertia.tolist()})"

@@ -16,13 +16,16 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.lie import scalar
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.inertia import apply_tensor
+from lie_rigid_body.motion.chart_integrator import ChartIntegrator
 from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.stepper import Field, Point, RungeKuttaStepper
+from lie_rigid_body.motion.rotation_chart import RotationChart
+from lie_rigid_body.motion.stepper import RungeKuttaStepper
 from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
 
 METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
@@ -57,15 +60,11 @@ class MovingChart:
         require_stepper(method, max_step)
         if start.body_rate.ndim != 1:
             raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
-        self._stepper = METHODS[method]
-        self._max_step = float(max_step)
-        self._field = _chart_field(body)
-        self._body = body
-        self._time_ns = 0
         x, y, z, w = start.attitude_xyzw.tolist()
-        self._attitude: scalar.Quaternion = (x, y, z, w)
-        self._momentum: Point = body.body_momentum(start).tolist()
-        self._start = start
+        self._body, self._start = body, start
+        self._integrator: ChartIntegrator[scalar.Quaternion] = ChartIntegrator(
+            METHODS[method], RotationChart(body), (x, y, z, w), body.body_momentum(start).tolist(), max_step
+        )
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times.
@@ -87,38 +86,17 @@ class MovingChart:
         """
         times = nanoseconds(t_ns)
         flat = np.atleast_1d(times).tolist()
-        self._require_forward(flat)
-        attitudes, rates = np.empty((len(flat), 4)), np.empty((len(flat), 3))
-        inverse = self._body.inverse_inertia.tolist()
-        for i, t in enumerate(flat):
-            self._advance_to(t)
-            attitudes[i] = self._attitude
-            rates[i] = _times(inverse, self._momentum) if t else self._start.body_rate
-        states = State.trusted(attitudes, rates)
+        attitudes, momenta = np.empty((len(flat), 4)), np.empty((len(flat), 3))
+        for i, (attitude, momentum) in enumerate(self._integrator.through(flat)):
+            attitudes[i], momenta[i] = attitude, momentum
+        states = State.trusted(attitudes, self._rates(np.array(flat), momenta))
         return states if times.ndim else states[0]
 
-    def _require_forward(self, times: list[int]) -> None:
-        previous = self._time_ns
-        for t in times:
-            if t < previous:
-                raise InputError(
-                    f"t_ns {t} lies before {previous}, which is already reached: give times that do not decrease, "
-                    "or start a new MovingChart"
-                )
-            previous = t
-
-    def _advance_to(self, t_ns: int) -> None:
-        span = 1e-9 * (t_ns - self._time_ns)
-        steps = math.ceil(span / self._max_step - 1e-9)
-        for _ in range(steps):
-            self._step(span / steps)
-        self._time_ns = t_ns
-
-    def _step(self, h: float) -> None:
-        end = self._stepper.step(self._field, [0.0, 0.0, 0.0, *self._momentum], h)
-        x, y, z, *self._momentum = end
-        # the chart moves on: its centre is the attitude just reached
-        self._attitude = scalar.renormalize(scalar.multiply(self._attitude, scalar.exp((x, y, z))))
+    def _rates(self, times: NDArray[np.int64], momenta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """ω = M⁻¹π, and at the start the very numbers that were given."""
+        rates = apply_tensor(self._body.inverse_inertia, momenta)
+        rates[times == 0] = self._start.body_rate
+        return rates
 
 
 def require_stepper(method: str, max_step: float) -> None:
@@ -133,22 +111,3 @@ def require_stepper(method: str, max_step: float) -> None:
         raise ParameterError("method", f"{method!r} is unknown: choose one of {', '.join(METHODS)}")
     if not (max_step > 0.0 and math.isfinite(max_step)):
         raise ParameterError("max_step", f"{max_step!r} s is not a positive finite time: give for example 0.001")
-
-
-def _chart_field(body: RigidBody) -> Field:
-    """The rate of (β, π): the chart rate dexp⁻¹ ω and Euler's equations π̇ = π × ω, with ω = M⁻¹π."""
-    (a, b, c), (_, d, e), (_, _, f) = body.inverse_inertia.tolist()
-    dexpinv = scalar.right_dexpinv
-
-    def field(point: Point) -> Point:
-        bx, by, bz, px, py, pz = point
-        wx, wy, wz = a * px + b * py + c * pz, b * px + d * py + e * pz, c * px + e * py + f * pz
-        rate = dexpinv((bx, by, bz), (wx, wy, wz))
-        return [*rate, py * wz - pz * wy, pz * wx - px * wz, px * wy - py * wx]
-
-    return field
-
-
-def _times(matrix: list[list[float]], vector: Point) -> list[float]:
-    x, y, z = vector
-    return [row[0] * x + row[1] * y + row[2] * z for row in matrix]

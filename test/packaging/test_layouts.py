@@ -29,7 +29,7 @@ NOT_SOURCES = shutil.ignore_patterns(
     "dist",
 )
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {"sim", "record", "check", "plot", "scenarios"}
+VERBS = {"sim", "record", "check", "plot", "explain", "scenarios"}
 
 
 @dataclass(frozen=True)

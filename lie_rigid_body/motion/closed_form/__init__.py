@@ -6,8 +6,9 @@ A table of contents, in the order of a computation
 - `exact`, `principal_axes`, `principal_frame`: the body and its start, in the frame where the motion is simple;
 - `polhode`, `herpolhode`: the constants of the body rate's path in the body, and of the momentum's turn;
 - `double_double`, `clock`: phases of up to 1e19 ns reduced without loss, batched;
-- `theta`, `wave`, `libration`: the elliptic functions, batched;
-- `steady_motion`, `general_motion`, `closed_form`: the states.
+- `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions, batched;
+- `steady_motion`, `general_motion`, `closed_form`: the states;
+- `constants`, `description`: regime, period, precession and flips, for those who want to know them without the states.
 """
 
 from lie_rigid_body.motion.closed_form.closed_form import ClosedForm

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
 from typing import Final
 
 import numpy as np
@@ -11,12 +10,11 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form import double_double
-from lie_rigid_body.motion.closed_form.exact import is_steady, separatrix_determinant
+from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.polhode import Polhode
+from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
-from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
-from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
+from lie_rigid_body.motion.closed_form.principal_axes import digits_for
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 from lie_rigid_body.motion.motion import nanoseconds
 
@@ -87,7 +85,5 @@ def _motion(inertia: list[list[float]], start: State) -> SteadyMotion | GeneralM
     with working_precision(digits_for([entry for row in inertia for entry in row])):
         if is_steady(inertia, rate):
             return SteadyMotion.of(start)
-        determinant = separatrix_determinant(inertia, rate)
-        x, y, z = (Decimal(component) for component in rate)
-        frame = PrincipalFrame.of(principal_axes(inertia), (x, y, z), about_largest=determinant >= 0)
-        return GeneralMotion.of(frame, Polhode.of(frame, determinant), start.attitude_xyzw)
+        frame, polhode = frame_and_polhode(inertia, rate)
+        return GeneralMotion.of(frame, polhode, start.attitude_xyzw)

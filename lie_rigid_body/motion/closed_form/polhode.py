@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from lie_rigid_body.motion.closed_form.elliptic_integrals import symmetric_first
-from lie_rigid_body.motion.closed_form.principal_axes import Vector
+from lie_rigid_body.motion.closed_form.exact import separatrix_determinant
+from lie_rigid_body.motion.closed_form.principal_axes import Vector, principal_axes
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 
 
@@ -69,3 +70,19 @@ class Polhode:
             ratio=j3 * c1 / (j1 * c3),
             start=sn * symmetric_first(cn * cn, dn * dn, Decimal(1)),
         )
+
+
+def frame_and_polhode(inertia: list[list[float]], body_rate: list[float]) -> tuple[PrincipalFrame, Polhode]:
+    """The principal frame and the polhode of a motion that is not steady, to the precision in force.
+
+    Parameters
+    ----------
+    inertia : 3 rows of 3
+        kg m², body frame.
+    body_rate : 3 numbers
+        The initial ω, rad/s, body frame.
+    """
+    determinant = separatrix_determinant(inertia, body_rate)
+    x, y, z = (Decimal(component) for component in body_rate)
+    frame = PrincipalFrame.of(principal_axes(inertia), (x, y, z), about_largest=determinant >= 0)
+    return frame, Polhode.of(frame, determinant)

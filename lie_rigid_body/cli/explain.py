@@ -1,0 +1,46 @@
+"""``explain``: what the mathematics says about a scenario, before it is run."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+
+from lie_rigid_body import console
+from lie_rigid_body.cli.scenarios import describe as describe_file
+from lie_rigid_body.shipped import scenario_files
+
+
+@console.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    given = _parser().parse_args(argv)
+
+    from lie_rigid_body.cli import explanation_text
+    from lie_rigid_body.motion.closed_form.description import describe
+    from lie_rigid_body.scenario import Scenario
+
+    scenario = Scenario.from_parameters(console.parameters(given))
+    description = describe(scenario.body(), scenario.start())
+    if given.json:
+        facts = explanation_text.as_json(scenario, description)
+        print(json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False))
+    else:
+        print(explanation_text.as_text(scenario, description, _title(given)))
+    return console.SUCCESS
+
+
+def _title(given: argparse.Namespace) -> str:
+    """The name of a shipped scenario and what it is, unless other parameters may have made it something else."""
+    if given.scenario is None or given.params_file or given.assignments:
+        return ""
+    return f"{given.scenario}: {describe_file(scenario_files()[given.scenario])}"
+
+
+def _parser() -> console.Parser:
+    parser = console.Parser("explain", "Tell what the mathematics says about a scenario, without running it.")
+    console.add_scenario_arguments(parser)
+    parser.add_argument(
+        "--json", action="store_true", help="print it for programs; infinite and absent numbers are null"
+    )
+    return parser

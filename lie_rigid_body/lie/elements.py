@@ -1,0 +1,39 @@
+"""What sets a group's elements apart from other matrices: the part of a group that its algebra does not say."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+class Elements(ABC):
+    """The elements of one matrix group, as `MatrixLieGroup` needs them.
+
+    Each constructor of a group supplies one of these. Matrices come finite, of shape (..., n, n), and of the
+    group's number type; all methods are batched over the leading axes.
+    """
+
+    @abstractmethod
+    def distance(self, A: Array) -> NDArray[np.float64]:
+        """How far each matrix is from fulfilling the equations, shape (...); infinite where it cannot be said."""
+
+    @abstractmethod
+    def project(self, A: Array) -> Array:
+        """The nearest element in the Frobenius norm, shape (..., n, n); an InputError where there is no nearest one."""
+
+    @abstractmethod
+    def inverse(self, A: Array) -> Array:
+        """The inverse of each element, shape (..., n, n)."""
+
+    @abstractmethod
+    def log(self, A: Array) -> Array:
+        """The logarithm in the algebra, shape (..., n, n); an InputError where none is singled out."""
+
+    @abstractmethod
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+        """Independent random elements, shape (*shape, n, n)."""

@@ -1,0 +1,173 @@
+"""Chasles' theorem: every displacement of a rigid body is a rotation and a translation, found here from points.
+
+References
+----------
+S. Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE Transactions on
+Pattern Analysis and Machine Intelligence 13 (1991) 376-380, eqs. 38-43, with the scale held at 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
+
+Array = NDArray[np.float64]
+
+_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """A displacement x ↦ A x + t of a rigid body in n dimensions.
+
+    Parameters
+    ----------
+    rotation : ndarray, shape (n, n)
+        A in SO(n): takes body vectors to world vectors.
+    translation : ndarray, shape (n,)
+        t, the world position of the body's origin, m.
+    residual : float
+        Root mean square distance of the displaced points from where the displacement puts them, m. Round-off for exact
+        data, and about the noise for noisy data; large when the points were reflected or the body was not rigid.
+    determinacy : float
+        How firmly the points hold the rotation, above 0 and at most 2: (σₙ₋₁ ± σₙ)/σ₁ of the singular values of the
+        cross covariance, minus if it is a reflection. Data of relative error ε turn the rotation by at most
+        about ε/determinacy, rad.
+    """
+
+    rotation: Array
+    translation: Array
+    residual: float
+    determinacy: float
+
+    def apply(self, points: ArrayLike) -> Array:
+        """Where points of the body are.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., n)
+            Body frame, m.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            World frame, m.
+        """
+        return np.asarray(points, dtype=np.float64) @ self.rotation.T + self.translation
+
+
+def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None = None) -> Displacement:
+    """The proper rotation and the translation that bring points of a body closest to where they are now.
+
+    They minimise Σ wᵢ |yᵢ − A xᵢ − t|² over A in SO(n) and t. The rotation is proper also when the points lie in one
+    hyperplane, and when the data are a mirror image (the best proper rotation is then far from fitting: see the
+    residual).
+
+    Parameters
+    ----------
+    points : array_like, shape (N, n)
+        Points xᵢ in the body frame, m. At least n of them, n ≥ 2.
+    displaced : array_like, shape (N, n)
+        The same points yᵢ in the world frame, in the same order, exact or noisy, m.
+    weights : array_like, shape (N,), optional
+        Not negative, in any unit; all equal if left out. For independent noise, one over its variance.
+
+    Returns
+    -------
+    Displacement
+
+    Raises
+    ------
+    InputError
+        If shapes do not match, numbers are not finite, weights are negative or all 0, or the rotation is not
+        determined: the points span fewer than n−1 dimensions about their centre, or they are reflected and the mirror
+        has no unique direction. Both are judged within round-off, where lengths enter squared: a body thinner than
+        about 1e-7 of its length is a line. More noise than that is taken for shape, and shows as a small
+        `Displacement.determinacy`.
+    """
+    x, y = _point_pairs(points, displaced)
+    w = _fractions(weights, len(x))
+    x_centre, y_centre = w @ x, w @ y
+    rotation, determinacy = _closest_rotation(_unit_spread(x, x_centre, w), _unit_spread(y, y_centre, w), x.shape[1])
+    translation = y_centre - rotation @ x_centre
+    # of centred points, so that a far origin adds no round-off
+    misses = (y - y_centre) - (x - x_centre) @ rotation.T
+    scale = float(np.abs(misses).max()) or 1.0
+    residual = scale * float(np.sqrt(w @ np.sum((misses / scale) ** 2, axis=1)))
+    rotation.setflags(write=False)
+    translation.setflags(write=False)
+    return Displacement(rotation, translation, residual, determinacy)
+
+
+def _point_pairs(points: ArrayLike, displaced: ArrayLike) -> tuple[Array, Array]:
+    x, y = real_array("points", points, "(N, n)"), real_array("displaced", displaced, "(N, n)")
+    if x.shape != y.shape:
+        raise InputError(
+            f"displaced: shape {y.shape} is not that of the points, {x.shape}: give one row for each point"
+        )
+    if x.shape[1] < 2:
+        raise InputError(f"points: {x.shape[1]} coordinate has no rotations: give at least 2 coordinates a point")
+    return x, y
+
+
+def _fractions(weights: ArrayLike | None, count: int) -> Array:
+    if weights is None:
+        return np.full(count, 1.0 / count)
+    w = real_array("weights", weights, "(N,)")
+    if len(w) != count:
+        raise InputError(f"weights: {len(w)} of them for {count} points: give one for each point")
+    if w.min() < 0.0 or not w.max() > 0.0:
+        worst = w.min() if w.min() < 0.0 else w.max()
+        raise InputError(f"weights: {worst:.9g} is not allowed: give weights of at least 0, some above 0")
+    w /= w.max()
+    return w / w.sum()
+
+
+def _unit_spread(points: Array, centre: Array, fractions: Array) -> tuple[Array, float]:
+    """Weighted points about their centre at unit size, and the round-off they carry at that size."""
+    centred = (points - centre) * np.sqrt(fractions)[:, None]
+    size = float(np.abs(centred).max())
+    if size == 0.0:
+        return centred, _ROUND_OFF
+    return centred / size, _ROUND_OFF * max(1.0, float(np.abs(points).max()) / size)
+
+
+def _closest_rotation(body: tuple[Array, float], world: tuple[Array, float], n: int) -> tuple[Array, float]:
+    """The maximum of tr(Aᵀ H) over SO(n), where H is the cross covariance (Umeyama 1991, eqs. 38-40 and 43).
+
+    Umeyama asks for rank H ≥ n−1. That leaves out mirror images with σₙ₋₁ = σₙ, whose best rotation is not unique
+    either; the one condition that holds exactly when it is unique is σₙ₋₁ + sign(det H) σₙ > 0.
+    """
+    (x, x_error), (y, y_error) = body, world
+    left, sigma, right = np.linalg.svd(y.T @ x)
+    sign = float(np.sign(np.linalg.det(left) * np.linalg.det(right)))
+    limit = float(np.linalg.norm(x) * np.linalg.norm(y)) * (x_error + y_error)
+    rank = int(np.sum(sigma > limit))
+    if rank < n - 1:
+        raise InputError(_too_flat(rank, n))
+    gap = float(sigma[-2] + sign * sigma[-1])
+    if not gap > limit:
+        raise InputError(_no_mirror(sigma))
+    left[:, -1] *= sign
+    return left @ right, gap / float(sigma[0])
+
+
+def _too_flat(rank: int, n: int) -> str:
+    return (
+        f"the rotation is not determined: about their centre the points and their images span rank {rank} in "
+        f"{n} dimensions, and at least {n - 1} is needed: add points off their common subspace"
+    )
+
+
+def _no_mirror(sigma: Array) -> str:
+    return (
+        f"the rotation is not determined: the displaced points are a mirror image, and the smallest singular values "
+        f"{sigma[-2]:.9g} and {sigma[-1]:.9g} (largest {sigma[0]:.9g}) of the cross covariance must differ: "
+        "undo the reflection, or add or weight points so that the body is less symmetric"
+    )

@@ -1,0 +1,229 @@
+"""Moments of a given distribution of mass: points, a density on a grid, or a density as a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.mass_moments import MassMoments
+
+Array = NDArray[np.float64]
+
+Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
+"""Lower and upper end of one coordinate: numbers, or a function of the coordinates before it, (N, k) ↦ (N,), (N,)."""
+
+MOST_EVALUATIONS: Final = 2**22
+"""The most points at which a density is evaluated at once."""
+
+
+def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
+    """The moments of point masses, K = Σ mᵢ xᵢ xᵢᵀ.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, n)
+        xᵢ, m.
+    masses : array_like, shape (N,)
+        mᵢ, kg. Not negative, and not all 0.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If shapes do not match, numbers are not finite, or a mass is negative.
+    """
+    x, m = real_array("points", points, "(N, n)"), real_array("masses", masses, "(N,)")
+    if len(x) != len(m):
+        raise InputError(f"masses: {len(m)} of them for {len(x)} points: give one for each point")
+    _require_not_negative("masses", m, "kg")
+    return _weighed(x, m)
+
+
+def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> MassMoments:
+    """The moments of a density given on a regular grid, each cell of it a homogeneous box.
+
+    Parameters
+    ----------
+    density : array_like, shape (N₁, …, Nₙ)
+        ρ of each cell, kg/mⁿ; axis k runs along coordinate k. Not negative, and not all 0.
+    low, high : array_like, shape (n,)
+        Opposite corners of the whole grid (outer faces of its cells, not centres), m.
+
+    Returns
+    -------
+    MassMoments
+        Exact for cells of constant density, whatever their number.
+
+    Raises
+    ------
+    InputError
+        If shapes do not match, a density is negative or not finite, or ``high`` is not above ``low``.
+    """
+    rho = real_array("density", density, "(N₁, …, Nₙ)")
+    ends = _corners(low, high, rho.ndim)
+    _require_not_negative("density", rho, "kg/mⁿ")
+    steps = (ends[1] - ends[0]) / rho.shape
+    centres = [a + h * (np.arange(count) + 0.5) for a, h, count in zip(ends[0], steps, rho.shape, strict=True)]
+    cells = rho * np.prod(steps)
+    mass, n = float(cells.sum()), rho.ndim
+    lines = [_sum_over_others(cells, k) / mass for k in range(n)]
+    centre = np.array([line @ x for line, x in zip(lines, centres, strict=True)])
+    offsets = [x - c for x, c in zip(centres, centre, strict=True)]
+    # a cell has a second moment of its own, m h²/12
+    squares = [line @ x**2 + h**2 / 12 for line, x, h in zip(lines, offsets, steps, strict=True)]
+    central = np.diag(mass * np.array(squares))
+    for i, j in combinations(range(n), 2):
+        central[i, j] = central[j, i] = offsets[i] @ _sum_over_others(cells, i, j) @ offsets[j]
+    return MassMoments(mass, centre, central)
+
+
+def moments_of_density(
+    density: Callable[[Array], ArrayLike], limits: Sequence[Limits], nodes: int = 16, tolerance: float = 1e-9
+) -> MassMoments:
+    """The moments of a density given as a function, by Gauss-Legendre quadrature over a box or a curved region.
+
+    A coordinate that others have limits of is substituted by a sine, x = ½(a + b) + ½(b − a) sin θ: where a smooth face
+    is tangent to its ends, the lengths inside go to 0 like a square root, which the sine makes smooth. The result is
+    compared with that of two nodes fewer, and refused when the two disagree.
+
+    Parameters
+    ----------
+    density : callable, (N, n) ↦ (N,)
+        ρ at N points at once, kg/mⁿ. Smooth inside the limits, and not negative.
+    limits : sequence of n pairs or callables
+        Ends of each coordinate, m: two numbers, or a function of the coordinates before it, which takes them at N
+        points as an array of shape (N, k) and gives the N lower and the N upper ends.
+    nodes : int
+        Points along each coordinate, at least 4; nodesⁿ points in all, at most `MOST_EVALUATIONS`.
+    tolerance : float
+        Largest disagreement allowed, relative to √(JᵢᵢJⱼⱼ) for each of the moments J.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the quadrature did not settle, a density is negative or not finite, or a limit is.
+    """
+    n = len(limits)
+    _require_affordable(nodes, n)
+    coarse = _weighed(*_masses_at_nodes(density, limits, nodes - 2))
+    fine = _weighed(*_masses_at_nodes(density, limits, nodes))
+    error = _disagreement(coarse, fine)
+    if not error <= tolerance:
+        raise InputError(
+            f"density: quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
+            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps and "
+            "add the parts, with limits as functions along curved faces"
+        )
+    return fine
+
+
+def _weighed(points: Array, masses: Array) -> MassMoments:
+    mass = float(masses.sum())
+    centre = masses @ points / mass
+    offsets = points - centre
+    central = (masses[:, None] * offsets).T @ offsets
+    return MassMoments(mass, centre, 0.5 * (central + central.T))
+
+
+def _require_not_negative(name: str, values: Array, unit: str) -> None:
+    if values.min() < 0.0 or not values.max() > 0.0:
+        worst = values.min() if values.min() < 0.0 else values.max()
+        raise InputError(f"{name}: {worst:.9g} {unit} is not allowed: give values of at least 0, some above 0")
+
+
+def _corners(low: ArrayLike, high: ArrayLike, n: int) -> Array:
+    ends = [real_array("low", low, "(n,)"), real_array("high", high, "(n,)")]
+    if n == 0 or any(len(end) != n for end in ends):
+        raise InputError(f"low, high: {len(ends[0])} and {len(ends[1])} numbers for a grid of {n} axes: give {n} each")
+    for a, b in zip(*ends, strict=True):
+        _require_order(a, b)
+    return np.array(ends)
+
+
+def _require_order(low: float, high: float) -> None:
+    if not low < high:
+        raise InputError(f"limits: {low:.9g} m is not below {high:.9g} m: give the lower end first")
+
+
+def _sum_over_others(cells: Array, *kept: int) -> Array:
+    return np.asarray(cells.sum(axis=tuple(k for k in range(cells.ndim) if k not in kept)))
+
+
+def _require_affordable(nodes: int, n: int) -> None:
+    if n == 0 or nodes < 4:
+        raise InputError(f"{n} limits, {nodes} nodes: give limits for every coordinate, and at least 4 nodes")
+    if nodes**n > MOST_EVALUATIONS:
+        most = int(MOST_EVALUATIONS ** (1.0 / n) + 1e-9)
+        raise InputError(
+            f"nodes: {nodes} along each of {n} coordinates are {nodes**n} points, more than {MOST_EVALUATIONS}: "
+            f"give at most {most} nodes, or split the region and add the parts"
+        )
+
+
+def _masses_at_nodes(
+    density: Callable[[Array], ArrayLike], limits: Sequence[Limits], nodes: int
+) -> tuple[Array, Array]:
+    points, volumes = _nodes(limits, nodes)
+    rho = real_array("density", density(points), "(N,)")
+    if len(rho) != len(points):
+        raise InputError(f"density: {len(rho)} values for {len(points)} points: give a function (N, n) ↦ (N,)")
+    _require_not_negative("density", rho, "kg/mⁿ")
+    return points, rho * volumes
+
+
+def _nodes(limits: Sequence[Limits], nodes: int) -> tuple[Array, Array]:
+    """Quadrature points, shape (N, n), and their volumes, shape (N,): one coordinate after the other."""
+    points, volumes = np.zeros((1, 0)), np.ones(1)
+    for k, end in enumerate(limits):
+        roots, weights = _rule(nodes, curved=any(callable(inner) for inner in limits[k + 1 :]))
+        low, high = _ends(end, points)
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        coordinate = (middle[:, None] + half[:, None] * roots).reshape(-1, 1)
+        volumes = (volumes[:, None] * half[:, None] * weights).reshape(-1)
+        points = np.hstack([np.repeat(points, nodes, axis=0), coordinate])
+    return points, volumes
+
+
+def _rule(nodes: int, *, curved: bool) -> tuple[Array, Array]:
+    """Nodes and weights on −1 … 1, with the sine substituted where the region is curved."""
+    roots, weights = np.polynomial.legendre.leggauss(nodes)
+    if not curved:
+        return roots, weights
+    angles = 0.5 * np.pi * roots
+    return np.sin(angles), 0.5 * np.pi * weights * np.cos(angles)
+
+
+def _ends(limits: Limits, points: Array) -> tuple[Array, Array]:
+    given = limits(points) if callable(limits) else limits
+    low, high = (real_array("limits", end, "(N,)" if callable(limits) else "()") for end in given)
+    if callable(limits) and not len(low) == len(high) == len(points):
+        raise InputError(f"limits: {len(low)} and {len(high)} ends for {len(points)} points: give one for each point")
+    low, high = np.broadcast_to(low, len(points)), np.broadcast_to(high, len(points))
+    narrowest = int(np.argmin(high - low))
+    _require_order(float(low[narrowest]), float(high[narrowest]))
+    return low, high
+
+
+def _disagreement(one: MassMoments, other: MassMoments) -> float:
+    """The largest difference of two sets of moments about the centre, relative by the Cauchy-Schwarz inequality."""
+    first, second = _pseudo_inertia(one.about(other.centre)), _pseudo_inertia(other.about(other.centre))
+    size = np.sqrt(np.diag(second))
+    return float((np.abs(first - second) / np.outer(size, size)).max())
+
+
+def _pseudo_inertia(moments: MassMoments) -> Array:
+    side = moments.first_moment[:, None]
+    return np.block([[moments.second_moment, side], [side.T, np.full((1, 1), moments.mass)]])

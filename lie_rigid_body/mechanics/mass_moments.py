@@ -1,0 +1,152 @@
+"""The mass of a body, its centre and its second moment: all of it that a rigid motion feels, in n dimensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.second_moment import orthogonal_matrix, second_moment_matrix
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MassMoments:
+    """The moments of a mass distribution up to the second.
+
+    Held about the centre of mass, so that a body far from its origin keeps its digits. They add: the moments of a
+    body are the sum of those of its parts, and a hole is subtracted.
+
+    Parameters
+    ----------
+    mass : float
+        m = ∫ρ, kg. Positive.
+    centre : array_like, shape (n,)
+        c = ∫ρ x / m, m.
+    central_second_moment : array_like, shape (n, n)
+        ∫ρ (x − c)(x − c)ᵀ, kg m².
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n,)
+        Read only.
+    central_second_moment : ndarray, shape (n, n)
+        Read only, exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If no mass distribution has these moments: the mass is not positive, the second moment not symmetric or not
+        positive semidefinite within round-off; or if sizes differ.
+    """
+
+    mass: float
+    centre: Array
+    central_second_moment: Array
+
+    def __post_init__(self) -> None:
+        mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")
+        central = second_moment_matrix(self.central_second_moment)
+        if not mass > 0.0:
+            raise InputError(f"mass: {mass:.9g} kg is not positive: every body has a mass above 0 kg")
+        _require_size("second moment", len(central), len(centre))
+        centre.setflags(write=False)
+        central.setflags(write=False)
+        for name, value in (("mass", mass), ("centre", centre), ("central_second_moment", central)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def dimension(self) -> int:
+        """The number n of dimensions."""
+        return len(self.centre)
+
+    @property
+    def first_moment(self) -> Array:
+        """∫ρ x about the origin, shape (n,), kg m."""
+        return self.mass * self.centre
+
+    @property
+    def second_moment(self) -> Array:
+        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: the central one plus m c cᵀ (parallel axes)."""
+        return self.central_second_moment + self.mass * np.outer(self.centre, self.centre)
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> MassMoments:
+        """The moments of the displaced body, x ↦ A x + t, about the same origin.
+
+        Parameters
+        ----------
+        rotation : array_like, shape (n, n)
+            A, orthogonal; a reflection gives the mirror image of the body.
+        translation : array_like, shape (n,)
+            t, m.
+
+        Returns
+        -------
+        MassMoments
+
+        Raises
+        ------
+        InputError
+            If A is not an orthogonal n×n matrix or t has another size.
+        """
+        A = orthogonal_matrix("rotation", real_array("rotation", rotation, "(n, n)"), self.dimension)
+        t = real_array("translation", translation, "(n,)")
+        _require_size("translation", len(t), self.dimension)
+        turned = A @ self.central_second_moment @ A.T
+        return MassMoments(self.mass, A @ self.centre + t, 0.5 * (turned + turned.T))
+
+    def rotated(self, rotation: ArrayLike) -> MassMoments:
+        """The moments of the body turned about the origin: K becomes A K Aᵀ; see `moved`."""
+        return self.moved(rotation, np.zeros(self.dimension))
+
+    def about(self, origin: ArrayLike) -> MassMoments:
+        """The moments about another origin, with parallel axes.
+
+        Parameters
+        ----------
+        origin : array_like, shape (n,)
+            The new origin o in the present frame, m.
+
+        Returns
+        -------
+        MassMoments
+            In coordinates counted from the new origin: the centre is c − o, and K is the central one plus
+            m (c − o)(c − o)ᵀ.
+
+        Raises
+        ------
+        InputError
+            If the origin has another size.
+        """
+        o = real_array("origin", origin, "(n,)")
+        _require_size("origin", len(o), self.dimension)
+        return MassMoments(self.mass, self.centre - o, self.central_second_moment)
+
+    def __add__(self, other: MassMoments) -> MassMoments:
+        """The moments of both bodies together, in a common frame."""
+        return self._joined(other, 1.0)
+
+    def __sub__(self, other: MassMoments) -> MassMoments:
+        """The moments of this body without a part of it, as a hole, in a common frame."""
+        return self._joined(other, -1.0)
+
+    def _joined(self, other: MassMoments, sign: float) -> MassMoments:
+        _require_size("second body", other.dimension, self.dimension)
+        mass = self.mass + sign * other.mass
+        if not mass > 0.0:
+            raise InputError(f"mass: {mass:.9g} kg would be left, not above 0 kg: subtract only a part of the body")
+        fraction = sign * other.mass / mass
+        apart = other.centre - self.centre
+        central = self.central_second_moment + sign * other.central_second_moment
+        return MassMoments(
+            mass, self.centre + fraction * apart, central + self.mass * fraction * np.outer(apart, apart)
+        )
+
+
+def _require_size(name: str, size: int, n: int) -> None:
+    if size != n:
+        raise InputError(f"{name}: {size} dimensions where the body has {n}: give all in the same space")

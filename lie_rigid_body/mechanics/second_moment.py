@@ -1,0 +1,252 @@
+"""The second moment K = ∫ρ x xᵀ of a body in n dimensions, and the inertias that follow from it.
+
+Lucas (arXiv 1111.1275) takes K for the description of a body: it exists in every dimension, where the usual inertia
+tensor belongs to n = 3. Both say the same there: I = tr(K) 1 − K and K = ½ tr(I) 1 − I.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
+
+Array = NDArray[np.float64]
+
+ORTHOGONAL_TOLERANCE: Final = 1e-9
+"""A matrix is refused as a rotation when an entry of AᵀA − 1 exceeds this."""
+
+_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
+
+
+def second_moment_matrix(second_moment: ArrayLike) -> Array:
+    """A second moment that some mass distribution has.
+
+    Parameters
+    ----------
+    second_moment : array_like, shape (n, n)
+        K, kg m². Symmetric within round-off.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        A copy, exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If it is not a finite square matrix, not symmetric, or not positive semidefinite within round-off.
+    """
+    matrix = symmetric_matrix("second moment", second_moment)
+    require_semidefinite("second moment", matrix, float(np.trace(matrix)))
+    return matrix
+
+
+def symmetric_matrix(name: str, value: ArrayLike) -> Array:
+    """A symmetric matrix, rid of the round-off of its asymmetry.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in the message.
+    value : array_like, shape (n, n)
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        A copy, exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If it is not a finite square matrix, or not symmetric within round-off.
+    """
+    matrix = real_array(name, value, "(n, n)")
+    if matrix.shape[0] != matrix.shape[1]:
+        raise InputError(f"{name}: shape {matrix.shape} is not square: give n rows of n numbers")
+    gap, limit = float(np.abs(matrix - matrix.T).max()), _ROUND_OFF * float(np.abs(matrix).max())
+    if gap > limit:
+        raise InputError(
+            f"{name}: entries across the diagonal differ by {gap:.9g}, more than round-off ({limit:.3g}): "
+            "give a symmetric matrix"
+        )
+    return 0.5 * (matrix + matrix.T)
+
+
+def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
+    """Refuse a symmetric matrix with an eigenvalue below 0 by more than round-off.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in the message.
+    matrix : ndarray, shape (n, n)
+        Symmetric.
+    scale : float
+        Size of the numbers that it was computed from, whose round-off is allowed.
+
+    Raises
+    ------
+    InputError
+    """
+    smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -_ROUND_OFF * abs(scale)
+    if smallest < limit:
+        raise InputError(
+            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): no mass "
+            "distribution has it: give a positive semidefinite matrix, and check signs and units"
+        )
+
+
+def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
+    """Rotations of n dimensions, or reflections.
+
+    Parameters
+    ----------
+    name : str
+        What they are called in the message.
+    value : array_like, shape (..., n, n)
+    n : int
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+
+    Raises
+    ------
+    InputError
+        If the shape is another or AᵀA is not 1 within `ORTHOGONAL_TOLERANCE`.
+    """
+    matrices = real_array(name, value, "(…, n, n)")
+    if matrices.shape[-2:] != (n, n):
+        raise InputError(
+            f"{name}: shape {matrices.shape} is not (..., {n}, {n}): give matrices of the body's dimension"
+        )
+    worst = float(np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max())
+    if not worst <= ORTHOGONAL_TOLERANCE:
+        raise InputError(
+            f"{name}: AᵀA differs from 1 by {worst:.3g}, more than {ORTHOGONAL_TOLERANCE:g}: "
+            "give an orthogonal matrix, or project it onto the group"
+        )
+    return matrices
+
+
+def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Array:
+    """A K Aᵀ, the second moment of the rotated body, or of the same body in rotated axes.
+
+    Parameters
+    ----------
+    second_moment : array_like, shape (n, n)
+        K in the body frame, kg m².
+    rotation : array_like, shape (..., n, n)
+        A, body to world.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+        World frame, kg m². Exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If K is not positive semidefinite or A not orthogonal.
+    """
+    K = second_moment_matrix(second_moment)
+    A = orthogonal_matrix("rotation", rotation, len(K))
+    turned = A @ K @ A.swapaxes(-1, -2)
+    return np.asarray(0.5 * (turned + turned.swapaxes(-1, -2)))
+
+
+def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
+    """K about another origin with parallel axes, K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
+
+    Parameters
+    ----------
+    second_moment : array_like, shape (n, n)
+        K about the present origin, kg m².
+    mass : float
+        m, kg.
+    centre : array_like, shape (n,)
+        Centre of mass c from the present origin, m.
+    origin : array_like, shape (n,)
+        The new origin o from the present one, m. With o = c the result is the central second moment.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        kg m². Exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If sizes differ, or K is less than m c cᵀ, which no distribution of this mass and centre has.
+    """
+    K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, "()"))
+    c, o = real_array("centre", centre, "(n,)"), real_array("origin", origin, "(n,)")
+    if not len(K) == len(c) == len(o):
+        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} second moment")
+    require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
+    # written without c cᵀ, which would cancel
+    return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))
+
+
+def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
+    """The usual inertia tensor I = tr(K) 1 − K.
+
+    Parameters
+    ----------
+    second_moment : array_like, shape (3, 3)
+        K, kg m².
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        kg m², about the same origin in the same axes.
+
+    Raises
+    ------
+    InputError
+        If K is not 3×3 or not positive semidefinite.
+    """
+    K = second_moment_matrix(second_moment)
+    _require_three(len(K), "the inertia tensor", "use mass_matrix in other dimensions")
+    xx, yy, zz = np.diag(K)
+    inertia = -K
+    # sums of two, and not the trace minus the third, which would lose the digits of a needle
+    np.fill_diagonal(inertia, [yy + zz, xx + zz, xx + yy])
+    return inertia
+
+
+def second_moment_from_inertia(inertia: ArrayLike) -> Array:
+    """The second moment K = ½ tr(I) 1 − I of a body with a given inertia tensor.
+
+    Parameters
+    ----------
+    inertia : array_like, shape (3, 3)
+        I, kg m².
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        kg m², about the same origin in the same axes. Positive semidefinite within round-off, which is another way to
+        say that the principal moments obey the triangle inequality.
+
+    Raises
+    ------
+    InputError
+        If I is not a symmetric 3×3 matrix, or breaks the triangle inequality.
+    """
+    tensor = symmetric_matrix("inertia", inertia)
+    _require_three(len(tensor), "an inertia tensor", "give the second moment itself in other dimensions")
+    xx, yy, zz = np.diag(tensor)
+    K = -tensor
+    np.fill_diagonal(K, [0.5 * (yy + zz - xx), 0.5 * (xx + zz - yy), 0.5 * (xx + yy - zz)])
+    require_semidefinite("second moment ½ tr(I) 1 − I of the inertia", K, float(np.trace(tensor)))
+    return K
+
+
+def _require_three(n: int, what: str, remedy: str) -> None:
+    if n != 3:
+        raise InputError(f"{what} belongs to 3 dimensions, and these are {n}: {remedy}")

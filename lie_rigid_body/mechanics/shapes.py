@@ -1,0 +1,184 @@
+"""Homogeneous bodies with moments in closed form, each about its own centre and in its own principal axes.
+
+The second moment of a homogeneous body is its mass times the mean of x xᵀ over it. Move, turn, add and subtract the
+results with `MassMoments` to build other bodies of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.mass_moments import MassMoments
+
+Array = NDArray[np.float64]
+
+
+def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
+    """A ball in n dimensions: K = m r²/(n + 2) 1.
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    radius : float
+        r, m.
+    dimension : int
+        n, at least 1.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If a mass, a length or the dimension is not positive.
+    """
+    if dimension < 1:
+        raise InputError(f"dimension: {dimension} is below 1: give the number of coordinates")
+    return ellipsoid(mass, np.full(dimension, _length("radius", radius)))
+
+
+def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
+    """A solid ellipsoid in n dimensions: K = m diag(aᵢ²)/(n + 2).
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    semi_axes : array_like, shape (n,)
+        aᵢ along the coordinate axes, m.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the mass or a length is not positive.
+    """
+    a = _lengths("semi-axes", semi_axes)
+    return _centred(mass, a**2 / (len(a) + 2))
+
+
+def box(mass: float, edges: ArrayLike) -> MassMoments:
+    """A rectangular box in n dimensions: K = m diag(lᵢ²)/12.
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    edges : array_like, shape (n,)
+        Whole lengths lᵢ along the coordinate axes, m.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the mass or a length is not positive.
+    """
+    return _centred(mass, _lengths("edges", edges) ** 2 / 12)
+
+
+def cylinder(mass: float, radius: float, height: float) -> MassMoments:
+    """A solid circular cylinder about the z axis: K = m diag(r²/4, r²/4, h²/12).
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    radius : float
+        r, m.
+    height : float
+        h, whole length along z, m.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the mass or a length is not positive.
+    """
+    r, h = _length("radius", radius), _length("height", height)
+    return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
+
+
+def rod(mass: float, length: float) -> MassMoments:
+    """A thin rod along the z axis: K = m diag(0, 0, l²/12).
+
+    A rod alone is no `RigidBody`, since nothing resists a turn about its own axis; it is a part of one.
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    length : float
+        l, m.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the mass or the length is not positive.
+    """
+    return _centred(mass, np.array([0.0, 0.0, _length("length", length) ** 2 / 12]))
+
+
+def disc(mass: float, radius: float) -> MassMoments:
+    """A thin circular disc across the z axis: K = m diag(r²/4, r²/4, 0).
+
+    Parameters
+    ----------
+    mass : float
+        m, kg.
+    radius : float
+        r, m.
+
+    Returns
+    -------
+    MassMoments
+
+    Raises
+    ------
+    InputError
+        If the mass or the radius is not positive.
+    """
+    r = _length("radius", radius)
+    return _centred(mass, np.array([r**2 / 4, r**2 / 4, 0.0]))
+
+
+def _centred(mass: float, mean_squares: Array) -> MassMoments:
+    return MassMoments(mass, np.zeros(len(mean_squares)), np.diag(_mass(mass) * mean_squares))
+
+
+def _mass(mass: float) -> float:
+    value = float(real_array("mass", mass, "()"))
+    if not value > 0.0:
+        raise InputError(f"mass: {value:.9g} kg is not positive: every body has a mass above 0 kg")
+    return value
+
+
+def _length(name: str, value: float) -> float:
+    return float(_positive(name, real_array(name, value, "()")))
+
+
+def _lengths(name: str, values: ArrayLike) -> Array:
+    return _positive(name, real_array(name, values, "(n,)"))
+
+
+def _positive(name: str, lengths: Array) -> Array:
+    if not lengths.min() > 0.0:
+        raise InputError(f"{name}: {lengths.min():.9g} m is not positive: give lengths above 0 m")
+    return lengths

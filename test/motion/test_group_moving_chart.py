@@ -1,0 +1,198 @@
+"""The moving chart on any group: one implementation with SO(3), geodesics, invariants, and independent integrators."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
+from lie_rigid_body.lie import SO, SU, U1, MatrixLieGroup, product, quaternion, so3
+from lie_rigid_body.mechanics import (
+    GroupState,
+    Lagrangian,
+    manakov_integrals,
+    mass_matrix,
+    momentum_matrix,
+    rotation_casimirs,
+    spatial_momentum,
+    unitary_casimirs,
+)
+from lie_rigid_body.motion import METHODS, GroupMovingChart
+
+GROUPS = {"SO(4)": SO(4), "SO(5)": SO(5), "SO(6)": SO(6), "SU(2)": SU(2), "SU(3)": SU(3)}
+TURN_PER_STEP = 2e-3
+
+
+def body(group: MatrixLieGroup, seed: int = 5) -> tuple[Lagrangian, GroupState, np.ndarray]:
+    """A body of the group with random second moment (on SO(n)) or metric, and a start with unit momentum."""
+    rng = np.random.default_rng(seed)
+    moment = np.diag(np.linspace(0.5, 1.0, group.size))
+    if group.name.startswith("SO"):
+        metric = mass_matrix(moment, group.generators)
+    else:
+        metric = np.diag(np.linspace(1.0, 2.0, group.dimension))
+    lagrangian = Lagrangian(group, metric)
+    rate = lagrangian.rates(rng.normal(size=group.dimension))
+    return lagrangian, GroupState(group.random(rng), rate / np.linalg.norm(rate)), moment
+
+
+def invariants(lagrangian: Lagrangian, states: GroupState, moment: np.ndarray) -> dict[str, np.ndarray]:
+    """All quantities that must not change, one row for each instant."""
+    group, p = lagrangian.group, lagrangian.momenta(states.rate)
+    matrix = momentum_matrix(group, p)
+    found = {
+        "energy": lagrangian.value(states.rate)[:, np.newaxis],
+        "spatial momentum": spatial_momentum(group, states.element, p),
+    }
+    if group.name.startswith("SO"):
+        found["Casimirs"] = rotation_casimirs(matrix)
+        found["Manakov"] = manakov_integrals(matrix, moment)
+    else:
+        found["Casimirs"] = unitary_casimirs(matrix)
+    return found
+
+
+def drift(values: np.ndarray) -> float:
+    """Largest change relative to the size of the quantity."""
+    return float(np.abs(values - values[0]).max() / np.abs(values[0]).max())
+
+
+def run(name: str, steps: int, samples: int = 50) -> dict[str, float]:
+    lagrangian, start, moment = body(GROUPS[name])
+    step_ns = round(TURN_PER_STEP * 1e9)
+    times = np.arange(samples + 1) * (steps // samples) * step_ns
+    states = GroupMovingChart(lagrangian, start, max_step=TURN_PER_STEP).at(times)
+    return {key: drift(values) for key, values in invariants(lagrangian, states, moment).items()}
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_invariants_hold(name):
+    for key, change in run(name, steps=1000).items():
+        assert change < 1e-13, key
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", GROUPS)
+def test_invariants_hold_over_a_hundred_thousand_steps(name):
+    for key, change in run(name, steps=100_000).items():
+        assert change < 1e-12, key
+
+
+@pytest.mark.parametrize("inertia", [[0.6, 0.8, 1.0], [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]])
+def test_so3_is_the_rotation_chart_written_generically(inertia):
+    rigid = RigidBody(inertia)
+    start = State([0.5, -0.5, 0.5, 0.5], [3.0, 0.5, -0.9])
+    times = np.arange(0, 2_000_000_000, 50_000_000)
+    rotations = MovingChart(rigid, start, max_step=0.01).at(times)
+    general = GroupMovingChart(
+        Lagrangian(SO(3), rigid.inertia),
+        GroupState(quaternion.to_matrix(start.attitude_xyzw), start.body_rate),
+        max_step=0.01,
+    ).at(times)
+    np.testing.assert_allclose(general.rate, rotations.body_rate, rtol=0, atol=2e-14)
+    np.testing.assert_allclose(general.element, quaternion.to_matrix(rotations.attitude_xyzw), rtol=0, atol=2e-14)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_order_on_so4_against_scipy(method):
+    """The reference integrates the matrix and the momentum as plain numbers, at 1e-13."""
+    lagrangian, start, _ = body(SO(4))
+    group = lagrangian.group
+
+    def rhs(_, y):
+        element, rate = y[:16].reshape(4, 4), y[16:]
+        return np.concatenate([(element @ group.hat(rate)).ravel(), lagrangian.acceleration(rate)])
+
+    y0 = np.concatenate([start.element.ravel(), start.rate])
+    exact = solve_ivp(rhs, (0.0, 1.0), y0, method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    steps = np.array([2.0**-k for k in range(3, 7)])
+    ends = [GroupMovingChart(lagrangian, start, method=method, max_step=h).at(10**9) for h in steps]
+    errors = [np.abs(end.element.ravel() - exact[:16]).max() for end in ends]
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert abs(slope - METHODS[method].order) < 0.3
+
+
+@pytest.mark.parametrize("group", [SO(4), SU(3), product(SU(2), U1())], ids=lambda g: g.name)
+def test_a_round_metric_gives_geodesics(group):
+    """M ∝ 1: A(t) = A₀ exp(tω), whatever the step."""
+    rng = np.random.default_rng(11)
+    start = GroupState(group.random(rng), 0.3 * rng.normal(size=group.dimension))
+    state = GroupMovingChart(Lagrangian(group, 2.5 * group.trace_metric), start, max_step=0.25).at(3_000_000_000)
+    np.testing.assert_allclose(state.rate, start.rate, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(state.element, start.element @ group.exp(3.0 * start.rate), rtol=0, atol=1e-13)
+
+
+def test_so4_splits_into_two_tops():
+    """so(4) = so(3) ⊕ so(3): where M respects the halves, each turns as a rigid body of its own."""
+    group = SO(4)
+    halves, brackets = _halves(group)
+    inertias = [np.array([0.6, 0.8, 1.0]), np.array([1.0, 1.7, 1.3])]
+    metric = sum(half.T @ np.diag(inertia) @ half for half, inertia in zip(halves, inertias, strict=True))
+    rates = [np.array([0.9, 0.4, -0.3]), np.array([-0.2, 0.7, 0.5])]
+    start = GroupState(group.identity, sum(half.T @ rate for half, rate in zip(halves, rates, strict=True)))
+    times = np.arange(0, 3_000_000_000, 100_000_000)
+    found = GroupMovingChart(Lagrangian(group, metric), start, max_step=0.005).at(times).rate
+    for half, bracket, inertia, rate in zip(halves, brackets, inertias, rates, strict=True):
+        # with [S, S'] = b S'' in place of S'', the half moves as a top of rates b ω
+        top = ClosedForm(RigidBody(inertia), State([0, 0, 0, 1], bracket * rate)).at(times).body_rate / bracket
+        np.testing.assert_allclose(found @ half.T, top, rtol=0, atol=1e-11)
+
+
+def _halves(group: MatrixLieGroup) -> tuple[list[np.ndarray], list[float]]:
+    """Orthonormal bases of the two ideals of so(4), by rows in the coordinates of the group, and their brackets."""
+    e = np.eye(4)
+    plane = {(i, j): np.outer(e[i], e[j]) - np.outer(e[j], e[i]) for i in range(4) for j in range(4)}
+    halves, brackets = [], []
+    for sign in (1, -1):
+        basis = [plane[2, 1] + sign * plane[3, 0], plane[0, 2] + sign * plane[3, 1], plane[1, 0] + sign * plane[3, 2]]
+        rows = np.array([group.vee(matrix) for matrix in basis]) / np.sqrt(2.0)
+        commutator = group.vee(group.hat(rows[0]) @ group.hat(rows[1]) - group.hat(rows[1]) @ group.hat(rows[0]))
+        np.testing.assert_allclose(np.abs(commutator @ rows[2]), np.linalg.norm(commutator), rtol=1e-14)
+        halves.append(rows)
+        brackets.append(float(commutator @ rows[2]))
+    return halves, brackets
+
+
+def test_su2_is_the_double_cover_of_so3():
+    """The same metric on SU(2) and SO(3) gives the same rates, and a full turn of one is −1 on the other."""
+    metric = np.diag([0.6, 0.8, 1.0])
+    rate = np.array([3.0, 0.5, -0.9])
+    su2 = GroupMovingChart(Lagrangian(SU(2), metric), GroupState(SU(2).identity, rate)).at(500_000_000)
+    top = ClosedForm(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], rate)).at(500_000_000)
+    np.testing.assert_allclose(su2.rate, top.body_rate, rtol=0, atol=1e-12)
+    axis = np.array([0.0, 0.0, 2.0 * np.pi])
+    turned = GroupMovingChart(Lagrangian(SU(2), np.eye(3)), GroupState(SU(2).identity, axis)).at(10**9)
+    np.testing.assert_allclose(turned.element, -np.eye(2), rtol=0, atol=1e-12)
+
+
+def test_calls_continue_one_another():
+    lagrangian, start, _ = body(SO(4))
+    times = np.arange(0, 700_000_000, 7_000_000)
+    whole = GroupMovingChart(lagrangian, start).at(times)
+    chart = GroupMovingChart(lagrangian, start)
+    parts = [chart.at(times[:13]), chart.at(times[13:])]
+    np.testing.assert_array_equal(whole.element, np.concatenate([p.element for p in parts]))
+    assert GroupMovingChart(lagrangian, start).at(0).element.shape == (4, 4)
+
+
+def test_bad_input_is_refused():
+    lagrangian, start, _ = body(SO(4))
+    with pytest.raises(InputError, match=r"not an element of SO\(4\)"):
+        GroupMovingChart(lagrangian, GroupState(2.0 * start.element, start.rate))
+    with pytest.raises(InputError, match=r"\(3, 3\)"):
+        GroupMovingChart(lagrangian, GroupState(np.eye(3), start.rate))
+    with pytest.raises(InputError, match="not finite"):
+        GroupMovingChart(lagrangian, GroupState(start.element, start.rate * np.nan))
+    with pytest.raises(ParameterError, match="rkmk9"):
+        GroupMovingChart(lagrangian, start, method="rkmk9")
+    chart = GroupMovingChart(lagrangian, start)
+    chart.at(10)
+    with pytest.raises(InputError, match="lies before"):
+        chart.at(5)
+
+
+def test_rotation_vector_of_so3_agrees():
+    """The chart coordinates of the generic group are rotation vectors."""
+    x = np.array([0.3, -0.2, 0.5])
+    np.testing.assert_allclose(SO(3).exp(x), so3.exp(x), rtol=0, atol=1e-15)

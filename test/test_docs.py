@@ -1,0 +1,33 @@
+"""The code in the documents runs, and what they point to exists."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parent.parent / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+
+
+def blocks(page: Path) -> list[str]:
+    return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=lambda p: p.name)
+def test_code_blocks_of_a_page_run_as_one_program(page):
+    exec(compile("\n".join(blocks(page)), page.name, "exec"), {})
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_pictures_pages_and_tests_it_names_exist(page):
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):
+        assert (page.parent / target).is_file(), target
+    for target in re.findall(r"`(test/[\w/]+(?:\.py)?)/?`", text):
+        assert (DOCS.parent / target).exists(), target
+
+
+def test_the_paper_page_has_code():
+    assert len(blocks(DOCS / "paper.md")) >= 10
