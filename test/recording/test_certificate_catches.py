@@ -80,6 +80,19 @@ def test_flipped_quaternion(bag, tmp_path, index):
     assert any("changes sign" in m and str(max(index, 1)) in m for m in found.messages)
 
 
+def test_all_quaternions_flipped(bag, tmp_path):
+    """The declared start has a sign, and the path goes on from there."""
+    found = certificate(bag, tmp_path, on("/pose", lambda ms: list(map(flipped, ms))))
+    assert broken(found) == {"sign continuity"}
+    assert "sample 0" in found.messages[0]
+
+
+def test_messages_logged_late(bag, tmp_path):
+    found = certificate(bag, tmp_path, on("/pose", lambda ms: [m._replace(log_time=m.log_time + 1000) for m in ms]))
+    assert broken(found) == {"log times"}
+    assert "300 messages" in found.messages[0]
+
+
 @pytest.mark.parametrize("axis", [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.01, 2.0, 0.03]])
 @pytest.mark.parametrize("index", [0, 170, COUNT - 1])
 def test_rotated_by_a_hundred_millionth(bag, tmp_path, axis, index):

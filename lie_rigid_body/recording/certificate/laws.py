@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.certificate.flow import LONGEST_TURN, flow
 from lie_rigid_body.recording.certificate.law import Law, judge
 from lie_rigid_body.recording.certificate.segments import RecordedSegment
@@ -33,6 +32,8 @@ class Evidence:
         Seconds since the segment's start.
     unit : State
         The recorded states with their quaternions normalised, as directions only.
+    exact : State
+        The states that the closed form gives from the segment's start.
     """
 
     recorded: RecordedSegment
@@ -41,6 +42,7 @@ class Evidence:
     tolerance: Tolerance
     t: Array
     unit: State
+    exact: State
 
     def judge(self, name: str, unit: str, residuals: Array, limits: Array | float, what: str) -> Law:
         """`law.judge` over all samples, or over all intervals, each of which belongs to its later sample."""
@@ -105,20 +107,19 @@ def neighbours(evidence: Evidence) -> list[Law]:
         quaternion.log(quaternion.multiply(quaternion.conjugate(predicted.attitude_xyzw), after.attitude_xyzw))
     )
     changed = _relative(so3.norm(after.body_rate - predicted.body_rate), fastest)
-    limits = evidence.tolerance.interval(spans)
     return [
         evidence.judge(
             "twist is the attitude's derivative",
             "rad",
             np.where(resolved, turned, 0.0),
-            limits,
+            evidence.tolerance.attitude_step(spans),
             "the attitude's step differs by {worst} rad (limit {limit}) from what the twist makes it, up to {where}",
         ),
         evidence.judge(
             "Euler's equations",
             "rel",
             np.where(resolved, changed, 0.0),
-            limits,
+            evidence.tolerance.rate_step(spans),
             "the twist's step differs by {worst} (of its largest, limit {limit}) from Euler's equations, up to {where}",
         ),
         _sign_continuity(evidence, predicted.attitude_xyzw, resolved),
@@ -126,25 +127,29 @@ def neighbours(evidence: Evidence) -> list[Law]:
 
 
 def _sign_continuity(evidence: Evidence, predicted: Array, resolved: NDArray[np.bool_]) -> Law:
-    agreement = np.sum(predicted * evidence.unit.attitude_xyzw[1:], axis=-1)
-    flips = np.where(resolved & (agreement < 0.0), 2.0, 0.0)
+    """Each quaternion has the sign of the path from the one before; the first, and any after a long gap, that of the
+    path from the segment's start.
+    """
+    attitudes = evidence.unit.attitude_xyzw
+    by_start = np.sum(evidence.exact.attitude_xyzw * attitudes, axis=-1)
+    by_neighbour = np.sum(predicted * attitudes[1:], axis=-1)
+    agreement = np.concatenate([by_start[:1], np.where(resolved, by_neighbour, by_start[1:])])
     return evidence.judge(
-        "sign continuity", "1", flips, 1.0, "the quaternion changes sign without turning, at {where} ({count} steps)"
+        "sign continuity",
+        "1",
+        np.where(agreement < 0.0, 2.0, 0.0),
+        1.0,
+        "the quaternion changes sign without turning, at {where} ({count})",
     )
 
 
 def closed_form(evidence: Evidence) -> Law:
     """The attitude is that of the exact solution from the segment's start."""
-    exact = ClosedForm(evidence.body, evidence.start).at(
-        evidence.recorded.stamps_ns - evidence.recorded.segment.start_ns
-    )
-    residuals = so3.norm(
-        quaternion.log(quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), evidence.unit.attitude_xyzw))
-    )
+    turned = quaternion.multiply(quaternion.conjugate(evidence.exact.attitude_xyzw), evidence.unit.attitude_xyzw)
     return evidence.judge(
         "closed form",
         "rad",
-        residuals,
+        so3.norm(quaternion.log(turned)),
         evidence.tolerance.attitude(evidence.t),
         "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}",
     )

@@ -59,8 +59,8 @@ class _Track:
         return replace(self, stamps_ns=self.stamps_ns[inside], values=self.values[inside])
 
 
-def declared_segments(recording: Recording) -> tuple[list[Segment], list[int]]:
-    """The segments in the order of their starts, and the log time of each message; repeats of a message count once.
+def declared_segments(recording: Recording) -> list[Segment]:
+    """The segments in the order of their starts; repeats of a message count once.
 
     Raises
     ------
@@ -69,17 +69,20 @@ def declared_segments(recording: Recording) -> tuple[list[Segment], list[int]]:
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
-    texts: dict[str, int] = {}
-    for log_time, text in recording.scenario_texts:
-        texts.setdefault(text, log_time)
+    texts = dict.fromkeys(text for _, text in recording.scenario_texts)
     try:
-        pairs = [(Segment.from_json(text), log_time) for text, log_time in texts.items()]
+        segments = [Segment.from_json(text) for text in texts]
     except ParameterError:
         raise
     except InputError as error:
         raise BagError(f"the bag does not explain itself: {error}") from None
-    pairs.sort(key=lambda pair: pair[0].start_ns)
-    return [segment for segment, _ in pairs], [log_time for _, log_time in pairs]
+    return sorted(segments, key=lambda segment: segment.start_ns)
+
+
+def logged_at_stamps(recording: Recording) -> bool:
+    """Whether the first scenario message was logged at its own start, as this package does, and no live recorder."""
+    log_time, text = recording.scenario_texts[0]
+    return log_time == Segment.from_json(text).start_ns
 
 
 def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
@@ -103,8 +106,7 @@ def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[Re
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    declared, log_times = declared_segments(recording)
-    segments = [_with_inertia(segment, inertia) for segment in declared]
+    segments = [_with_inertia(segment, inertia) for segment in declared_segments(recording)]
     pose = _Track("pose", recording.poses.stamps_ns, recording.poses.attitudes_xyzw)
     twist = _Track("twist", _twist_stamps(recording, segments), recording.twists.body_rates)
     first = min(int(pose.stamps_ns.min()), int(twist.stamps_ns.min()))
@@ -113,7 +115,7 @@ def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[Re
             f"a sample is stamped {first} ns, before the first scenario message's start at {segments[0].start_ns} ns: "
             "record the scenario topic from the start"
         )
-    own = log_times[0] == segments[0].start_ns
+    own = logged_at_stamps(recording)
     pieces: list[RecordedSegment] = []
     for i, segment in enumerate(segments):
         following = segments[i + 1].start_ns if i + 1 < len(segments) else None
