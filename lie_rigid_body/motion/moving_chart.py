@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.lie import scalar
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.motion import nanoseconds
+from lie_rigid_body.motion.motion import nanoseconds, require_body_and_start
 from lie_rigid_body.motion.stepper import Field, Point, RungeKuttaStepper
 from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
 
@@ -47,6 +47,8 @@ class MovingChart:
 
     Raises
     ------
+    InputError
+        If the body is no RigidBody, or the start no State of one instant.
     ParameterError
         If the method is unknown or the step not positive and finite.
     """
@@ -55,8 +57,7 @@ class MovingChart:
         self, body: RigidBody, start: State, *, method: str = DEFAULT_METHOD, max_step: float = DEFAULT_MAX_STEP
     ) -> None:
         require_stepper(method, max_step)
-        if start.body_rate.ndim != 1:
-            raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
+        require_body_and_start(body, start)
         self._stepper = METHODS[method]
         self._max_step = float(max_step)
         self._field = _chart_field(body)
@@ -121,7 +122,7 @@ class MovingChart:
         self._attitude = scalar.renormalize(scalar.multiply(self._attitude, scalar.exp((x, y, z))))
 
 
-def require_stepper(method: str, max_step: float) -> None:
+def require_stepper(method: object, max_step: object) -> None:
     """Refuse a stepper that does not exist or a step that leads nowhere.
 
     Raises
@@ -129,9 +130,10 @@ def require_stepper(method: str, max_step: float) -> None:
     ParameterError
         Naming ``method`` or ``max_step``.
     """
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise ParameterError("method", f"{method!r} is unknown: choose one of {', '.join(METHODS)}")
-    if not (max_step > 0.0 and math.isfinite(max_step)):
+    number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
+    if not (number and 0.0 < max_step < math.inf):  # type: ignore[operator]
         raise ParameterError("max_step", f"{max_step!r} s is not a positive finite time: give for example 0.001")
 
 
