@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import NamedTuple
 
-from lie_rigid_body import __version__
+from lie_rigid_body import __version__, console
 
 PROGRAM = "lie-rigid-body"
 
@@ -50,6 +50,16 @@ def usage() -> str:
     )
 
 
+def tell(text: str) -> int:
+    """Print what was asked for on stdout, and return the exit status."""
+
+    def action() -> int:
+        console.say(text)
+        return console.SUCCESS
+
+    return console.status_of(PROGRAM, action)
+
+
 def refuse(message: str) -> int:
     """Say on one line of stderr what is wrong, and return the exit status for unusable input."""
     print(f"{PROGRAM}: {message}", file=sys.stderr)
@@ -75,11 +85,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     name, *rest = arguments
     if name in ("-h", "--help"):
-        print(usage())
-        return 0
+        return tell(usage())
     if name == "--version":
-        print(f"{PROGRAM} {__version__}")
-        return 0
+        return tell(f"{PROGRAM} {__version__}")
     if name not in VERBS:
         return refuse(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
     return run(name, rest)

@@ -6,11 +6,15 @@ import argparse
 import functools
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn
 
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 SUCCESS: Final = 0
 UNUSABLE: Final = 2
@@ -32,6 +36,10 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, verb: str, description: str) -> None:
         super().__init__(prog=program(verb), description=description, allow_abbrev=False)
 
+    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
+        """Print the help on stdout, and notice it when that fails."""
+        say(self.format_help().rstrip("\n"))
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end with status 2."""
         complain(self.prog, f"{message}; '{self.prog} --help' explains the arguments")
@@ -47,6 +55,32 @@ def program(verb: str) -> str:
 def complain(prog: str, message: str) -> None:
     """Print an error as one line on stderr."""
     print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
+
+
+def say(text: str) -> None:
+    """Print a line or more on stdout; nothing where it is closed.
+
+    Raises
+    ------
+    InputError
+        If stdout cannot be written.
+    BrokenPipeError
+        If its reader has gone.
+    """
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        silence()
+        raise
+    except OSError as error:
+        silence()
+        raise InputError(f"stdout cannot be written: {error.strerror}: send it elsewhere") from None
+
+
+def silence() -> None:
+    """Send what stdout still holds nowhere: else the interpreter would try once more at its end, and complain."""
+    if sys.stdout is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,6 +107,18 @@ def parameters(arguments: argparse.Namespace) -> dict[str, object]:
     return gather(arguments.scenario, arguments.params_file, arguments.assignments)
 
 
+@contextmanager
+def files_named(arguments: argparse.Namespace) -> Iterator[None]:
+    """Add to an error about a parameter the file that gave it."""
+    from lie_rigid_body.parameter_file import file_that_gives
+
+    try:
+        yield
+    except ParameterError as error:
+        path = file_that_gives(error.name, arguments.params_file, arguments.assignments)
+        raise error if path is None else InputError(f"{path}: {error}") from None
+
+
 def run(main: Main) -> Main:
     """Wrap a verb's main so that users see one line instead of a traceback, and status codes instead of exceptions.
 
@@ -91,21 +137,22 @@ def run(main: Main) -> Main:
 
     @functools.wraps(main)
     def wrapped(argv: Sequence[str] | None = None) -> int:
-        try:
-            status = main(argv)
-            sys.stdout.flush()
-            return status
-        except SystemExit as request:
-            return request.code if isinstance(request.code, int) else SUCCESS
-        except LieRigidBodyError as error:
-            complain(program(verb), str(error))
-            return UNUSABLE
-        except KeyboardInterrupt:
-            complain(program(verb), "interrupted")
-            return INTERRUPTED
-        except BrokenPipeError:
-            # else the interpreter would try once more, and complain, when it closes stdout
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return _BROKEN_PIPE
+        return status_of(program(verb), lambda: main(argv))
 
     return wrapped
+
+
+def status_of(prog: str, action: Callable[[], int]) -> int:
+    """The exit status of an action, its errors told on stderr under the name of a program; see `run`."""
+    try:
+        return action()
+    except SystemExit as request:
+        return request.code if isinstance(request.code, int) else SUCCESS
+    except LieRigidBodyError as error:
+        complain(prog, str(error))
+        return UNUSABLE
+    except KeyboardInterrupt:
+        complain(prog, "interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        return _BROKEN_PIPE

@@ -140,6 +140,13 @@ def gather(
     return {name: value for name, value in given.items() if not _NODE_ONLY.fullmatch(name)}
 
 
+def file_that_gives(name: str, files: Sequence[str | Path], assignments: Sequence[str]) -> str | Path | None:
+    """The file whose value of a parameter wins in `gather`, or None if it came from elsewhere."""
+    if any(parse_assignment(text)[0] == name for text in assignments):
+        return None
+    return next((path for path in reversed(files) if name in read_parameter_file(path)), None)
+
+
 def scenario_file(name: str) -> Path:
     """The parameter file of a shipped scenario.
 

@@ -6,9 +6,14 @@ import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from decimal import ROUND_FLOOR, Context
 from typing import Final, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
@@ -144,14 +149,19 @@ class Scenario:
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
             _require_frame_name(name, getattr(self, name))
-        body = self.body()
+        with np.errstate(all="ignore"):  # what goes wrong is said below
+            body, start = self.body(), self._valid_start()
+            _require_ordinary_inertia(body)
+            _require_ordinary_motion(body, start)
+        if self.motion == "moving_chart":
+            self._require_small_steps(body, start)
+
+    def _valid_start(self) -> State:
         try:
-            start = self.start()
+            return self.start()
         except ParameterError as error:
             name = f"initial_{error.name}"
             raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
-        if self.motion == "moving_chart":
-            self._require_small_steps(body, start)
 
     def _require_small_steps(self, body: RigidBody, start: State) -> None:
         fastest = math.sqrt(2.0 * float(body.kinetic_energy(start)) / float(body.principal_moments[0]))
@@ -160,8 +170,14 @@ class Scenario:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, the limit is "
-                f"{LARGEST_TURN_PER_STEP:g}: give at most {LARGEST_TURN_PER_STEP / fastest:.3g} s, or use closed_form",
+                f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
+
+
+def _shorter(longest: float) -> str:
+    """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
+    step = float(Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(longest))
+    return f"give at most {step:g} s, or " if step >= _BY_NAME["max_step"].minimum else ""
 
 
 def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
@@ -186,6 +202,35 @@ def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
             hint = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(_BY_NAME)}"
             raise ParameterError(str(name), f"no such parameter: {hint}")
     return {p.name: p.read(given[p.name]) if p.name in given else p.default for p in PARAMETERS}
+
+
+def _require_ordinary_inertia(body: RigidBody) -> None:
+    if not (_is_ordinary(body.principal_moments) and _is_ordinary(1.0 / body.principal_moments)):
+        raise ParameterError(
+            "inertia",
+            f"principal moments {_listed(body.principal_moments)}, or their inverses, leave the range of double "
+            "precision: give moments between 1e-300 and 1e300 kg m²",
+        )
+
+
+def _require_ordinary_motion(body: RigidBody, start: State) -> None:
+    """Energy and momentum in the range of double precision; an energy may be so small that it is 0."""
+    energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
+    if not all(value == 0.0 or _is_ordinary(value) for value in (energy, momentum)):
+        raise ParameterError(
+            "initial_body_rate",
+            f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J and the momentum {momentum:g} kg m²/s, "
+            "which leave the range of double precision: give an ordinary rate, or zeros",
+        )
+
+
+def _is_ordinary(values: NDArray[np.float64]) -> bool:
+    """Whether positive numbers are finite, and not so small that they lose digits."""
+    return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
+
+
+def _listed(values: NDArray[np.float64]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
 
 
 def _require_frame_name(name: str, value: str) -> None:

@@ -31,7 +31,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "cli": SCENARIO | EDGE | {"simulation", "recording"},
     "ros": SCENARIO | EDGE | {"simulation", "recording"},
     "": SCENARIO | {"simulation"},
-    "__main__": set(),
+    "__main__": {"console"},
 }
 PURE = {"lie", "mechanics", "motion"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}

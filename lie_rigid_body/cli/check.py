@@ -24,9 +24,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     certificate = certify(read_bag(given.bag), inertia)
     if given.json:
-        print(json.dumps(certificate_text.as_json(given.bag, certificate), indent=2, ensure_ascii=False))
+        console.say(json.dumps(certificate_text.as_json(given.bag, certificate), indent=2, ensure_ascii=False))
     else:
-        print(certificate_text.as_table(given.bag, certificate))
+        console.say(certificate_text.as_table(given.bag, certificate))
     return console.SUCCESS if certificate.passed else BROKEN
 
 

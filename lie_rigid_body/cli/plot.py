@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
@@ -22,14 +23,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.recording.output_file import OutputFile, reason
 
     figure = draw(cut(read_bag(given.bag)))
+    picture = BytesIO()
+    figure.savefig(picture, format="png")
     out = OutputFile(given.out, overwrite=given.force)
     try:
-        figure.savefig(out.stream, format="png")
+        out.stream.write(picture.getbuffer())
         out.commit()
-    except OSError as error:
-        out.abandon()
+    except BaseException as error:
+        out.discard()  # part of a picture is of no use, and would stand in the way of the next one
+        if not isinstance(error, OSError):
+            raise
         raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
-    print(f"wrote {given.out}")
+    console.say(f"wrote {given.out}")
     return console.SUCCESS
 
 

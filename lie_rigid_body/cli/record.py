@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -26,6 +27,7 @@ BYTES_PER_SAMPLE: Final = 105
 """What a pose and a twist take in a bag after compression."""
 LARGEST_DURATION: Final = 10**10
 """s; beyond it no stamp of builtin_interfaces/Time reaches."""
+_NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 _LARGEST_BATCH: Final = 1024
 _STEPS_PER_BATCH: Final = 10_000
 
@@ -41,7 +43,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-    scenario = Scenario.from_parameters(console.parameters(given))
+    with console.files_named(given):
+        scenario = Scenario.from_parameters(console.parameters(given))
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
     out = Path(given.out)
@@ -67,7 +70,7 @@ def _parser() -> console.Parser:
 
 def _duration(text: str) -> Fraction:
     try:
-        value = Decimal(text)
+        value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
     except InvalidOperation:
         value = Decimal("nan")
     # compared before it becomes a fraction, which 1e999999999 would fill the memory with
@@ -128,8 +131,8 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
     if not quiet:
         clock = simulation.clock
         first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
-        print(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
-        print(f"certify them with: {console.program('check')} {shlex.quote(str(bag.path))}")
+        console.say(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
+        console.say(f"certify them with: {console.program('check')} {shlex.quote(str(bag.path))}")
     return console.SUCCESS
 
 

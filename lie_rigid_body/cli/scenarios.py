@@ -17,7 +17,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
     given = parser.parse_args(argv)
     entries = [_entry(name, path) for name, path in scenario_files().items()]
-    print(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
+    console.say(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
     return console.SUCCESS
 
 

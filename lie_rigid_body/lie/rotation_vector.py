@@ -94,8 +94,18 @@ def norm(v: ArrayLike) -> Array:
     return np.asarray(np.hypot(np.hypot(v[..., 0], v[..., 1]), v[..., 2]))
 
 
-def _quadratic(v: Array, linear: Array, quadratic: Array) -> Array:
-    """I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation."""
+def matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
+    """I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation.
+
+    Parameters
+    ----------
+    v : ndarray, shape (..., 3)
+    linear, quadratic : ndarray, shape (...)
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
     m = np.empty((*v.shape, 3))
     m[..., 0, 0] = 1.0 - quadratic * (y * y + z * z)
@@ -121,7 +131,7 @@ def left_jacobian(v: ArrayLike) -> Array:
     """
     v = as_vectors(v)
     theta = norm(v)
-    return _quadratic(v, series.dexp_linear(theta), series.dexp_quadratic(theta))
+    return matrix_polynomial(v, series.dexp_linear(theta), series.dexp_quadratic(theta))
 
 
 def right_jacobian(v: ArrayLike) -> Array:
@@ -153,7 +163,7 @@ def left_jacobian_inverse(v: ArrayLike) -> Array:
     """
     v = as_vectors(v)
     theta = norm(v)
-    return _quadratic(v, np.full_like(theta, -0.5), series.dexpinv_quadratic(theta))
+    return matrix_polynomial(v, np.full_like(theta, -0.5), series.dexpinv_quadratic(theta))
 
 
 def right_jacobian_inverse(v: ArrayLike) -> Array:

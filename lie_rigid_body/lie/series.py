@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""
 
+SMALLEST_SQUARE: Final = 1e-290
+"""Below it θ² loses digits to underflow, and (1 − cos θ)/θ² has long been ½."""
+
 
 def _bernoulli(count: int) -> list[Fraction]:
     """The Bernoulli numbers B₀ … B_{count−1} by their defining recurrence Σ C(n+1, k) Bₖ = 0."""
@@ -48,6 +51,18 @@ def half_angle_sine_ratio(theta: Array) -> Array:
     """sin(θ/2)/θ, with its limit ½ at 0."""
     safe = np.where(theta == 0.0, 1.0, theta)
     return np.where(theta == 0.0, 0.5, np.sin(0.5 * safe) / safe)
+
+
+def sine_ratio(theta: Array) -> Array:
+    """Sin θ/θ, with its limit 1 at 0."""
+    safe = np.where(theta == 0.0, 1.0, theta)
+    return np.where(theta == 0.0, 1.0, np.sin(safe) / safe)
+
+
+def versine_ratio(theta: Array, squared: Array) -> Array:
+    """(1 − cos θ)/θ² = 2 sin²(θ/2)/θ², with its limit ½ at 0, where θ² is known better than as the square of θ."""
+    tiny = squared < SMALLEST_SQUARE
+    return np.where(tiny, 0.5, 2.0 * np.sin(0.5 * theta) ** 2 / np.where(tiny, 1.0, squared))
 
 
 def dexp_linear(theta: Array) -> Array:

@@ -9,11 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, series
 from lie_rigid_body.lie.rotation_vector import (
+    as_vectors,
     hat,
     left_jacobian,
     left_jacobian_inverse,
+    matrix_polynomial,
     norm,
     right_jacobian,
     right_jacobian_inverse,
@@ -47,7 +49,9 @@ def exp(v: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
     """
-    return quaternion.to_matrix(quaternion.exp(v))
+    v = as_vectors(v)
+    theta, squared = norm(v), np.sum(v * v, axis=-1)
+    return matrix_polynomial(v, series.sine_ratio(theta), series.versine_ratio(theta, squared))
 
 
 def log(m: ArrayLike) -> Array:

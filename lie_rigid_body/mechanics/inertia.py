@@ -97,12 +97,12 @@ def require_physical(moments: Array) -> None:
     small, middle, large = (float(m) for m in moments)
     if not small > 0.0:
         raise ParameterError(
-            _NAME, f"smallest principal moment {small:.17g} is not positive: every moment must be above 0 kg m²"
+            _NAME, f"smallest principal moment {small!r} is not positive: every moment must be above 0 kg m²"
         )
     if large - middle > small + _ROUND_OFF * large:
         raise ParameterError(
             _NAME,
-            f"principal moments {small:.17g}, {middle:.17g}, {large:.17g} break the triangle inequality: "
+            f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality: "
             "the largest may not exceed the sum of the other two (a flat body has equality)",
         )
 

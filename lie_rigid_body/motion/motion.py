@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics import RigidBody, State
 
 
 class Motion(Protocol):
@@ -28,6 +28,30 @@ class Motion(Protocol):
             Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
         """
         ...
+
+
+def require_body_and_start(body: object, start: object) -> None:
+    """Refuse what is no body, or no state of one instant.
+
+    Parameters
+    ----------
+    body, start : object
+
+    Raises
+    ------
+    InputError
+        Saying which, and what to give.
+    """
+    if not isinstance(body, RigidBody):
+        raise InputError(f"body {_one_line(body)} is not a RigidBody: give for example RigidBody([1, 2, 3])")
+    if not isinstance(start, State):
+        raise InputError(f"start {_one_line(start)} is not a State: give for example State([0, 0, 0, 1], [0, 1, 0])")
+    if start.body_rate.ndim != 1:
+        raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
+
+
+def _one_line(value: object) -> str:
+    return " ".join(repr(value).split())
 
 
 def nanoseconds(t_ns: ArrayLike) -> NDArray[np.int64]:

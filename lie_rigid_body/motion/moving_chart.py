@@ -18,12 +18,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import scalar
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.chart_integrator import ChartIntegrator
-from lie_rigid_body.motion.motion import nanoseconds
+from lie_rigid_body.motion.motion import nanoseconds, require_body_and_start
 from lie_rigid_body.motion.rotation_chart import RotationChart
 from lie_rigid_body.motion.stepper import RungeKuttaStepper
 from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
@@ -50,6 +50,8 @@ class MovingChart:
 
     Raises
     ------
+    InputError
+        If the body is no RigidBody, or the start no State of one instant.
     ParameterError
         If the method is unknown or the step not positive and finite.
     """
@@ -58,8 +60,7 @@ class MovingChart:
         self, body: RigidBody, start: State, *, method: str = DEFAULT_METHOD, max_step: float = DEFAULT_MAX_STEP
     ) -> None:
         require_stepper(method, max_step)
-        if start.body_rate.ndim != 1:
-            raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
+        require_body_and_start(body, start)
         x, y, z, w = start.attitude_xyzw.tolist()
         self._body, self._start = body, start
         self._integrator: ChartIntegrator[scalar.Quaternion] = ChartIntegrator(
@@ -99,7 +100,7 @@ class MovingChart:
         return rates
 
 
-def require_stepper(method: str, max_step: float) -> None:
+def require_stepper(method: object, max_step: object) -> None:
     """Refuse a stepper that does not exist or a step that leads nowhere.
 
     Raises
@@ -107,7 +108,8 @@ def require_stepper(method: str, max_step: float) -> None:
     ParameterError
         Naming ``method`` or ``max_step``.
     """
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise ParameterError("method", f"{method!r} is unknown: choose one of {', '.join(METHODS)}")
-    if not (max_step > 0.0 and math.isfinite(max_step)):
+    number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
+    if not (number and 0.0 < max_step < math.inf):  # type: ignore[operator]
         raise ParameterError("max_step", f"{max_step!r} s is not a positive finite time: give for example 0.001")

@@ -37,12 +37,12 @@ class OutputFile:
             self._written, self.stream = _new(self.path) if self._target is None else _beside(self._target)
         except FileExistsError:
             raise BagError(f"{self.path} exists and is kept: give another name, or --force to replace it") from None
-        except FileNotFoundError:
-            raise BagError(
-                f"{self.path} cannot be created, because the folder {self.path.parent} does not exist: "
-                "make it, or give another one"
-            ) from None
         except (OSError, ValueError) as error:
+            if isinstance(error, FileNotFoundError) and not self.path.parent.is_dir():
+                raise BagError(
+                    f"{self.path} cannot be created, because the folder {self.path.parent} does not exist: "
+                    "make it, or give another one"
+                ) from None
             raise BagError(
                 f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
             ) from None
@@ -72,10 +72,18 @@ class OutputFile:
 
     def abandon(self) -> None:
         """Close the file, which cannot be finished. It stays for rescue, unless it was to replace another."""
-        with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
-            self.stream.close()
+        self._close()
         if self.replaces:
             self._written.unlink(missing_ok=True)
+
+    def discard(self) -> None:
+        """Close the file, which cannot be finished, and remove it."""
+        self._close()
+        self._written.unlink(missing_ok=True)
+
+    def _close(self) -> None:
+        with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
+            self.stream.close()
 
 
 def reason(error: Exception) -> str:

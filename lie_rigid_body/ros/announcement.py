@@ -56,12 +56,13 @@ def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
 
 def commands(names: Names) -> list[str]:
     """Commands to listen with: those of ROS 2 where they are installed, else our own."""
+    domain = f"ROS_DOMAIN_ID={names.domain} " if names.domain else ""
     if shutil.which("ros2"):
         return [
-            f"ros2 topic echo {names.pose}",
-            f"ros2 service call {names.reset} std_srvs/srv/Trigger",
+            f"{domain}ros2 topic echo {names.pose}",
+            f"{domain}ros2 service call {names.reset} std_srvs/srv/Trigger",
         ]
-    listen = f"{_python()} -m lie_rigid_body.ros.listen"
+    listen = f"{domain}{_python()} -m lie_rigid_body.ros.listen"
     return [f"{listen} --pose {names.pose}", f"{listen} --reset {names.reset}"]
 
 

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
-import rclpy
-from geometry_msgs.msg import PoseStamped
-from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
-from rclpy.qos import QoSProfile
-from std_srvs.srv import Trigger
+from lie_rigid_body import console
 
-SHOWN_EVERY = 0.2
+if TYPE_CHECKING:
+    from geometry_msgs.msg import PoseStamped
+    from rclpy.node import Node
+
+PROGRAM: Final = "python -m lie_rigid_body.ros.listen"
+SHOWN_EVERY: Final = 0.2
 """s between the lines on the screen, or less often when the samples come more slowly."""
-LONGEST_WAIT = 5.0
-"""s for the reset service to appear and to answer."""
+LONGEST_WAIT: Final = 5.0
+"""s for the first sample before its absence is told, and for the reset service to appear and to answer."""
+NO_ANSWER: Final = 1
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -31,53 +32,94 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, or 1 when there is no answer.
+        Exit status: 0, 1 when there is no answer, 2 when the input is unusable.
     """
-    parser = argparse.ArgumentParser(description="Print the poses that the node publishes, or reset its motion.")
+    return console.status_of(PROGRAM, lambda: _main(argv))
+
+
+def _main(argv: Sequence[str] | None) -> int:
+    parser = console.Parser("listen", "Print the poses that the node publishes, or reset its motion.")
+    parser.prog = PROGRAM
     parser.add_argument("--pose", metavar="TOPIC", default="/pose")
     parser.add_argument("--reset", metavar="SERVICE", nargs="?", const="/lie_rigid_body/reset", help="reset, and end")
     given = parser.parse_args(argv)
-    rclpy.init(args=[])
-    node = rclpy.create_node("lie_rigid_body_listener")
+
+    from lie_rigid_body.ros.sim import require_ros
+
+    require_ros()
+
+    import rclpy
+    from rclpy.executors import ExternalShutdownException
+
+    from lie_rigid_body.ros.refusal import told
+
+    with told("to start"):
+        rclpy.init(args=[])
     try:
-        return reset(node, given.reset) if given.reset else listen(node, given.pose)
+        node = rclpy.create_node("lie_rigid_body_listener")
+        return listen(node, given.pose) if given.reset is None else reset(node, given.reset)
     except (KeyboardInterrupt, ExternalShutdownException):
-        return 0
+        return console.SUCCESS
     finally:
         rclpy.try_shutdown()
 
 
 def listen(node: Node, topic: str) -> int:
     """Print the poses of a topic, some of them, until interrupted."""
+    import rclpy
+    from geometry_msgs.msg import PoseStamped
+    from rclpy.qos import QoSProfile
+
+    from lie_rigid_body.ros.refusal import told
+
     shown = 0.0
 
     def show(pose: PoseStamped) -> None:
         nonlocal shown
+        silence.cancel()
         if time.monotonic() - shown < SHOWN_EVERY:
             return
         shown = time.monotonic()
-        stamp, q = pose.header.stamp, pose.pose.orientation
-        print(f"{stamp.sec}.{stamp.nanosec:09d} s  x {q.x:+.6f}  y {q.y:+.6f}  z {q.z:+.6f}  w {q.w:+.6f}", flush=True)
+        console.say(line(pose))
 
-    node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
+    def tell_silence() -> None:
+        silence.cancel()
+        print(f"nothing yet on {topic} in domain {node.context.get_domain_id()}: is the node running?", file=sys.stderr)
+
+    with told(f"--pose {topic!r}"):
+        node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
+    silence = node.create_timer(LONGEST_WAIT, tell_silence)
     rclpy.spin(node)
-    return 0
+    return console.SUCCESS
+
+
+def line(pose: PoseStamped) -> str:
+    """A pose in one line."""
+    stamp, q = pose.header.stamp, pose.pose.orientation
+    return f"{stamp.sec}.{stamp.nanosec:09d} s  x {q.x:+.6f}  y {q.y:+.6f}  z {q.z:+.6f}  w {q.w:+.6f}"
 
 
 def reset(node: Node, service: str) -> int:
     """Call a reset service, and print its answer."""
-    client = node.create_client(Trigger, service)
+    import rclpy
+    from std_srvs.srv import Trigger
+
+    from lie_rigid_body.ros.refusal import told
+
+    with told(f"--reset {service!r}"):
+        client = node.create_client(Trigger, service)
     if not client.wait_for_service(LONGEST_WAIT):
-        print(f"no service {service}: is the node running, in this ROS domain?", file=sys.stderr)
-        return 1
+        domain = node.context.get_domain_id()
+        console.complain(PROGRAM, f"no service {service} in domain {domain}: is the node running?")
+        return NO_ANSWER
     answer = client.call_async(Trigger.Request())
     rclpy.spin_until_future_complete(node, answer, timeout_sec=LONGEST_WAIT)
     response = answer.result()
     if response is None:
-        print(f"{service} does not answer", file=sys.stderr)
-        return 1
-    print(response.message)
-    return 0 if response.success else 1
+        console.complain(PROGRAM, f"{service} does not answer")
+        return NO_ANSWER
+    console.say(response.message)
+    return console.SUCCESS if response.success else NO_ANSWER
 
 
 if __name__ == "__main__":

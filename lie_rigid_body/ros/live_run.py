@@ -154,5 +154,9 @@ def largest_burst(scenario: Scenario) -> int:
     """How many samples to take at once: few when each costs many steps, so that others are heard in between."""
     if scenario.motion == "closed_form":
         return LARGEST_BURST
-    steps = math.ceil(1.0 / (scenario.rate * scenario.max_step))
-    return max(1, min(LARGEST_BURST, STEPS_PER_BURST // steps))
+    return max(1, min(LARGEST_BURST, STEPS_PER_BURST // steps_per_sample(scenario)))
+
+
+def steps_per_sample(scenario: Scenario) -> int:
+    """Steps from one sample to the next; of the closed form 1."""
+    return 1 if scenario.motion == "closed_form" else math.ceil(1.0 / (scenario.rate * scenario.max_step))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from queue import Empty, SimpleQueue
 from threading import Lock
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from lie_rigid_body.errors import BagError, LieRigidBodyError
 
@@ -45,8 +45,9 @@ class Call(Generic[T]):
                 raise
 
     def refuse(self) -> None:
-        """Tell whoever waits that nothing will come."""
-        self._outcome.set_exception(ClosedError("the node is ending: start it again"))
+        """Tell whoever waits that nothing will come, unless it has come."""
+        if not self._outcome.done():
+            self._outcome.set_exception(ClosedError("the node is ending: start it again"))
 
     def result(self) -> T:
         """Wait for the function's result, or raise what it raised."""
@@ -58,6 +59,7 @@ class Mailbox:
 
     def __init__(self) -> None:
         self._calls: SimpleQueue[Call[object]] = SimpleQueue()
+        self._unanswered: set[Call[object]] = set()
         self._lock = Lock()
         self._open = True
 
@@ -71,13 +73,18 @@ class Mailbox:
         Exception
             What the function raised.
         """
-        call = Call(function)
+        call: Call[Any] = Call(function)
         with self._lock:
             if not self._open:
                 call.refuse()
             else:
-                self._calls.put(call)  # type: ignore[arg-type]
-        return call.result()
+                self._unanswered.add(call)
+                self._calls.put(call)
+        try:
+            return cast(T, call.result())
+        finally:
+            with self._lock:
+                self._unanswered.discard(call)
 
     def wait(self, seconds: float) -> Call[object] | None:
         """The next call, as soon as there is one, or None after a time without any."""
@@ -87,8 +94,11 @@ class Mailbox:
             return None
 
     def close(self) -> None:
-        """Refuse every call that waits, and all later ones."""
+        """Refuse every call without an answer, and all later ones.
+
+        Also those that `wait` has given: a signal may have come before they were carried out.
+        """
         with self._lock:
             self._open = False
-        while (call := self.wait(0.0)) is not None:
-            call.refuse()
+            for call in self._unanswered:
+                call.refuse()

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Final
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.cdr import encode_string
 from lie_rigid_body.ros.live_run import LARGEST_BURST, NS
+from lie_rigid_body.ros.refusal import told
 from lie_rigid_body.simulation import Samples, Segment
 
+POSE: Final = "pose"
+TWIST: Final = "twist"
+SCENARIO: Final = "~/scenario"
 KEPT: Final = 4 * LARGEST_BURST
 """Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
 BURST_PATIENCE: Final = Duration(nanoseconds=10_000_000)
@@ -34,6 +41,11 @@ class SamplePublisher:
     node : Node
     stamped_twist : bool
         The type of the twist topic.
+
+    Raises
+    ------
+    InputError
+        If remapping leaves two topics with one name, or a name that is taken by another type.
     """
 
     def __init__(self, node: Node, *, stamped_twist: bool) -> None:
@@ -41,9 +53,10 @@ class SamplePublisher:
         latched = QoSProfile(
             depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
         )
-        self._pose = node.create_publisher(PoseStamped, "pose", reliable)
-        self._twist = node.create_publisher(TwistStamped if stamped_twist else Twist, "twist", reliable)
-        self._scenario = node.create_publisher(String, "~/scenario", latched)
+        _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO)})
+        self._pose = _publisher(node, PoseStamped, POSE, reliable)
+        self._twist = _publisher(node, TwistStamped if stamped_twist else Twist, TWIST, reliable)
+        self._scenario = _publisher(node, String, SCENARIO, latched)
         self._logger = node.get_logger()
         self._warned_ns = -WARNING_INTERVAL_NS
 
@@ -78,3 +91,14 @@ class SamplePublisher:
     def _settle(self, patience: Duration) -> None:
         for publisher in (self._pose, self._twist):
             publisher.wait_for_all_acked(patience)
+
+
+def _require_distinct(full_names: Mapping[str, str]) -> None:
+    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
+        if its_name == other_name:
+            raise InputError(f"the topics {one} and {other} are both remapped to {its_name}: give each its own name")
+
+
+def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
+    with told(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
+        return node.create_publisher(kind, topic, qos)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.ros.announcement import Names
     from lie_rigid_body.ros.node import SimulatorNode
 
-NEEDED: Final = ("rclpy", "geometry_msgs", "std_msgs", "std_srvs")
+NEEDED: Final = ("rclpy", "rcl_interfaces", "geometry_msgs", "std_msgs", "std_srvs")
 
 
 @console.run
@@ -39,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status: 0 when asked to end, 2 when the input is unusable or the bag can no longer be written.
     """
     given = parse(sys.argv[1:] if argv is None else argv)
-    _require_ros()
+    require_ros()
     _require_readable(given)
     interruption = Interruption()
     interruption.install()
@@ -50,7 +50,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     return console.SUCCESS
 
 
-def _require_ros() -> None:
+def require_ros() -> None:
+    """Say what is missing where ROS 2 is not installed.
+
+    Raises
+    ------
+    InputError
+    """
     missing = [name for name in NEEDED if not _is_installed(name)]
     if missing:
         raise InputError(
@@ -154,4 +160,4 @@ def _say(text: str) -> None:
     try:
         print(text, flush=True)
     except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        console.silence()

@@ -18,7 +18,7 @@ from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.ros.refusal import told
 
 _RCL: Final = "rcl"
 LONGEST_GOODBYE: Final = 0.5
@@ -41,11 +41,8 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
     """
     # what rcl logs of bad arguments is in the exception as well
     set_logger_level(_RCL, LoggingSeverity.FATAL)
-    try:
+    with told(" ".join(arguments) or "to start"):
         rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:
-        reason = str(error).splitlines()[0].partition(", at ")[0].removeprefix("failed to initialize rcl: ")
-        raise InputError(f"ROS refuses {' '.join(arguments)}: {reason}") from None
     if get_logger_level(_RCL) == LoggingSeverity.FATAL:
         set_logger_level(_RCL, LoggingSeverity.UNSET)
     try:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_check import write_bag
 
 from lie_rigid_body.cli.plot import main
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.certificate.segments import cut
 from lie_rigid_body.recording.figure import draw
@@ -81,5 +85,67 @@ def test_degenerate_motions_are_drawn(parameters, tmp_path):
     draw(cut(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
 
 
-def test_a_single_sample_is_drawn(tmp_path):
-    draw(cut(read_bag(write_bag(tmp_path / "bag.mcap", 1)))).canvas.draw()
+def test_a_single_sample_is_seen(tmp_path):
+    figure = draw(cut(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
+    figure.canvas.draw()
+    assert "1 sample at" in figure.get_suptitle()
+    assert [line.get_marker() for axes in figure.axes[:3] for line in axes.get_lines()] == ["o"] * 7
+
+
+def test_many_samples_do_not_hide_each_other(tmp_path):
+    few, many = (draw(cut(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form")))) for n in (99, 30_000))
+    assert few.axes[0].get_lines()[0].get_alpha() is None
+    assert many.axes[0].get_lines()[0].get_alpha() < 1.0
+
+
+def segments(tmp_path, *counts: int) -> list:
+    """Pieces of recordings of the given numbers of samples; 0 for one whose poses and twists do not pair."""
+    pieces = []
+    for number, count in enumerate(counts):
+        [piece] = cut(
+            read_bag(write_bag(tmp_path / f"{number}.mcap", max(1, count), inertia=[1, 2, 2.5 + 0.5 * number]))
+        )
+        none = slice(0, count)
+        pieces.append(
+            replace(piece, samples=piece.samples[none], stamps_ns=piece.stamps_ns[none], states=piece.states[none])
+        )
+    return pieces
+
+
+def test_segments_without_samples_are_left_out(tmp_path):
+    without, with_samples = segments(tmp_path, 0, 50)
+    figure = draw([without, with_samples])
+    figure.canvas.draw()
+    assert "inertia [1, 2, 3]" in figure.get_suptitle()
+    assert "reset" not in figure.get_suptitle()
+    with pytest.raises(BagError, match="both a pose and a twist"):
+        draw([without])
+
+
+def test_of_several_segments_the_first_is_named(tmp_path):
+    figure = draw(segments(tmp_path, 50, 50))
+    assert "first segment: inertia [1, 2, 2.5]" in figure.get_suptitle()
+    assert "100 samples at 100 Hz, 1 reset" in figure.get_suptitle()
+    assert figure.axes[3].get_title().startswith("first segment: polhode")
+
+
+def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
+    figure = draw(cut(read_bag(bag)))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    left = max(axes.get_tightbbox().x1 for axes in figure.axes[:3])
+    assert figure.axes[3].zaxis.get_tightbbox(canvas.get_renderer()).x0 > left + 90.0
+
+
+def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):
+    def interrupted(*arguments: object, **options: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("matplotlib.figure.Figure.savefig", interrupted)
+        assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
+    with monkeypatch.context() as patch:
+        patch.setattr("lie_rigid_body.recording.output_file.OutputFile.commit", interrupted)
+        assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
+    assert list(tmp_path.glob("*.png")) == []
+    assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 0

@@ -34,6 +34,12 @@ BAD_PARAMETERS = {
     "motion:=flying": "motion: 'flying' is unknown: choose one of moving_chart, closed_form",
     "max_step:=0.0": "max_step: 0 is outside",
     "max_step:=100.0": None,
+    "inertia:=[1e-320, 1e-320, 1e-320]": "inertia: principal moments .* leave the range of double precision",
+    "inertia:=[1e308, 1e308, 1e308]": "inertia: principal moments .* leave the range of double precision",
+    "initial_body_rate:=[1e200, 0.0, 0.0]": "initial_body_rate: 1e.200, 0, 0 rad/s gives the energy inf",
+    "initial_body_rate:=[1e308, 1e308, 1e308]": "initial_body_rate: .*the momentum inf",
+    "initial_body_rate:=[1e-160, 2e-161, 0.0]": "initial_body_rate: .* leave the range",
+    "initial_body_rate:=[1e140, 0.0, 0.0]": "max_step: .* limit is 1: use closed_form",
     "world_frame:=/world": "world_frame: '/world' is not a frame name",
     "body_frame:=''": "body_frame: '' is not a frame name",
     "stamped_twist:=1": "stamped_twist: 1 is not a bool",
@@ -56,6 +62,8 @@ BAD_USAGE = {
     "out.mcap --duration -1": "--duration -1 is not a time from",
     "out.mcap --duration nan": "--duration nan is not a time from",
     "out.mcap --duration inf": "--duration inf is not a time from",
+    "out.mcap --duration 1_0": "--duration 1_0 is not a time from",
+    "out.mcap --duration ٣": "--duration ٣ is not a time from",
     "out.mcap --duration soon": "--duration soon is not a time from",
     "out.mcap --duration 1e999999999": "--duration 1e999999999 is not a time from",
     "out.mcap --duration 1e-999999999": "--duration 1e-999999999 is not a time from",
@@ -70,7 +78,7 @@ BAD_USAGE = {
     ". --duration 1": ". is a folder",
     "bad.yaml --duration 1": "bad.yaml exists and is kept: give another name, or --force",
     "bad.yaml/out.mcap --duration 1": "Not a directory",
-    "/proc/out.mcap --duration 1": "/proc/out.mcap cannot be created",
+    "/proc/out.mcap --duration 1": "/proc/out.mcap cannot be created: No such file",
     "fifo --duration 1 --force": "fifo is not a regular file",
 }
 
@@ -98,6 +106,7 @@ def refusal(arguments: list[str], here: Path, capsys: pytest.CaptureFixture[str]
     return printed.err
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("assignment", [name for name, said in BAD_PARAMETERS.items() if said])
 def test_bad_parameters(here: Path, capsys: pytest.CaptureFixture[str], assignment: str) -> None:
     line = refusal(["out.mcap", "--duration", "10", "-p", assignment], here, capsys)
@@ -120,11 +129,18 @@ def test_a_disk_with_too_little_room(
     assert main(["out.mcap", "--duration", "4", "--quiet"]) == 0
 
 
-def test_a_file_gives_the_same_refusal_as_an_assignment(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_gives_the_same_refusal_as_an_assignment_and_is_named(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (here / "flat.yaml").write_text("/**:\n  ros__parameters:\n    inertia: [1.0, 2.0, 3.1]\n")
-    line = refusal(["out.mcap", "--duration", "10", "--params-file", "flat.yaml"], here, capsys)
-    assert "inertia: " in line
+    (here / "good.yaml").write_text("/**:\n  ros__parameters:\n    rate: 10.0\n")
+    (here / "unknown.yaml").write_text("/**:\n  ros__parameters:\n    speed: 10.0\n")
+    given = ["out.mcap", "--duration", "10", "--params-file", "flat.yaml", "--params-file", "good.yaml"]
+    line = refusal(given, here, capsys)
+    assert "error: flat.yaml: inertia: " in line
     assert "triangle" in line
+    assert "error: rate: " in refusal([*given, "-p", "rate:=0.0"], here, capsys)
+    assert "error: unknown.yaml: speed: " in refusal([*given, "--params-file", "unknown.yaml"], here, capsys)
 
 
 def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
@@ -149,3 +165,18 @@ def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
     assert "out.mcap cannot be written: File too large; " in done.stderr
     assert "mcap recover" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_the_remedy_for_too_long_a_step_is_a_remedy(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["out.mcap", "--duration", "0.01", "-p", "initial_body_rate:=[6000.0, 2.0, 0.0]"]
+    line = refusal(arguments, here, capsys)
+    found = re.search("give at most (.*) s, or use closed_form", line)
+    assert found
+    assert main([*arguments, "-p", f"max_step:={found[1]}", "--quiet"]) == 0
+
+
+@pytest.mark.parametrize("rate", ["[1e-300, 2e-300, 0.0]", "[1e140, 2e140, 1.0]", "[0.0, 0.0, 0.0]"])
+@pytest.mark.filterwarnings("error")
+def test_extreme_rates_that_can_be_computed_are_allowed(here: Path, rate: str) -> None:
+    arguments = ["out.mcap", "--duration", "0.1", "-p", f"initial_body_rate:={rate}", "-p", "motion:=closed_form"]
+    assert main([*arguments, "--quiet"]) == 0

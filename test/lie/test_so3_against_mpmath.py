@@ -29,6 +29,15 @@ def vectors() -> np.ndarray:
     return np.array([np.array(axis) / np.linalg.norm(axis) * angle for angle in ANGLES for axis in AXES])
 
 
+def wide_turns(count: int = 400) -> np.ndarray:
+    """Rotation vectors of 2.5 rad to π in random directions, where the entries of the rotation are largest."""
+    random = np.random.default_rng(20)
+    axes = random.normal(size=(count, 3))
+    angles = random.uniform(2.5, np.pi, (count, 1))
+    worst_known = [2.0950553812118766, 2.0926827963576518, 0.23742678288911792]
+    return np.array([worst_known, *(axes / np.linalg.norm(axes, axis=1, keepdims=True) * angles)])
+
+
 def exact_hat(v) -> mpmath.matrix:
     x, y, z = (mp.mpf(float(c)) for c in v)
     return mp.matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -61,6 +70,14 @@ def test_matrix_functions_have_fifteen_digits(name):
     v = vectors()
     for vector, computed in zip(v, getattr(so3, name)(v), strict=True):
         exact = exact_function(vector, *EXACT[name])
+        worst = max(abs(mp.mpf(float(computed[i, j])) - exact[i, j]) for i in range(3) for j in range(3))
+        assert worst < FIFTEEN_DIGITS, vector
+
+
+def test_exp_has_fifteen_digits_in_every_direction():
+    v = wide_turns()
+    for vector, computed in zip(v, so3.exp(v), strict=True):
+        exact = exact_function(vector, *EXACT["exp"])
         worst = max(abs(mp.mpf(float(computed[i, j])) - exact[i, j]) for i in range(3) for j in range(3))
         assert worst < FIFTEEN_DIGITS, vector
 

@@ -55,9 +55,9 @@ def test_diagonal_moments_are_kept_exactly_in_any_order():
     ("inertia", "said"),
     [
         ([0.0, 1.0, 1.0], "not positive"),
-        ([-1.0, 2.0, 3.0], "not positive"),
+        ([-0.1, 2.0, 3.0], "moment -0.1 is not positive"),
         ([1.0, 2.0, 0.0, 1.0, 0.0, 3.0], "not positive"),
-        ([1.0, 1.0, 2.1], "triangle inequality"),
+        ([1.0, 1.0, 2.1], "1.0, 1.0, 2.1 break the triangle inequality"),
         ([1.0, 1.0, np.nan], "not finite"),
         ([1.0, np.inf, 1.0], "not finite"),
         ([1.0, 2.0], "3 principal moments or"),

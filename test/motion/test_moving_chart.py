@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lie_rigid_body import InputError, MovingChart, ParameterError, RigidBody, State
+from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
 from lie_rigid_body.lie import so3
 from lie_rigid_body.motion import METHODS
 from reference import attitude_error, rate_error, truth_cases
@@ -98,3 +98,28 @@ def test_bad_input_is_refused_with_value_and_remedy():
         chart.at(0.5)
     with pytest.raises(InputError, match="give one"):
         MovingChart(body, State(np.tile([0, 0, 0, 1.0], (2, 1)), np.zeros((2, 3))))
+
+
+@pytest.mark.parametrize("step", ["a", None, True, [0.1], np.inf, 0])
+def test_what_is_no_step_is_refused_in_one_line(step):
+    with pytest.raises(ParameterError, match=r"max_step: .* is not a positive finite time") as caught:
+        MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0]), max_step=step)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("method", [[], None, "rk5"])
+def test_what_is_no_method_is_refused_in_one_line(method):
+    with pytest.raises(ParameterError, match=r"method: .* choose one of"):
+        MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0]), method=method)
+
+
+@pytest.mark.parametrize("motion", [MovingChart, ClosedForm])
+def test_what_is_no_body_or_no_start_is_refused_in_one_line(motion):
+    body, start = RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0])
+    for wrong in ([1, 2, 3], np.eye(3), start):
+        with pytest.raises(InputError, match=r"body .* is not a RigidBody: give") as caught:
+            motion(wrong, start)
+        assert "\n" not in str(caught.value)
+    for wrong in ([0, 1, 0], None, body):
+        with pytest.raises(InputError, match=r"start .* is not a State: give"):
+            motion(body, wrong)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
+from dataclasses import replace
+
 import pytest
 
 from lie_rigid_body import RigidBody
-from lie_rigid_body.ros.announcement import Names, announcement, shape
+from lie_rigid_body.ros.announcement import Names, announcement, commands, shape
 from lie_rigid_body.scenario import Scenario
 
 NAMES = Names("/a/top", "/a/truth", "/a/twist", "/a/top/scenario", "/a/top/reset", 42)
@@ -41,3 +44,13 @@ def test_no_bag_is_told_of_where_there_is_none() -> None:
     text = announcement(scenario, NAMES, "")
     assert "records" not in text
     assert "rkmk4" not in text
+
+
+@pytest.mark.parametrize("ros2", ["/opt/ros/bin/ros2", None])
+@pytest.mark.parametrize(("domain", "prefix"), [(0, ""), (42, "ROS_DOMAIN_ID=42 ")])
+def test_commands_reach_the_domain(ros2: str | None, domain: int, prefix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    which = shutil.which
+    monkeypatch.setattr("shutil.which", lambda name: ros2 if name == "ros2" else which(name))
+    for command in commands(replace(NAMES, domain=domain)):
+        assert command.startswith(prefix)
+        assert ("ROS_DOMAIN_ID" in command) == bool(prefix)

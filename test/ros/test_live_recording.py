@@ -75,8 +75,7 @@ def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
     bag = tmp_path / "whole.mcap"
     arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-9", "-p", f"record_path:={bag}")
     with SimulatorProcess(*arguments) as simulator:
-        size = bag.stat().st_size
-        eventually(lambda: bag.stat().st_size > size, "the first sample")
+        eventually(lambda: bool(stamps_in_whole_chunks(bag)), "the first sample")
         idle = cpu_seconds(simulator.process.pid)
         eventually(lambda: cpu_seconds(simulator.process.pid) > idle + 0.3, "work on the second sample")
         assert simulator.end(signal.SIGINT) == 0
@@ -101,6 +100,20 @@ def test_full_disk_ends_the_node_with_status_2_and_a_reason(tmp_path: Path) -> N
     assert str(bag) in line
     assert "cannot be written" in line
     assert bag.stat().st_size <= limit
+
+
+def test_works_with_stdout_closed(tmp_path: Path) -> None:
+    bag = tmp_path / "whole.mcap"
+    command = ["sh", "-c", 'exec "$@" >&-', "sh", *sim_command("-p", f"record_path:={bag}")]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            eventually(lambda: bag.exists() and bag.stat().st_size > 6000, "samples")
+            process.send_signal(signal.SIGTERM)
+            _, complaint = process.communicate(timeout=DEADLINE)
+        finally:
+            process.kill()
+    assert (process.returncode, complaint) == (0, "")
+    assert read_bag(bag).poses.topic == "/pose"
 
 
 def test_works_without_a_reader_of_stdout(tmp_path: Path) -> None:

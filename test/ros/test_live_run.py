@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -10,8 +11,11 @@ import pytest
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.cdr import MessageEncoder
 from lie_rigid_body.ros.live_run import LARGEST_BURST, STEPS_PER_BURST, LiveRun, largest_burst
 from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Segment, Simulation
 
@@ -176,3 +180,51 @@ def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
     asking.join(10.0)
     ask()
     assert len(errors) == 2
+
+
+def test_call_that_was_taken_but_not_carried_out_is_refused_at_the_end() -> None:
+    """A signal may come just after the owner has taken a call."""
+    mailbox = Mailbox()
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            mailbox.request(lambda: None)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask, daemon=True)
+    asking.start()
+    assert mailbox.wait(10.0) is not None
+    mailbox.close()
+    asking.join(10.0)
+    assert len(errors) == 1
+
+
+def test_closing_keeps_answers() -> None:
+    mailbox = Mailbox()
+    results: list[object] = []
+    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
+    asking.start()
+    call = mailbox.wait(10.0)
+    assert call is not None
+    call.carry_out()
+    mailbox.close()
+    asking.join(10.0)
+    assert results == [42]
+
+
+@pytest.mark.parametrize(("max_step", "wait_ns"), [(1e-3, FLUSH_INTERVAL_NS), (2e-6, 0)])
+def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: float, wait_ns: int) -> None:
+    scenario = Scenario.from_parameters({"rate": 1.0, "max_step": max_step})
+    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+        recorder = Recorder(bag)
+        recorder.begin_segment(simulation.segment)
+        samples = simulation.take(1)
+        before = bag.path.stat().st_size
+        recorder.write(samples, encoder.poses(samples), encoder.twists(samples))
+        recorder.tick(5 * NS, 0)
+        assert (bag.path.stat().st_size > before) == (wait_ns == 0)
+        recorder.tick(5 * NS + wait_ns, 0)
+        assert bag.path.stat().st_size > before

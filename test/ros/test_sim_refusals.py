@@ -47,6 +47,12 @@ CASES = {
     "own: unknown option": (["--fast"], ["--fast", "--help"]),
     "ros: unknown option": (["--ros-args", "--fast"], ["--fast"]),
     "ros: bad remapping": (["--ros-args", "-r", "pose"], ["-r pose"]),
+    "ros: pose on twist": (["--ros-args", "-r", "pose:=twist"], ["pose and twist", "/twist"]),
+    "ros: two topics in one": (
+        ["--ros-args", "-r", "twist:=/a", "-r", "~/scenario:=/a"],
+        ["twist and ~/scenario", "remapped to /a"],
+    ),
+    "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["the topic pose as /rosout"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }
 FILES = {
@@ -58,6 +64,7 @@ FILES = {
 }
 
 IN_A_PROCESS_OF_ITS_OWN = ["own: bad inertia", "ros: params file not YAML", "ros: unknown name", "ros: bad remapping"]
+IN_A_PROCESS_OF_ITS_OWN += ["ros: pose on twist", "ros: topic of another type"]
 
 
 @pytest.fixture(scope="module")

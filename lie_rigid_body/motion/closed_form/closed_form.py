@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.exact import is_steady
@@ -16,7 +15,7 @@ from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import digits_for
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
-from lie_rigid_body.motion.motion import nanoseconds
+from lie_rigid_body.motion.motion import nanoseconds, require_body_and_start
 
 _BLOCK: Final = 8192
 """Samples taken at once: their temporaries then stay in a processor's cache."""
@@ -38,14 +37,13 @@ class ClosedForm:
     Raises
     ------
     InputError
-        If the start is not of one instant.
+        If the body is no RigidBody, or the start no State of one instant.
     """
 
     __slots__ = ("_motion",)
 
     def __init__(self, body: RigidBody, start: State) -> None:
-        if start.body_rate.ndim != 1:
-            raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
+        require_body_and_start(body, start)
         self._motion = _motion(body.inertia.tolist(), start)
 
     def at(self, t_ns: ArrayLike) -> State:

@@ -1,0 +1,57 @@
+"""The listener for places without the ros2 command: what it shows, and how it fails."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from simulator_process import DEADLINE, SimulatorProcess
+
+from lie_rigid_body.ros.listen import main
+
+LISTEN = (sys.executable, "-m", "lie_rigid_body.ros.listen")
+
+
+def test_without_ros_it_says_the_same_as_sim(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    assert main([]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "rclpy is not installed" in line
+    assert "pip install '.[ros]'" in line
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize("arguments", [("--pose", "a b"), ("--pose", ""), ("--reset", "1/2"), ("--fast",)])
+def test_bad_names_are_refused_in_one_line(arguments: tuple[str, ...]) -> None:
+    done = subprocess.run((*LISTEN, *arguments), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert done.returncode == 2
+    [line] = done.stderr.splitlines()
+    assert arguments[0] in line
+
+
+@pytest.mark.ros
+def test_silence_is_told_once() -> None:
+    with subprocess.Popen((*LISTEN, "--pose", "/nobody"), stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr
+            line = process.stderr.readline()
+            process.send_signal(signal.SIGINT)
+            _, rest = process.communicate(timeout=DEADLINE)
+        finally:
+            process.kill()
+    assert f"nothing yet on /nobody in domain {os.environ['ROS_DOMAIN_ID']}" in line
+    assert (process.returncode, rest) == (0, "")
+
+
+@pytest.mark.ros
+def test_reader_who_leaves_hears_no_complaint() -> None:
+    with SimulatorProcess("--ros-args", "-r", "__ns:=/heard"):
+        command = f"{' '.join(LISTEN)} --pose /heard/pose | head -n 1"
+        done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert done.stderr == ""
+    assert done.stdout.count("\n") == 1
