@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
@@ -37,12 +38,15 @@ def test_bad_names_are_refused_in_one_line(arguments: tuple[str, ...]) -> None:
 @pytest.mark.ros
 def test_silence_is_told_once() -> None:
     with subprocess.Popen((*LISTEN, "--pose", "/nobody"), stderr=subprocess.PIPE, text=True) as process:
+        patience = threading.Timer(DEADLINE, process.kill)
+        patience.start()
         try:
             assert process.stderr
             line = process.stderr.readline()
             process.send_signal(signal.SIGINT)
             _, rest = process.communicate(timeout=DEADLINE)
         finally:
+            patience.cancel()
             process.kill()
     assert f"nothing yet on /nobody in domain {os.environ['ROS_DOMAIN_ID']}" in line
     assert (process.returncode, rest) == (0, "")

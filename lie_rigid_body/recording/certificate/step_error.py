@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 PROBE_TURN: Final = 1.0 / 16.0
 """rad"""
 
+LONGEST_SPAN_NS: Final = 1e18
+"""Thirty years: a body that turns less in them has no truncation to speak of."""
+
 SAFETY: Final = 4.0
 """For states between those tried, and for the terms of higher order."""
 
@@ -70,7 +73,7 @@ def step_error(body: RigidBody, states: State, stepper: RungeKuttaStepper, faste
     """
     if fastest == 0.0:
         return StepError()
-    span_ns = round(1e9 * PROBE_TURN / fastest)
+    span_ns = round(min(1e9 * PROBE_TURN / fastest, LONGEST_SPAN_NS))
     if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
         worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)
         return StepError(worst, worst, 2.0 * worst, 2.0 * worst)
