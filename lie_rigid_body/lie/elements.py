@@ -26,6 +26,10 @@ class Elements(ABC):
     def project(self, A: Array) -> Array:
         """The nearest element in the Frobenius norm, shape (..., n, n); an InputError where there is no nearest one."""
 
+    def restored(self, A: Array) -> Array:
+        """Elements that round-off has carried a little off the group, brought back where that can be done safely."""
+        return self.project(A)
+
     @abstractmethod
     def inverse(self, A: Array) -> Array:
         """The inverse of each element, shape (..., n, n)."""

@@ -105,6 +105,10 @@ class GeneratedElements(Elements):
         nearest = [self._nearest(*pair) for pair in zip(*(m.reshape(-1, *m.shape[-2:]) for m in (A, B)), strict=True)]
         return np.array(nearest).reshape(A.shape)
 
+    def restored(self, A: Array) -> Array:
+        """The matrices as they are: a principal logarithm may lead to another sheet of the group, or not exist."""
+        return A
+
     def _nearest(self, A: Array, B: Array) -> Array:
         for _ in range(_PROJECTION_STEPS):
             tangents = flattened(B @ self._algebra.generators)

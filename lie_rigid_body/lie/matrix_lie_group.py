@@ -269,6 +269,10 @@ class MatrixLieGroup:
         """
         return self._distance(self.as_matrices(A)) <= tolerance
 
+    def restored(self, A: ArrayLike) -> Array:
+        """Elements that round-off has carried a little off the group, shape (..., n, n), brought back if possible."""
+        return self.elements.restored(self.as_matrices(A))
+
     def project(self, A: ArrayLike) -> Array:
         """The nearest elements in the Frobenius norm.
 

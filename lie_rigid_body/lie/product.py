@@ -80,6 +80,10 @@ class ProductElements(Elements):
         """The nearest element of each factor to its block."""
         return self._blockwise(A, lambda elements, part: elements.project(part))
 
+    def restored(self, A: Array) -> Array:
+        """The blocks brought back, each by its own factor."""
+        return self._blockwise(A, lambda elements, part: elements.restored(part))
+
     def inverse(self, A: Array) -> Array:
         """The inverse of each block."""
         return self._blockwise(A, lambda elements, part: elements.inverse(part))

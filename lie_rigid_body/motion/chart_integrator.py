@@ -98,6 +98,8 @@ class ChartIntegrator(Generic[Centre]):
 
     def _step(self, h: float) -> None:
         end = self._stepper.step(self._chart.field, [*self._origin, *self._momentum], h)
+        if not math.isfinite(sum(end)):
+            raise InputError(f"a step of {h:g} s leads to infinity: lower max_step")
         d = self._chart.dimension
         # the chart moves on: its centre is the element just reached
         self._centre, self._momentum = self._chart.recentred(self._centre, end[:d]), end[d:]

@@ -49,8 +49,8 @@ class GroupChart:
         return np.asarray(centre @ self._group.exp(np.array(coordinates)))
 
     def restored(self, centre: NDArray[Any]) -> NDArray[Any]:
-        """The nearest matrix of the group."""
-        return self._group.project(centre)
+        """The matrix rid of what round-off has carried off the group."""
+        return self._group.restored(centre)
 
     def _ad(self, x: Array) -> Array:
         """The matrix of y ↦ [x, y] in coordinates."""
@@ -72,7 +72,7 @@ class GroupChart:
 
 def _terms(bound: float) -> int:
     """How many even terms matter, as |B₂ₖ|/(2k)! < 4/(2π)²ᵏ; ``bound`` is one of the norm of ad_β."""
-    ratio = (bound / (2.0 * math.pi)) ** 2
-    if ratio == 0.0:
-        return 1
-    return len(_EVEN_TERMS) if ratio >= 1.0 else max(1, math.ceil(math.log(_LEFT_OUT) / math.log(ratio)))
+    ratio = bound / (2.0 * math.pi)
+    if not 0.0 < ratio < 1.0:
+        return 1 if ratio == 0.0 else len(_EVEN_TERMS)
+    return max(1, math.ceil(0.5 * math.log(_LEFT_OUT) / math.log(ratio)))

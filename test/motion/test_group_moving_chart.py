@@ -123,6 +123,42 @@ def test_a_round_metric_gives_geodesics(group):
     np.testing.assert_allclose(state.element, start.element @ group.exp(3.0 * start.rate), rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("generators", "rate"),
+    [
+        ([np.diag([1j, np.sqrt(2.0) * 1j])], [1.0]),
+        (SU(3).generators, [1.0, 0, 0, 0, 0, 0, 0, 2.0]),
+        (SO(3).generators, [np.pi, 0.0, 0.0]),
+    ],
+    ids=["torus", "SU(3)", "SO(3)"],
+)
+def test_groups_from_generators_go_round_without_a_seam(generators, rate):
+    """Far beyond the reach of the principal logarithm, which such a group knows its elements by."""
+    group = MatrixLieGroup.from_generators(generators)
+    start = GroupState(group.identity, np.array(rate))
+    times = np.arange(0, 9_000_000_000, 500_000_000)
+    found = GroupMovingChart(Lagrangian(group, np.eye(group.dimension)), start, max_step=0.005).at(times)
+    exact = np.array([group.exp(1e-9 * t * start.rate) for t in times])
+    np.testing.assert_allclose(found.element, exact, rtol=0, atol=1e-11)
+
+
+def test_a_group_that_is_not_compact_keeps_its_spatial_momentum():
+    group = MatrixLieGroup.from_generators([[[1, 0], [0, -1]], [[0, 1], [0, 0]], [[0, 0], [1, 0]]], name="SL(2)")
+    lagrangian = Lagrangian(group, np.diag([1.0, 2.0, 3.0]))
+    start = GroupState(group.identity, np.array([0.5, 0.8, -0.3]))
+    states = GroupMovingChart(lagrangian, start, max_step=0.002).at(np.arange(0, 5_000_000_000, 500_000_000))
+    spatial = spatial_momentum(group, states.element, lagrangian.momenta(states.rate))
+    assert drift(spatial) < 1e-10
+
+
+def test_a_step_too_long_is_told():
+    group = SO(4)
+    start = GroupState(group.identity, np.full(6, 1e6) * [1, 2, 3, 4, 5, 6])
+    lagrangian = Lagrangian(group, np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
+    with pytest.raises(InputError, match="lower max_step"), np.errstate(all="ignore"):
+        GroupMovingChart(lagrangian, start, max_step=0.1).at(10**9)
+
+
 def test_so4_splits_into_two_tops():
     """so(4) = so(3) ⊕ so(3): where M respects the halves, each turns as a rigid body of its own."""
     group = SO(4)
