@@ -31,10 +31,13 @@ def require_components(group: MatrixLieGroup, values: ArrayLike, what: str) -> N
     Raises
     ------
     InputError
-        If the last axis is not of length d.
+        If they are not real numbers, or the last axis is not of length d.
     """
-    array = np.asarray(values, dtype=np.float64)
     d = group.dimension
+    given = np.asarray(values)
+    if given.dtype.kind not in "fiu":
+        raise InputError(f"{what} on {group.name} are of type {given.dtype}: give {d} real numbers")
+    array = given.astype(np.float64, copy=False)
     if array.ndim == 0 or array.shape[-1] != d:
         raise InputError(
             f"{what} on {group.name} need shape (..., {d}), given {array.shape}: put the components on the last axis"

@@ -212,9 +212,12 @@ def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
 
 def _square(metric: ArrayLike, d: int) -> Array:
     try:
-        m = np.array(metric, dtype=np.float64)
+        given = np.asarray(metric)
+        m = np.array(given, dtype=np.float64) if not np.iscomplexobj(given) else None
     except (TypeError, ValueError):
-        raise InputError(f"M is not an array of real numbers: give {d} rows of {d} numbers") from None
+        m = None
+    if m is None:
+        raise InputError(f"M is not an array of real numbers: give {d} rows of {d} numbers")
     if m.shape != (d, d):
         raise InputError(f"M has shape {m.shape}, the group needs ({d}, {d}): give one row for each generator")
     if not np.isfinite(m).all():

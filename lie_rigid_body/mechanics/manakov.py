@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.pfaffian import antisymmetric_matrices
+from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 Array = NDArray[np.float64]
 
@@ -34,10 +36,10 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
     Raises
     ------
     InputError
-        If P and K are not square or not of one size.
+        If K is no second moment, or P not antisymmetric of the same size.
     """
-    p, k = np.asarray(momentum, dtype=np.float64), np.asarray(second_moment, dtype=np.float64)
-    if k.ndim != 2 or p.ndim < 2 or k.shape != (k.shape[0], k.shape[0]) or p.shape[-2:] != k.shape:
+    k, p = second_moment_matrix(second_moment), antisymmetric_matrices("P", momentum)
+    if p.shape[-2:] != k.shape:
         raise InputError(
             f"Manakov's integrals need P of shape (..., n, n) and K of shape (n, n), given {p.shape} and {k.shape}: "
             "give both in the n dimensions of the body"

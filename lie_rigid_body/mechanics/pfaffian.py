@@ -2,14 +2,45 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.array_input import real_array
 
 Array = NDArray[np.float64]
+
+_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
+
+
+def antisymmetric_matrices(name: str, value: ArrayLike) -> Array:
+    """Matrices that are antisymmetric to within round-off.
+
+    Parameters
+    ----------
+    name : str
+        What they are called in the message.
+    value : array_like, shape (..., n, n)
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+
+    Raises
+    ------
+    InputError
+        If they are not square, real, finite and antisymmetric.
+    """
+    given = real_array(name, value, "(…, n, n)")
+    if given.ndim < 2 or given.shape[-1] != given.shape[-2]:
+        raise InputError(f"{name}: shape {given.shape} is not (..., n, n): give square matrices")
+    off = float(np.abs(given + np.swapaxes(given, -1, -2)).max())
+    limit = _ROUND_OFF * float(np.abs(given).max())
+    if off > limit:
+        raise InputError(f"{name}: P + Pᵀ reaches {off:.3g}, the limit is {limit:.3g}: give an antisymmetric matrix")
+    return given
 
 
 def pfaffian(matrices: ArrayLike) -> Array:

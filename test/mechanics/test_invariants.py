@@ -259,3 +259,18 @@ def test_wrong_shapes_are_refused():
 def test_a_group_without_invariant_metric_has_no_momentum_matrix():
     with pytest.raises(InputError, match=r"trace metric of .* is not invariant"):
         momentum_matrix(affine_line(), np.ones(2))
+
+
+@pytest.mark.parametrize(
+    ("momentum", "second_moment", "said"),
+    [
+        (np.zeros((3, 3)), np.diag([1.0, 1.0, -1.0]), "second moment"),
+        (np.zeros((3, 3)), [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "symmetric"),
+        (np.zeros((3, 3)), np.full((3, 3), np.nan), "not finite"),
+        (np.eye(3), np.eye(3), "antisymmetric"),
+        (1j * np.zeros((3, 3)), np.eye(3), "complex"),
+    ],
+)
+def test_no_integrals_of_what_is_no_body(momentum, second_moment, said):
+    with pytest.raises(InputError, match=said):
+        manakov_integrals(momentum, second_moment)

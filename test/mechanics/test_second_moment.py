@@ -420,7 +420,7 @@ def test_impossible_moments_are_refused_in_one_line(build, said):
 
 
 def test_a_rod_has_moments_and_is_no_rigid_body():
-    with pytest.raises(ParameterError, match="smallest principal moment 0 is not positive"):
+    with pytest.raises(ParameterError, match=r"smallest principal moment 0.0 is not positive"):
         RigidBody.from_second_moment(rod(1.0, 1.0).second_moment)
 
 
