@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
-from functools import cached_property
 
 from lie_rigid_body.simulation import SampleClock
 
@@ -43,7 +41,8 @@ class Pacer:
             0 or more.
         """
         elapsed = steady_ns - self.offset_ns - self.clock.epoch_ns
-        n, d = self._period.numerator, self._period.denominator
+        period = self.clock.period_ns
+        n, d = period.numerator, period.denominator
         # round(k n/d) <= elapsed, solved for k
         last = (2 * elapsed + 1) * d // (2 * n)
         return max(0, last + 1 - first)
@@ -58,10 +57,7 @@ class Pacer:
         steady_ns : int
             The steady clock now.
         """
-        n, d = self._period.numerator, self._period.denominator
+        period = self.clock.period_ns
+        n, d = period.numerator, period.denominator
         due = self.clock.epoch_ns + (2 * number * n + d) // (2 * d) + self.offset_ns
         return steady_ns - due
-
-    @cached_property
-    def _period(self) -> Fraction:
-        return 1_000_000_000 / Fraction(repr(self.clock.rate))
