@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.interruption import Interruption
 
 if TYPE_CHECKING:
     from geometry_msgs.msg import PoseStamped
@@ -18,6 +19,8 @@ SHOWN_EVERY: Final = 0.2
 """s between the lines on the screen, or less often when the samples come more slowly."""
 LONGEST_WAIT: Final = 5.0
 """s for the first sample before its absence is told, and for the reset service to appear and to answer."""
+LONGEST_DEAFNESS: Final = 0.1
+"""s until a signal is heeded."""
 NO_ANSWER: Final = 1
 
 
@@ -32,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, 1 when there is no answer, 2 when the input is unusable.
+        Exit status: 0, 1 when there is no answer, 2 when the input is unusable, 130 when interrupted before an answer.
     """
     return console.status_of(PROGRAM, lambda: _main(argv))
 
@@ -47,26 +50,22 @@ def _main(argv: Sequence[str] | None) -> int:
     from lie_rigid_body.ros.sim import require_ros
 
     require_ros()
+    with Interruption() as interruption:
+        return _connected(given.pose, given.reset, interruption)
 
+
+def _connected(pose: str, service: str | None, interruption: Interruption) -> int:
     import rclpy
-    from rclpy.executors import ExternalShutdownException
 
-    from lie_rigid_body.ros.refusal import told
+    from lie_rigid_body.ros.spinning import initialised
 
-    with told("to start"):
-        rclpy.init(args=[])
-    try:
+    with initialised([]):
         node = rclpy.create_node("lie_rigid_body_listener")
-        return listen(node, given.pose) if given.reset is None else reset(node, given.reset)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        return console.SUCCESS
-    finally:
-        rclpy.try_shutdown()
+        return listen(node, pose, interruption) if service is None else reset(node, service, interruption)
 
 
-def listen(node: Node, topic: str) -> int:
+def listen(node: Node, topic: str, interruption: Interruption) -> int:
     """Print the poses of a topic, some of them, until interrupted."""
-    import rclpy
     from geometry_msgs.msg import PoseStamped
     from rclpy.qos import QoSProfile
 
@@ -89,8 +88,18 @@ def listen(node: Node, topic: str) -> int:
     with told(f"--pose {topic!r}"):
         node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
     silence = node.create_timer(LONGEST_WAIT, tell_silence)
-    rclpy.spin(node)
+    _spin_while(node, lambda: not interruption.requested)
     return console.SUCCESS
+
+
+def _spin_while(node: Node, wanted: Callable[[], bool]) -> None:
+    """Handle what comes in. rclpy heeds no signals here: it would shut down in a thread of its own, at any moment."""
+    from rclpy.executors import SingleThreadedExecutor
+
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    while wanted():
+        executor.spin_once(timeout_sec=LONGEST_DEAFNESS)
 
 
 def line(pose: PoseStamped) -> str:
@@ -99,27 +108,37 @@ def line(pose: PoseStamped) -> str:
     return f"{stamp.sec}.{stamp.nanosec:09d} s  x {q.x:+.6f}  y {q.y:+.6f}  z {q.z:+.6f}  w {q.w:+.6f}"
 
 
-def reset(node: Node, service: str) -> int:
+def reset(node: Node, service: str, interruption: Interruption) -> int:
     """Call a reset service, and print its answer."""
-    import rclpy
     from std_srvs.srv import Trigger
 
     from lie_rigid_body.ros.refusal import told
 
+    def waiting() -> bool:
+        return not interruption.requested and time.monotonic() < end
+
     with told(f"--reset {service!r}"):
         client = node.create_client(Trigger, service)
-    if not client.wait_for_service(LONGEST_WAIT):
+    end = time.monotonic() + LONGEST_WAIT
+    _spin_while(node, lambda: waiting() and not client.service_is_ready())
+    if not client.service_is_ready():
         domain = node.context.get_domain_id()
-        console.complain(PROGRAM, f"no service {service} in domain {domain}: is the node running?")
-        return NO_ANSWER
+        return _unanswered(f"no service {service} in domain {domain}: is the node running?", interruption)
     answer = client.call_async(Trigger.Request())
-    rclpy.spin_until_future_complete(node, answer, timeout_sec=LONGEST_WAIT)
+    end = time.monotonic() + LONGEST_WAIT
+    _spin_while(node, lambda: waiting() and not answer.done())
     response = answer.result()
     if response is None:
-        console.complain(PROGRAM, f"{service} does not answer")
-        return NO_ANSWER
+        return _unanswered(f"{service} does not answer", interruption)
     console.say(response.message)
     return console.SUCCESS if response.success else NO_ANSWER
+
+
+def _unanswered(complaint: str, interruption: Interruption) -> int:
+    if interruption.requested:
+        raise KeyboardInterrupt
+    console.complain(PROGRAM, complaint)
+    return NO_ANSWER
 
 
 if __name__ == "__main__":
