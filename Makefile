@@ -14,11 +14,12 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim test test-oldest lint clean
+.PHONY: help sim test test-slow test-oldest lint clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
+	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
 	@echo "make lint         check style and types"
 	@echo "make clean        remove environments, caches and build folders"
@@ -28,6 +29,9 @@ sim:
 
 test: lint
 	@exec scripts/test.sh newest $(ARGS)
+
+test-slow:
+	@exec scripts/test.sh newest -m slow $(ARGS)
 
 test-oldest:
 	@exec scripts/test.sh oldest $(ARGS)
