@@ -27,6 +27,9 @@ def test_pictures_pages_and_tests_it_names_exist(page):
         assert (page.parent / target).is_file(), target
     for target in re.findall(r"`(test/[\w/]+(?:\.py)?)/?`", text):
         assert (DOCS.parent / target).exists(), target
+    written = "".join(file.read_text(encoding="utf-8") for file in sorted((DOCS.parent / "test").rglob("test_*.py")))
+    for name in re.findall(r"`(test_\w+)`", text):
+        assert f"def {name}(" in written, name
 
 
 def test_the_paper_page_has_code():
