@@ -46,6 +46,7 @@ EXTRAS = {
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
     ],
     "test": [
+        "allantools",
         "colcon-core",
         "colcon-ros",
         "hypothesis",

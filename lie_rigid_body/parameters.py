@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
@@ -116,3 +117,44 @@ class Parameter:
         if self.choices and value not in self.choices:
             raise self._error(f"{value!r} is unknown: choose one of {', '.join(self.choices)}")
         return value
+
+
+def read_table(table: Sequence[Parameter], given: Mapping[str, object]) -> dict[str, Value]:
+    """The value of every parameter of a table: the given ones in their own types, the rest at their defaults.
+
+    Parameters
+    ----------
+    table : sequence of Parameter
+    given : mapping of str to object
+
+    Returns
+    -------
+    dict of str to value
+        In the order of the table.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is not of its parameter's type, length, range or choice.
+    """
+    names = [parameter.name for parameter in table]
+    for name in given:
+        if name not in names:
+            near = difflib.get_close_matches(str(name), names, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(names)}"
+            raise ParameterError(str(name), f"no such parameter: {hint}")
+    return {p.name: p.read(given[p.name]) if p.name in given else p.default for p in table}
+
+
+def require_frame_name(name: str, value: str) -> None:
+    """Refuse a frame name that tf2 would not take.
+
+    Raises
+    ------
+    ParameterError
+        If it is empty, begins with a slash, or has spaces or unprintable characters.
+    """
+    if not value or value.startswith("/") or any(c.isspace() or not c.isprintable() for c in value):
+        raise ParameterError(
+            name, f"{value!r} is not a frame name: give a word without spaces that does not begin with a slash"
+        )

@@ -119,5 +119,5 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
     -------
     ndarray, shape (..., 3)
     """
-    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in tensor], axis=-1)
+    x, y, z = vectors[..., 0:1], vectors[..., 1:2], vectors[..., 2:3]
+    return np.asarray(x * tensor[:, 0] + y * tensor[:, 1] + z * tensor[:, 2])

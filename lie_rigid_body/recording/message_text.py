@@ -8,6 +8,8 @@ POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
 TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
 TWIST: Final = "geometry_msgs/msg/Twist"
 STRING: Final = "std_msgs/msg/String"
+IMU: Final = "sensor_msgs/msg/Imu"
+MAGNETIC_FIELD: Final = "sensor_msgs/msg/MagneticField"
 
 # Each definition as an MCAP schema wants it: fields only, and the types they are made of by name.
 _FIELDS: Final = {
@@ -19,6 +21,15 @@ _FIELDS: Final = {
     "geometry_msgs/Twist": "Vector3 linear\nVector3 angular\n",
     "geometry_msgs/TwistStamped": "std_msgs/Header header\nTwist twist\n",
     "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+    "sensor_msgs/Imu": (
+        "std_msgs/Header header\n"
+        "geometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+        "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+        "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"
+    ),
+    "sensor_msgs/MagneticField": (
+        "std_msgs/Header header\ngeometry_msgs/Vector3 magnetic_field\nfloat64[9] magnetic_field_covariance\n"
+    ),
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
     "std_msgs/String": "string data\n",
 }
@@ -33,6 +44,8 @@ _PARTS: Final = {
     TWIST_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Twist", "geometry_msgs/Vector3"),
     TWIST: ("geometry_msgs/Vector3",),
     STRING: (),
+    IMU: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Quaternion", "geometry_msgs/Vector3"),
+    MAGNETIC_FIELD: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
 _SEPARATOR: Final = "=" * 80 + "\n"
 

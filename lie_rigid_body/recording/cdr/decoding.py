@@ -1,8 +1,4 @@
-"""CDR, the byte form of ROS 2 messages: written for samples, read for whole tracks, without ROS.
-
-A payload is 4 bytes of encapsulation (0, the byte order, two options) and a body in which a number of n bytes begins at
-a multiple of n. Padding is written as zeros; rclpy leaves there what the memory held before.
-"""
+"""Reading messages back: whole tracks at once, of either byte order."""
 
 from __future__ import annotations
 
@@ -15,91 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples
+from lie_rigid_body.recording.cdr.layout import FRAME, NS, Array, Integers, numbers_after
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
-_ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 _ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
-_NS: Final = 1_000_000_000
-_FRAME: Final = 16
-"""Where a header's frame name begins in the payload: after the encapsulation, two words of stamp and its length."""
-
-POSE_NUMBERS: Final = 7
-"""A pose: position x y z, orientation x y z w."""
-TWIST_NUMBERS: Final = 6
-"""A twist: linear x y z, angular x y z."""
-
-
-def _numbers_after(end: int) -> int:
-    """Where float64 numbers begin in a payload whose fields before them end at byte ``end``."""
-    return 4 + -(-(end - 4) // 8) * 8
-
-
-def _text(value: str) -> bytes:
-    data = value.encode()
-    return struct.pack("<I", len(data) + 1) + data + b"\x00"
-
-
-class _Layout:
-    """A message with everything in it that samples do not change, and where the rest goes.
-
-    Position and linear velocity stay zero; the rotation's numbers follow them.
-    """
-
-    def __init__(self, frame: str | None, numbers: int) -> None:
-        head = _ENCAPSULATION if frame is None else _ENCAPSULATION + bytes(8) + _text(frame)
-        start = _numbers_after(len(head))
-        self._template = head.ljust(start + 8 * numbers, b"\x00")
-        self._size = len(self._template)
-        self._stamped = frame is not None
-        self._fields = np.dtype(
-            [
-                ("encapsulation", "V4"),
-                ("sec", "<i4"),
-                ("nanosec", "<u4"),
-                ("frame_and_translation", f"V{start + 12}"),
-                ("rotation", "<f8", (numbers - 3,)),
-            ]
-        )
-
-    def encode(self, stamps_ns: Integers, rotations: Array) -> list[bytes]:
-        buffer = bytearray(self._template * len(stamps_ns))
-        rows = np.frombuffer(buffer, dtype=self._fields)
-        if self._stamped:
-            rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, _NS)
-        rows["rotation"] = rotations
-        data, size = bytes(buffer), self._size
-        return [data[i : i + size] for i in range(0, len(data), size)]
-
-
-class MessageEncoder:
-    """Samples as the bytes that go to a publisher or into a bag.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Gives the frame names and whether twists are stamped.
-    """
-
-    def __init__(self, scenario: Scenario) -> None:
-        self._pose = _Layout(scenario.world_frame, POSE_NUMBERS)
-        self._twist = _Layout(scenario.body_frame if scenario.stamped_twist else None, TWIST_NUMBERS)
-
-    def poses(self, samples: Samples) -> list[bytes]:
-        """One geometry_msgs/PoseStamped a sample, position 0."""
-        return self._pose.encode(samples.stamps_ns, samples.states.attitude_xyzw)
-
-    def twists(self, samples: Samples) -> list[bytes]:
-        """One geometry_msgs/TwistStamped or Twist a sample, linear velocity 0."""
-        return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
-
-
-def encode_string(text: str) -> bytes:
-    """A std_msgs/String."""
-    return _ENCAPSULATION + _text(text)
 
 
 @dataclass(frozen=True)
@@ -154,7 +68,7 @@ def _alike(payloads: Sequence[bytes], stamped: bool) -> list[list[int]]:
     """Message numbers grouped by all that decides the layout: size, encapsulation, length and text of the frame."""
     groups: dict[tuple[int, bytes, bytes], list[int]] = {}
     for i, payload in enumerate(payloads):
-        key = (len(payload), payload[:2], payload[12:_FRAME] if stamped else b"")
+        key = (len(payload), payload[:2], payload[12:FRAME] if stamped else b"")
         groups.setdefault(key, []).append(i)
     return list(groups.values())
 
@@ -170,14 +84,14 @@ def _decode_alike(
     first = payloads[indices[0]]
     order = _byte_order(first, indices[0])
     length = _word(first, 12, order, indices[0]) if stamped else 0
-    start = _numbers_after(_FRAME + length) if stamped else 4
+    start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
     _require_size(first, start + 8 * count, indices[0])
     rows = np.frombuffer(b"".join([payloads[i] for i in indices]), dtype=np.uint8).reshape(len(indices), -1)
     values[indices] = _column(rows, start, 8 * count, f"{order}f8").reshape(-1, count)
     if stamped:
         stamps[indices] = _stamps(rows, order, indices)
-        _collect_frames(rows[:, _FRAME : _FRAME + length], indices, frames)
+        _collect_frames(rows[:, FRAME : FRAME + length], indices, frames)
 
 
 def _column(rows: NDArray[np.uint8], start: int, size: int, kind: str) -> NDArray[np.generic]:
@@ -187,10 +101,10 @@ def _column(rows: NDArray[np.uint8], start: int, size: int, kind: str) -> NDArra
 def _stamps(rows: NDArray[np.uint8], order: str, indices: list[int]) -> Integers:
     sec = _column(rows, 4, 4, f"{order}i4")[:, 0].astype(np.int64)
     nanosec = _column(rows, 8, 4, f"{order}u4")[:, 0].astype(np.int64)
-    if (nanosec >= _NS).any():
-        worst = int(np.argmax(nanosec >= _NS))
+    if (nanosec >= NS).any():
+        worst = int(np.argmax(nanosec >= NS))
         raise BagError(f"message {indices[worst]} has a stamp of {nanosec[worst]} nanosec, not below 1e9")
-    return sec * _NS + nanosec
+    return sec * NS + nanosec
 
 
 def _collect_frames(texts: NDArray[np.uint8], indices: list[int], frames: dict[int, str]) -> None:

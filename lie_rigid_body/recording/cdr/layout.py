@@ -1,0 +1,87 @@
+"""What all messages share, and the bytes of the messages of one type."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+ENCAPSULATION: Final = b"\x00\x01\x00\x00"
+NS: Final = 1_000_000_000
+FRAME: Final = 16
+"""Where a header's frame name begins in the payload: after the encapsulation, two words of stamp and its length."""
+
+POSE_NUMBERS: Final = 7
+"""A pose: position x y z, orientation x y z w."""
+TWIST_NUMBERS: Final = 6
+"""A twist: linear x y z, angular x y z."""
+
+
+def numbers_after(end: int) -> int:
+    """Where float64 numbers begin in a payload whose fields before them end at byte ``end``."""
+    return 4 + -(-(end - 4) // 8) * 8
+
+
+def text(value: str) -> bytes:
+    """A string: its length with the closing zero byte, and its bytes."""
+    data = value.encode()
+    return struct.pack("<I", len(data) + 1) + data + b"\x00"
+
+
+class Layout:
+    """A message with everything in it that samples do not change, and where the rest goes.
+
+    Parameters
+    ----------
+    frame : str or None
+        Frame name of its header; None: it has no header.
+    numbers : sequence of float
+        Its float64 fields in order.
+    places : sequence of (int, int)
+        Which of them each sample sets: where a vector begins among the numbers, and its length.
+    """
+
+    def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[tuple[int, int]]) -> None:
+        head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
+        start = numbers_after(len(head))
+        self._template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
+        self._size = len(self._template)
+        self._stamped = frame is not None
+        self._vectors = [f"vector_{i}" for i in range(len(places))]
+        # without a header the stamp's bytes are numbers, and are left alone
+        self._fields = np.dtype(
+            {
+                "names": ["sec", "nanosec", *self._vectors],
+                "formats": ["<i4", "<u4", *(("<f8", (length,)) for _, length in places)],
+                "offsets": [4, 8, *(start + 8 * first for first, _ in places)],
+                "itemsize": self._size,
+            }
+        )
+
+    def encode(self, stamps_ns: Integers, *vectors: Array) -> list[bytes]:
+        """One payload a sample.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+        *vectors : ndarray, shape (N, length)
+            One for each of the places.
+
+        Returns
+        -------
+        list of bytes
+        """
+        buffer = bytearray(self._template * len(stamps_ns))
+        rows = np.frombuffer(buffer, dtype=self._fields)
+        if self._stamped:
+            rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
+        for name, values in zip(self._vectors, vectors, strict=True):
+            rows[name] = values
+        data, size = bytes(buffer), self._size
+        return [data[i : i + size] for i in range(0, len(data), size)]

@@ -1,0 +1,80 @@
+"""The last stage of a sensor: its range and its resolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import ParameterError
+
+Array = NDArray[np.float64]
+
+FINEST_RESOLUTION: Final = 1e-18
+"""In the sensor's unit: far below any instrument, and far above where a reading in steps would overflow."""
+
+
+@dataclass(frozen=True)
+class Converter:
+    """An amplifier that saturates and, after it, a converter that counts in steps.
+
+    Parameters
+    ----------
+    resolution : float
+        One step, in the unit of the reading; 0: continuous.
+    range : float
+        Largest size of what enters the converter; 0: no limit. A reading can exceed it by half a step, when it is no
+        multiple of the step.
+    """
+
+    resolution: float
+    range: float
+
+    def read(self, values: Array) -> Array:
+        """The readings: saturated, then rounded to the nearest multiple of the resolution, ties to even.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., 3)
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+        """
+        if self.range:
+            values = np.minimum(np.maximum(values, -self.range), self.range)
+        if self.resolution:
+            values = np.rint(values / self.resolution) * self.resolution
+        return values
+
+    @property
+    def variance(self) -> float:
+        """What rounding adds to the variance of a signal that crosses many steps, resolution²/12."""
+        return self.resolution * self.resolution / 12.0
+
+    def validate(self, sensor: str) -> None:
+        """Refuse a resolution that has no meaning.
+
+        Parameters
+        ----------
+        sensor : str
+            What its parameters' names begin with.
+
+        Raises
+        ------
+        ParameterError
+            If the resolution is too fine for double precision, or coarser than the range.
+        """
+        name, step = f"{sensor}_resolution", self.resolution
+        if 0.0 < step < FINEST_RESOLUTION:
+            raise ParameterError(
+                name, f"{step:g} is finer than {FINEST_RESOLUTION:g}, the finest step: give 0 for a continuous reading"
+            )
+        if self.range and step > self.range:
+            raise ParameterError(
+                name,
+                f"{step:g} is more than {sensor}_range, {self.range:g}: give a finer resolution, or a range of 0 "
+                "for none",
+            )

@@ -1,0 +1,175 @@
+"""The inertial measurement unit: a gyro and an accelerometer at one point of the body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
+from lie_rigid_body.sensors.noise import Source
+from lie_rigid_body.sensors.specific_force import SpecificForce
+from lie_rigid_body.sensors.triad import Triad, TriadModel
+from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LONGEST_LEVER_ARM_M: Final = 1e6
+
+
+@dataclass(frozen=True)
+class ImuModel:
+    """An IMU, as its parameters describe it.
+
+    Parameters
+    ----------
+    rate : float
+        Samples per second.
+    frame : str
+        Name of the sensor's frame: the body's axes but for the misalignments, its origin at the end of the lever arm.
+    seed : int
+    gyro_rate : str
+        ``instantaneous``, or ``integrated`` over the interval that ends at each sample.
+    gyro, accelerometer : TriadModel
+    accelerometer_mode : str
+        ``free_fall``, or ``pivot_gravity``: held at the mass centre.
+    gravity : float
+        m/s².
+    lever_arm : tuple of float, length 3
+        From the mass centre to the accelerometer in the body frame, m.
+    """
+
+    rate: float
+    frame: str
+    seed: int
+    gyro_rate: str
+    gyro: TriadModel
+    accelerometer: TriadModel
+    accelerometer_mode: str
+    gravity: float
+    lever_arm: Vector
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Value]) -> ImuModel:
+        """The model of the parameters' values, validated.
+
+        Raises
+        ------
+        ParameterError
+        """
+        frame, lever_arm = cast(str, values["imu_frame"]), vector(values, "accelerometer_lever_arm")
+        require_frame_name("imu_frame", frame)
+        require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
+        return cls(
+            rate=cast(float, values["imu_rate"]),
+            frame=frame,
+            seed=cast(int, values["sensor_seed"]),
+            gyro_rate=cast(str, values["gyro_rate"]),
+            gyro=TriadModel.from_values("gyro", values),
+            accelerometer=TriadModel.from_values("accelerometer", values),
+            accelerometer_mode=cast(str, values["accelerometer_mode"]),
+            gravity=cast(float, values["gravity"]),
+            lever_arm=lever_arm,
+        )
+
+    @property
+    def angular_velocity_variance(self) -> float:
+        """Of one reading on each axis, (rad/s)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        return self.gyro.variance(self.rate)
+
+    @property
+    def linear_acceleration_variance(self) -> float:
+        """Of one reading on each axis, (m/s²)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        return self.accelerometer.variance(self.rate)
+
+
+@dataclass(frozen=True)
+class ImuReadings:
+    """What an IMU gives, on the sensor's axes.
+
+    Parameters
+    ----------
+    angular_velocity : ndarray, shape (N, 3)
+        rad/s.
+    linear_acceleration : ndarray, shape (N, 3)
+        Specific force, m/s².
+    gyro_bias : ndarray, shape (N, 3)
+        The true bias in each angular velocity, rad/s.
+    accelerometer_bias : ndarray, shape (N, 3)
+        The true bias in each specific force, m/s².
+    """
+
+    angular_velocity: Array
+    linear_acceleration: Array
+    gyro_bias: Array
+    accelerometer_bias: Array
+
+    def __len__(self) -> int:
+        return len(self.angular_velocity)
+
+
+class Imu:
+    """An IMU at work: readings one after the other, the same to the bit in batches of any size.
+
+    Parameters
+    ----------
+    model : ImuModel
+    body : RigidBody
+        To which it is fixed.
+    before_ns : int
+        A time one interval before the first sample, ns; it may be negative.
+    before : State
+        The body's state at that time. Only an integrated rate looks at them.
+    """
+
+    def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, before: State) -> None:
+        support = model.gravity if model.accelerometer_mode == "pivot_gravity" else 0.0
+        self._rate: GyroRate = (
+            IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
+        )
+        self._force = SpecificForce(body, model.lever_arm, support)
+        self._gyro = Triad(
+            model.gyro,
+            model.rate,
+            model.seed,
+            turn_on=Source.GYRO_TURN_ON,
+            walk=Source.GYRO_WALK,
+            white=Source.GYRO_WHITE,
+        )
+        self._accelerometer = Triad(
+            model.accelerometer,
+            model.rate,
+            model.seed,
+            turn_on=Source.ACCELEROMETER_TURN_ON,
+            walk=Source.ACCELEROMETER_WALK,
+            white=Source.ACCELEROMETER_WHITE,
+        )
+
+    def measure(self, stamps_ns: Integers, states: State) -> ImuReadings:
+        """The next readings.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Times of the samples, ns, on the clock of ``before_ns``.
+        states : State
+            The body's states at those times, of shapes (N, 4) and (N, 3).
+
+        Returns
+        -------
+        ImuReadings
+
+        Raises
+        ------
+        InputError
+            If the rate is integrated and the stamps do not rise.
+        """
+        angular_velocity, gyro_bias = self._gyro.read(self._rate.over(stamps_ns, states))
+        linear_acceleration, accelerometer_bias = self._accelerometer.read(self._force.at(states))
+        return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias)

@@ -1,0 +1,127 @@
+"""The magnetometer: the world's magnetic field, on the body's axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics.inertia import apply_tensor
+from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.sensors.converter import Converter
+from lie_rigid_body.sensors.noise import Ahead, Source, WhiteNoise
+from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
+
+Array = NDArray[np.float64]
+
+STRONGEST_FIELD_T: Final = 1e3
+LARGEST_SOFT_IRON: Final = 1e6
+
+
+@dataclass(frozen=True)
+class MagnetometerModel:
+    """What a magnetometer reads of the field B of the world, at the attitude A.
+
+    ::
+
+        y_k = quantise(saturate(C Aᵀ B + h + n_k)),   n_k = N √f ν_k
+
+    with f the sample rate and each ν independent and standard normal. Soft iron distorts the field before the sensor
+    meets it, and hard iron adds its own; noise, range and resolution are the sensor's.
+
+    Parameters
+    ----------
+    rate : float
+        Samples per second.
+    frame : str
+        Name of the sensor's frame.
+    seed : int
+    field : tuple of float, length 3
+        B, in the world frame, T.
+    noise_density : float
+        N, T/√Hz.
+    hard_iron : tuple of float, length 3
+        h, in the body frame, T.
+    soft_iron : tuple of float, length 9
+        C, row by row.
+    converter : Converter
+    """
+
+    rate: float
+    frame: str
+    seed: int
+    field: Vector
+    noise_density: float
+    hard_iron: Vector
+    soft_iron: Vector
+    converter: Converter
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Value]) -> MagnetometerModel:
+        """The model of the parameters' values, validated.
+
+        Raises
+        ------
+        ParameterError
+        """
+        number = {key: cast(float, values[f"magnetometer_{key}"]) for key in _NUMBERS}
+        converter = Converter(number["resolution"], number["range"])
+        converter.validate("magnetometer")
+        frame = cast(str, values["imu_frame"])
+        require_frame_name("imu_frame", frame)
+        field, hard_iron = vector(values, "magnetic_field"), vector(values, "magnetometer_hard_iron")
+        soft_iron = vector(values, "magnetometer_soft_iron")
+        require_at_most("magnetic_field", field, STRONGEST_FIELD_T, "T")
+        require_at_most("magnetometer_hard_iron", hard_iron, STRONGEST_FIELD_T, "T")
+        require_at_most("magnetometer_soft_iron", soft_iron, LARGEST_SOFT_IRON, "")
+        seed = cast(int, values["sensor_seed"])
+        return cls(number["rate"], frame, seed, field, number["noise_density"], hard_iron, soft_iron, converter)
+
+    @property
+    def variance(self) -> float:
+        """Of one reading on each axis, T²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        return self.noise_density * self.noise_density * self.rate + self.converter.variance
+
+
+_NUMBERS: Final = ("rate", "noise_density", "resolution", "range")
+
+
+class Magnetometer:
+    """A magnetometer at work: readings one after the other, the same to the bit in batches of any size.
+
+    Parameters
+    ----------
+    model : MagnetometerModel
+    """
+
+    def __init__(self, model: MagnetometerModel) -> None:
+        self._field = np.array(model.field)
+        self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
+        self._hard_iron = np.array(model.hard_iron)
+        self._converter = model.converter
+        self._noise = Ahead(
+            WhiteNoise(model.seed, Source.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
+        )
+
+    def measure(self, states: State) -> Array:
+        """The next readings.
+
+        Parameters
+        ----------
+        states : State
+            The body's states, of shapes (N, 4) and (N, 3).
+
+        Returns
+        -------
+        ndarray, shape (N, 3)
+            On the sensor's axes, T.
+        """
+        field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._field)
+        distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
+        return self._converter.read(distorted + self._noise.take(len(field)))

@@ -1,0 +1,117 @@
+"""Random numbers that are the same for ever: one sequence for each source of noise, from the seed alone.
+
+Each source has a counter-based generator of its own, Philox 4×64 with 10 rounds, under the key (seed, source). So no
+source moves another, whichever are in use and in whatever order they are read. A normal deviate is the inverse of the
+normal distribution at one uniform number, made of one raw word. Nothing is rejected, so sample k always has the words
+3k, 3k + 1 and 3k + 2, however many are drawn at once. Raw words are the same in every version of NumPy, while its own
+normal deviates may change (NEP 19).
+
+References
+----------
+J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC'11 (2011).
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum, unique
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+Array = NDArray[np.float64]
+
+BLOCK: Final = 256
+"""Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""
+
+
+@unique
+class Source(IntEnum):
+    """What is random. The numbers are part of the keys: one that changed would change every recording."""
+
+    GYRO_TURN_ON = 1
+    GYRO_WALK = 2
+    GYRO_WHITE = 3
+    ACCELEROMETER_TURN_ON = 4
+    ACCELEROMETER_WALK = 5
+    ACCELEROMETER_WHITE = 6
+    MAGNETOMETER_WHITE = 7
+
+
+class Sequence(Protocol):
+    """Random vectors one after the other."""
+
+    def draw(self, count: int) -> Array:
+        """The next ``count`` vectors, shape (count, 3)."""
+        ...
+
+
+class WhiteNoise:
+    """Independent normal vectors of mean 0.
+
+    Parameters
+    ----------
+    seed : int
+        From 0 to 2⁶⁴ − 1.
+    source : Source
+    sigma : float
+        Standard deviation on each axis.
+    """
+
+    def __init__(self, seed: int, source: Source, sigma: float) -> None:
+        self._words = np.random.Philox(key=np.array([seed, source], dtype=np.uint64))
+        self._sigma = sigma
+
+    def draw(self, count: int) -> Array:
+        """The next ``count`` vectors, shape (count, 3)."""
+        words = self._words.random_raw(3 * count)
+        return np.asarray(self._sigma * ndtri(_uniform(words))).reshape(count, 3)
+
+
+def _uniform(words: NDArray[np.uint64]) -> Array:
+    """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
+    odd = (words >> np.uint64(12)) * np.uint64(2) + np.uint64(1)
+    return np.asarray(odd.astype(np.float64) * 2.0**-53)
+
+
+class RandomWalk:
+    """Sums of white noise: the vector before each step, beginning with the start.
+
+    Parameters
+    ----------
+    start : ndarray, shape (3,)
+    steps : WhiteNoise
+    """
+
+    def __init__(self, start: Array, steps: WhiteNoise) -> None:
+        self._next = start[np.newaxis]
+        self._steps = steps
+
+    def draw(self, count: int) -> Array:
+        """The next ``count`` vectors, shape (count, 3)."""
+        # accumulate adds one step after the other, so that where a block begins changes no bit
+        path = np.add.accumulate(np.concatenate([self._next, self._steps.draw(count)]), axis=0)
+        self._next = path[count:]
+        return path[:count]
+
+
+class Ahead:
+    """A sequence that is drawn in blocks and handed out in any number.
+
+    Parameters
+    ----------
+    sequence : Sequence
+    """
+
+    def __init__(self, sequence: Sequence) -> None:
+        self._sequence = sequence
+        self._ready = np.empty((0, 3))
+
+    def take(self, count: int) -> Array:
+        """The next ``count`` vectors, shape (count, 3)."""
+        missing = count - len(self._ready)
+        if missing > 0:
+            self._ready = np.concatenate([self._ready, self._sequence.draw(max(missing, BLOCK))])
+        taken, self._ready = self._ready[:count], self._ready[count:]
+        return taken

@@ -1,0 +1,86 @@
+"""The parameters of the sensors: one table, as that of the scenario."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from lie_rigid_body.parameters import Parameter
+
+_ONES: Final = (1.0, 1.0, 1.0)
+_ZEROS: Final = (0.0, 0.0, 0.0)
+_IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+_CENTRAL_EUROPE: Final = (1.5e-6, 21.0e-6, -43.5e-6)
+_LARGEST: Final = 1e9
+_FASTEST: Final = 1e9
+_LARGEST_SEED: Final = 2**63 - 1
+
+
+def _not_negative(name: str, description: str, default: float = 0.0, maximum: float = _LARGEST) -> Parameter:
+    return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
+
+
+def _array(name: str, default: tuple[float, ...], description: str) -> Parameter:
+    return Parameter(name, "double_array", default, description, lengths=(len(default),))
+
+
+def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
+    """What a gyro and an accelerometer have in common; ``unit`` is the reading's."""
+    name = sensor.capitalize()
+    return (
+        _not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/sqrt(Hz); 0: none."),
+        _not_negative(f"{sensor}_bias_random_walk", f"{name}: random walk of the bias, {unit}/s/sqrt(Hz); 0: none."),
+        _not_negative(
+            f"{sensor}_turn_on_bias",
+            f"{name}: standard deviation of the bias at the start on each axis, drawn from the seed, {unit}; 0: none.",
+        ),
+        _array(f"{sensor}_scale_factor", _ONES, f"{name}: factor on each of its axes."),
+        _array(
+            f"{sensor}_misalignment",
+            _ZEROS,
+            f"{name}: rotation vector from the body's axes to its own, rad, of norm at most pi.",
+        ),
+        _not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
+        _not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
+    )
+
+
+SENSOR_PARAMETERS: Final = (
+    _not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU.", maximum=_FASTEST),
+    _not_negative(
+        "magnetometer_rate", "Samples of the magnetometer per second, from 1e-6; 0: no magnetometer.", maximum=_FASTEST
+    ),
+    Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
+    Parameter(
+        "sensor_seed",
+        "int",
+        0,
+        "Seed of all noise: the same seed gives the same bytes.",
+        minimum=0,
+        maximum=_LARGEST_SEED,
+    ),
+    Parameter(
+        "gyro_rate",
+        "string",
+        "instantaneous",
+        "Gyro: the rate at the instant of a sample, or integrated: the mean turn over the interval that ends there.",
+        choices=("instantaneous", "integrated"),
+    ),
+    *_triad("gyro", "rad/s"),
+    Parameter(
+        "accelerometer_mode",
+        "string",
+        "free_fall",
+        "Accelerometer: free_fall reads no gravity, pivot_gravity that of a body held at its mass centre.",
+        choices=("free_fall", "pivot_gravity"),
+    ),
+    _not_negative("gravity", "Standard gravity, against z of the world frame, m/s^2.", default=9.80665, maximum=1e6),
+    _array("accelerometer_lever_arm", _ZEROS, "From the mass centre to the accelerometer in the body frame, m."),
+    *_triad("accelerometer", "m/s^2"),
+    _array("magnetic_field", _CENTRAL_EUROPE, "Magnetic field in the world frame, T; the default is east, north, up."),
+    _not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/sqrt(Hz); 0: none."),
+    _array("magnetometer_hard_iron", _ZEROS, "Magnetometer: field of the body's own magnets in the body frame, T."),
+    _array("magnetometer_soft_iron", _IDENTITY, "Magnetometer: matrix of the body's soft iron, row by row."),
+    _not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
+    _not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
+)
+"""Every parameter of the sensors, in the order in which they are shown."""

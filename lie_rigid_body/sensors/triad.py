@@ -1,0 +1,139 @@
+"""A triad, three sensitive axes with their errors: the law that a gyro and an accelerometer share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics.inertia import apply_tensor
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.sensors.converter import Converter
+from lie_rigid_body.sensors.noise import Ahead, RandomWalk, Source, WhiteNoise
+from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
+
+Array = NDArray[np.float64]
+
+LARGEST_SCALE_FACTOR: Final = 1e6
+
+
+@dataclass(frozen=True)
+class TriadModel:
+    """What a triad reads of the truth x, given in the body frame.
+
+    ::
+
+        y_k = quantise(saturate(S R(μ)ᵀ x_k + b_k + n_k))
+        b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = B ν,   n_k = N √f ν_k
+
+    with f the sample rate and each ν independent and standard normal. The order is the signal's own: the mounting R(μ)
+    decides what lies along the sensitive axes, the elements scale it by S, bias and noise add in units of the output,
+    as data sheets give them, then the amplifier saturates and the converter counts in steps. So neither mounting nor
+    scale changes the noise, and no reading leaves the range by more than half a step.
+
+    Parameters
+    ----------
+    noise_density : float
+        N, unit/√Hz: the Allan deviation of the white noise is N/√τ (IEEE Std 952).
+    bias_random_walk : float
+        K, unit/s/√Hz: the Allan deviation of the walk is K √(τ/3) (IEEE Std 952).
+    turn_on_bias : float
+        B, standard deviation on each axis, unit.
+    scale_factor : tuple of float, length 3
+        Diagonal of S.
+    misalignment : tuple of float, length 3
+        μ, the rotation vector whose rotation takes the body's axes to the sensitive axes, rad, in the body frame.
+    converter : Converter
+    """
+
+    noise_density: float
+    bias_random_walk: float
+    turn_on_bias: float
+    scale_factor: Vector
+    misalignment: Vector
+    converter: Converter
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Mapping[str, Value]) -> TriadModel:
+        """The model of the parameters whose names begin with ``sensor``, validated.
+
+        Raises
+        ------
+        ParameterError
+        """
+        number = {key: cast(float, values[f"{sensor}_{key}"]) for key in _NUMBERS}
+        converter = Converter(number.pop("resolution"), number.pop("range"))
+        converter.validate(sensor)
+        scale, turn = vector(values, f"{sensor}_scale_factor"), vector(values, f"{sensor}_misalignment")
+        require_at_most(f"{sensor}_scale_factor", scale, LARGEST_SCALE_FACTOR, "")
+        _require_rotation_vector(f"{sensor}_misalignment", turn)
+        return cls(**number, scale_factor=scale, misalignment=turn, converter=converter)
+
+    @property
+    def sensitivity(self) -> Array:
+        """S R(μ)ᵀ, which takes body components of the truth to the sensor's axes; shape (3, 3)."""
+        return np.asarray(np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T)
+
+    def variance(self, rate: float) -> float:
+        """Variance of one reading on each axis at ``rate`` samples per second: white noise and rounding, unit²."""
+        return self.noise_density * self.noise_density * rate + self.converter.variance
+
+
+_NUMBERS: Final = ("noise_density", "bias_random_walk", "turn_on_bias", "resolution", "range")
+
+
+def _require_rotation_vector(name: str, turn: Vector) -> None:
+    angle = float(so3.norm(turn))
+    if angle > math.pi:
+        raise ParameterError(
+            name, f"{list(turn)} turns by {angle:g} rad, more than pi: give the rotation vector of the shorter way"
+        )
+
+
+class Triad:
+    """A triad at work: readings one after the other.
+
+    Parameters
+    ----------
+    model : TriadModel
+    rate : float
+        Samples per second.
+    seed : int
+    turn_on, walk, white : Source
+        Of its bias at the start, of its bias' steps and of its white noise.
+    """
+
+    def __init__(
+        self, model: TriadModel, rate: float, seed: int, *, turn_on: Source, walk: Source, white: Source
+    ) -> None:
+        self._sensitivity = model.sensitivity
+        self._converter = model.converter
+        start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(1)[0]
+        steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
+        self._bias = Ahead(RandomWalk(start, steps))
+        self._noise = Ahead(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
+
+    def read(self, truth: Array) -> tuple[Array, Array]:
+        """The next readings.
+
+        Parameters
+        ----------
+        truth : ndarray, shape (N, 3)
+            In the body frame.
+
+        Returns
+        -------
+        readings : ndarray, shape (N, 3)
+            On the sensor's axes.
+        bias : ndarray, shape (N, 3)
+            What it adds to them.
+        """
+        bias = self._bias.take(len(truth))
+        noisy = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
+        return self._converter.read(noisy), bias
