@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 
 import pytest
 
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import Parameter
 from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 TRIADS = ("gyro", "accelerometer")
@@ -114,17 +116,15 @@ def test_amounts_are_finite_and_not_negative(name: str, value: object) -> None:
 
 @pytest.mark.parametrize("parameter", ARRAYS, ids=lambda p: p.name)
 @pytest.mark.parametrize("value", [math.nan, math.inf, "much", None])
-def test_arrays_are_finite_numbers(parameter: object, value: object) -> None:
-    good = [0.0] * parameter.lengths[0]  # type: ignore[attr-defined]
-    name = parameter.name  # type: ignore[attr-defined]
+def test_arrays_are_finite_numbers(parameter: Parameter, value: object) -> None:
+    good = [0.0] * parameter.lengths[0]
+    name = parameter.name
     assert refusal({name: [*good[1:], value]}).name == name
     assert refusal({name: good[1:]}).name == name
 
 
 @pytest.mark.parametrize(("name", "given", "said"), LIMITS.values(), ids=LIMITS)
 def test_what_cannot_be_is_refused(name: str, given: dict[str, object], said: str) -> None:
-    import re
-
     error = refusal(given)
     assert error.name == name
     assert re.search(said, str(error))
