@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 import pytest
+from reference_noise import normal, words
 from scipy.spatial.transform import Rotation
 from sensor_models import MOTION, at_rest, magnetometer, magnetometer_model, times
+
+from lie_rigid_body.sensors.noise import Source
 
 FIELD = [2e-5, -1e-5, 4e-5]
 SOFT_IRON = [1.1, 0.02, 0.01, -0.03, 0.95, 0.04, 0.05, 0.02, 1.05]
@@ -48,3 +53,10 @@ def test_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> None:
     assert np.abs(errors.var(axis=0) / (4e-16 * rate + 25e-16 / 12.0) - 1.0).max() < 10.0 / np.sqrt(COUNT)
     assert magnetometer_model(**settings).variance == pytest.approx(4e-16 * rate + 25e-16 / 12.0)
     assert magnetometer_model().variance == 0.0
+
+
+def test_its_noise_has_deviates_of_its_own() -> None:
+    settings = {"magnetic_field": [0.0, 0.0, 0.0], "magnetometer_noise_density": 0.1, "sensor_seed": 11}
+    read = magnetometer(**settings).measure(at_rest(5))
+    drawn = [float(normal(word)) for word in islice(words(11, Source.MAGNETOMETER_WHITE), 15)]
+    assert read.ravel() == pytest.approx(drawn, rel=1e-14)

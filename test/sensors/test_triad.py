@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 import pytest
+from reference_noise import normal, words
 from scipy import stats
 from scipy.spatial.transform import Rotation
 from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
 
 from lie_rigid_body import RigidBody, State
 from lie_rigid_body.sensors import Imu
+from lie_rigid_body.sensors.noise import Source
 
 COUNT = 50_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -163,3 +167,31 @@ def test_the_variance_that_is_told_is_that_of_the_readings() -> None:
 
 def test_the_variance_of_a_perfect_sensor_is_unknown() -> None:
     assert (imu_model().angular_velocity_variance, imu_model().linear_acceleration_variance) == (0.0, 0.0)
+
+
+def reference_deviates(source: Source, seed: int, count: int) -> np.ndarray:
+    return np.array([float(normal(word)) for word in islice(words(seed, source), 3 * count)]).reshape(count, 3)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "source"),
+    [
+        ("gyro_turn_on_bias", Source.GYRO_TURN_ON),
+        ("gyro_bias_random_walk", Source.GYRO_WALK),
+        ("gyro_noise_density", Source.GYRO_WHITE),
+        ("accelerometer_turn_on_bias", Source.ACCELEROMETER_TURN_ON),
+        ("accelerometer_bias_random_walk", Source.ACCELEROMETER_WALK),
+        ("accelerometer_noise_density", Source.ACCELEROMETER_WHITE),
+    ],
+)
+def test_every_error_has_deviates_of_its_own(parameter: str, source: Source) -> None:
+    read = readings_at_rest(5, imu_rate=4.0, sensor_seed=11, **{parameter: 0.5})
+    values = read.angular_velocity if parameter.startswith("gyro") else read.linear_acceleration
+    drawn = reference_deviates(source, 11, 5)
+    if parameter.endswith("turn_on_bias"):
+        expected = np.tile(0.5 * drawn[0], (5, 1))
+    elif parameter.endswith("walk"):
+        expected = np.concatenate([np.zeros((1, 3)), np.cumsum(0.25 * drawn[:-1], axis=0)])
+    else:
+        expected = 1.0 * drawn
+    assert np.abs(values - expected).max() < 1e-14
