@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import Source
 from lie_rigid_body.sensors.specific_force import SpecificForce
@@ -63,12 +63,11 @@ class ImuModel:
         ------
         ParameterError
         """
-        frame, lever_arm = cast(str, values["imu_frame"]), vector(values, "accelerometer_lever_arm")
-        require_frame_name("imu_frame", frame)
+        lever_arm = vector(values, "accelerometer_lever_arm")
         require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
         return cls(
             rate=cast(float, values["imu_rate"]),
-            frame=frame,
+            frame=cast(str, values["imu_frame"]),
             seed=cast(int, values["sensor_seed"]),
             gyro_rate=cast(str, values["gyro_rate"]),
             gyro=TriadModel.from_values("gyro", values),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.converter import Converter
 from lie_rigid_body.sensors.noise import Ahead, Source, WhiteNoise
 from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
@@ -73,14 +73,12 @@ class MagnetometerModel:
         number = {key: cast(float, values[f"magnetometer_{key}"]) for key in _NUMBERS}
         converter = Converter(number["resolution"], number["range"])
         converter.validate("magnetometer")
-        frame = cast(str, values["imu_frame"])
-        require_frame_name("imu_frame", frame)
         field, hard_iron = vector(values, "magnetic_field"), vector(values, "magnetometer_hard_iron")
         soft_iron = vector(values, "magnetometer_soft_iron")
         require_at_most("magnetic_field", field, STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_hard_iron", hard_iron, STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_soft_iron", soft_iron, LARGEST_SOFT_IRON, "")
-        seed = cast(int, values["sensor_seed"])
+        frame, seed = cast(str, values["imu_frame"]), cast(int, values["sensor_seed"])
         return cls(number["rate"], frame, seed, field, number["noise_density"], hard_iron, soft_iron, converter)
 
     @property

@@ -39,7 +39,7 @@ class Source(IntEnum):
     MAGNETOMETER_WHITE = 7
 
 
-class Sequence(Protocol):
+class RandomVectors(Protocol):
     """Random vectors one after the other."""
 
     def draw(self, count: int) -> Array:
@@ -97,21 +97,21 @@ class RandomWalk:
 
 
 class Ahead:
-    """A sequence that is drawn in blocks and handed out in any number.
+    """Random vectors, drawn in blocks and handed out in any number.
 
     Parameters
     ----------
-    sequence : Sequence
+    vectors : RandomVectors
     """
 
-    def __init__(self, sequence: Sequence) -> None:
-        self._sequence = sequence
+    def __init__(self, vectors: RandomVectors) -> None:
+        self._vectors = vectors
         self._ready = np.empty((0, 3))
 
     def take(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
         missing = count - len(self._ready)
         if missing > 0:
-            self._ready = np.concatenate([self._ready, self._sequence.draw(max(missing, BLOCK))])
+            self._ready = np.concatenate([self._ready, self._vectors.draw(max(missing, BLOCK))])
         taken, self._ready = self._ready[:count], self._ready[count:]
         return taken

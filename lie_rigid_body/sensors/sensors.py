@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import Value, read_table
+from lie_rigid_body.parameters import Value, read_table, require_frame_name
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
 from lie_rigid_body.sensors.sensor_parameters import SENSOR_PARAMETERS
@@ -48,6 +48,7 @@ class Sensors:
             Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
         """
         values = read_table(SENSOR_PARAMETERS, given or {})
+        require_frame_name("imu_frame", cast(str, values["imu_frame"]))
         imu, magnetometer = ImuModel.from_values(values), MagnetometerModel.from_values(values)
         return cls(
             imu if _is_on("imu_rate", values) else None,

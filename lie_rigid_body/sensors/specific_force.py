@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.vectors import Vector
@@ -35,12 +35,13 @@ class SpecificForce:
 
     def __init__(self, body: RigidBody, lever_arm: Vector, support: float) -> None:
         moments = body.principal_moments
-        self._axes = body.principal_axes
         # each of size 1 at most, as the moments obey the triangle inequality
         self._euler = (moments[_YZX] - moments[_ZXY]) / moments
+        self._to_principal = body.principal_axes.T
+        self._across = -so3.hat(lever_arm)
+        self._principal_across = self._across @ body.principal_axes
         self._has_lever_arm = any(lever_arm)
-        self._lever = so3.hat(lever_arm)
-        self._support = np.array([0.0, 0.0, support])
+        self._support = support
 
     def at(self, states: State) -> Array:
         """The specific force in the body frame.
@@ -56,18 +57,25 @@ class SpecificForce:
             m/s². Exactly 0 at the mass centre in free fall.
         """
         force = self._of_rotation(states.body_rate) if self._has_lever_arm else np.zeros_like(states.body_rate)
-        if self._support[2]:
-            force = force + quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._support)
+        if self._support:
+            force = force + self._support * _up_in_body(states.attitude_xyzw)
         return force
 
     def _of_rotation(self, rate: Array) -> Array:
-        centripetal = _cross(rate, -apply_tensor(self._lever, rate))
-        return centripetal - apply_tensor(self._lever, self._angular_acceleration(rate))
+        """ω̇×r + ω×(ω×r)."""
+        tangential = apply_tensor(self._principal_across, self._angular_acceleration(rate))
+        return tangential + _cross(rate, apply_tensor(self._across, rate))
 
     def _angular_acceleration(self, rate: Array) -> Array:
         """Euler's equations in principal axes, ω̇₁ = (I₂ − I₃)/I₁ ω₂ω₃ and so on (Landau & Lifshitz §36, 36.5)."""
-        along = apply_tensor(self._axes.T, rate)
-        return apply_tensor(self._axes, self._euler * _take(along, _YZX) * _take(along, _ZXY))
+        principal = apply_tensor(self._to_principal, rate)
+        return np.asarray(self._euler * _take(principal, _YZX) * _take(principal, _ZXY))
+
+
+def _up_in_body(attitudes_xyzw: Array) -> Array:
+    """The world's z axis in the body frame: the last row of the rotation matrix."""
+    x, y, z, w = attitudes_xyzw.T
+    return 2.0 * np.stack([x * z - y * w, y * z + x * w, 0.5 - (x * x + y * y)], axis=-1)
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -30,7 +30,7 @@ class TriadModel:
     ::
 
         y_k = quantise(saturate(S R(μ)ᵀ x_k + b_k + n_k))
-        b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = B ν,   n_k = N √f ν_k
+        b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = σ₀ ν,   n_k = N √f ν_k
 
     with f the sample rate and each ν independent and standard normal. The order is the signal's own: the mounting R(μ)
     decides what lies along the sensitive axes, the elements scale it by S, bias and noise add in units of the output,
@@ -44,7 +44,7 @@ class TriadModel:
     bias_random_walk : float
         K, unit/s/√Hz: the Allan deviation of the walk is K √(τ/3) (IEEE Std 952).
     turn_on_bias : float
-        B, standard deviation on each axis, unit.
+        σ₀, standard deviation on each axis, unit.
     scale_factor : tuple of float, length 3
         Diagonal of S.
     misalignment : tuple of float, length 3

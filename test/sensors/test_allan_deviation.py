@@ -1,0 +1,46 @@
+"""Noise has the densities that were asked for, as the Allan deviation of another library sees it."""
+
+from __future__ import annotations
+
+import allantools
+import numpy as np
+import pytest
+from sensor_models import readings_at_rest
+
+COUNT = 2**18
+RATE = 200.0
+STRIDES = np.array([20, 60, 200, 600, 2000])
+TAUS = STRIDES / RATE
+# of an overlapping deviation, three axes together, with about COUNT/stride independent pairs each
+FIVE_SIGMA = 5.0 / np.sqrt(2.0 * 3.0 * COUNT / STRIDES)
+READINGS = {"gyro": "angular_velocity", "accelerometer": "linear_acceleration"}
+
+
+def allan_deviation(values: np.ndarray) -> np.ndarray:
+    """Over all three axes, at the times of this file."""
+    deviations = [allantools.oadev(axis, rate=RATE, data_type="freq", taus=TAUS)[1] for axis in values.T]
+    return np.sqrt(np.mean(np.square(deviations), axis=0))
+
+
+def readings(sensor: str, **given: object) -> np.ndarray:
+    return getattr(readings_at_rest(COUNT, imu_rate=RATE, sensor_seed=5, **given), READINGS[sensor])
+
+
+@pytest.mark.parametrize(("sensor", "density"), [("gyro", 2e-4), ("accelerometer", 3e-3)])
+def test_white_noise_falls_with_the_root_of_time(sensor: str, density: float) -> None:
+    found = allan_deviation(readings(sensor, **{f"{sensor}_noise_density": density}))
+    assert np.all(np.abs(found * np.sqrt(TAUS) / density - 1.0) < FIVE_SIGMA)
+
+
+@pytest.mark.parametrize(("sensor", "walk"), [("gyro", 5e-5), ("accelerometer", 7e-4)])
+def test_bias_walk_rises_with_the_root_of_time(sensor: str, walk: float) -> None:
+    found = allan_deviation(readings(sensor, **{f"{sensor}_bias_random_walk": walk}))
+    assert np.all(np.abs(found / (walk * np.sqrt(TAUS / 3.0)) - 1.0) < FIVE_SIGMA)
+
+
+@pytest.mark.parametrize("sensor", READINGS)
+def test_both_together_add_as_variances(sensor: str) -> None:
+    density, walk = 1e-3, 2e-3
+    given = {f"{sensor}_noise_density": density, f"{sensor}_bias_random_walk": walk, f"{sensor}_turn_on_bias": 1.0}
+    found = allan_deviation(readings(sensor, **given))
+    assert np.all(np.abs(found / np.sqrt(density**2 / TAUS + walk**2 * TAUS / 3.0) - 1.0) < FIVE_SIGMA)

@@ -1,0 +1,130 @@
+"""Parameters become sensors, or one clear line that names the parameter, the value, the limit and the remedy."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+
+import pytest
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
+
+TRIADS = ("gyro", "accelerometer")
+NOT_NEGATIVE = [p.name for p in SENSOR_PARAMETERS if p.kind == "double"]
+ARRAYS = [p for p in SENSOR_PARAMETERS if p.kind == "double_array"]
+LIMITS = {
+    "imu_rate too slow": ("imu_rate", {"imu_rate": 1e-7}, "1e-07 is below 1e-06 samples"),
+    "magnetometer_rate too slow": ("magnetometer_rate", {"magnetometer_rate": 1e-7}, "or 0 for none"),
+    "rate too fast": ("imu_rate", {"imu_rate": 1e10}, r"outside \[0, 1e\+09\]"),
+    "frame": ("imu_frame", {"imu_frame": "/imu"}, "not a frame name"),
+    "empty frame": ("imu_frame", {"imu_frame": ""}, "not a frame name"),
+    "seed below 0": ("sensor_seed", {"sensor_seed": -1}, r"outside \[0, 9223372036854775807\]"),
+    "seed too large": ("sensor_seed", {"sensor_seed": 2**63}, "outside"),
+    "seed no integer": ("sensor_seed", {"sensor_seed": 1.5}, "not an integer"),
+    "gyro rate": ("gyro_rate", {"gyro_rate": "mean"}, "choose one of instantaneous, integrated"),
+    "mode": ("accelerometer_mode", {"accelerometer_mode": "pivot"}, "choose one of free_fall, pivot_gravity"),
+    "lever arm": ("accelerometer_lever_arm", {"accelerometer_lever_arm": [0.0, -2e6, 1.0]}, r"-2e\+06 .*±1e\+06 m"),
+    "field": ("magnetic_field", {"magnetic_field": [0.0, 0.0, 48.0e6]}, r"±1000 T"),
+    "hard iron": ("magnetometer_hard_iron", {"magnetometer_hard_iron": [1e4, 0.0, 0.0]}, r"±1000 T"),
+    "soft iron": ("magnetometer_soft_iron", {"magnetometer_soft_iron": [1e7] * 9}, r"±1e\+06: give"),
+    "unknown": ("gyro_noise_densty", {"gyro_noise_densty": 1.0}, r"did you mean gyro_noise_density\?"),
+    **{
+        f"{sensor} resolution": (
+            f"{sensor}_resolution",
+            {f"{sensor}_resolution": 2.0, f"{sensor}_range": 1.0},
+            f"2 is more than {sensor}_range, 1: give a finer resolution",
+        )
+        for sensor in (*TRIADS, "magnetometer")
+    },
+    **{
+        f"{sensor} fine resolution": (f"{sensor}_resolution", {f"{sensor}_resolution": 1e-300}, "the finest step")
+        for sensor in (*TRIADS, "magnetometer")
+    },
+    **{
+        f"{sensor} scale": (f"{sensor}_scale_factor", {f"{sensor}_scale_factor": [1.0, 2e6, 1.0]}, r"±1e\+06: give")
+        for sensor in TRIADS
+    },
+    **{
+        f"{sensor} mounting": (
+            f"{sensor}_misalignment",
+            {f"{sensor}_misalignment": [2.0, 2.0, 2.0]},
+            "turns by 3.4641 rad, more than pi",
+        )
+        for sensor in TRIADS
+    },
+}
+
+
+def refusal(given: dict[str, object]) -> ParameterError:
+    with pytest.raises(ParameterError) as caught:
+        Sensors.from_parameters(given)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"{caught.value.name}: ")
+    return caught.value
+
+
+def test_sensors_are_off_by_default() -> None:
+    assert Sensors.from_parameters() == Sensors(None, None)
+
+
+def test_each_is_turned_on_by_its_rate() -> None:
+    imu, magnetometer = (Sensors.from_parameters({name: 50.0}) for name in ("imu_rate", "magnetometer_rate"))
+    assert imu.imu is not None
+    assert magnetometer.magnetometer is not None
+    assert (imu.imu.rate, imu.magnetometer) == (50.0, None)
+    assert (magnetometer.magnetometer.rate, magnetometer.imu) == (50.0, None)
+
+
+def test_every_parameter_reaches_its_sensor() -> None:
+    """A value other than the default makes other sensors."""
+    on = {"imu_rate": 100.0, "magnetometer_rate": 100.0}
+    plain = Sensors.from_parameters(on)
+    for parameter in SENSOR_PARAMETERS:
+        other: object = 0.25
+        if parameter.kind == "double_array":
+            other = [0.25 + k / 8 for k in range(parameter.lengths[0])]
+        elif parameter.kind == "int":
+            other = 3
+        elif parameter.kind == "string":
+            other = parameter.choices[1] if parameter.choices else "other_link"
+        changed = Sensors.from_parameters({**on, parameter.name: other})
+        assert changed != plain, parameter.name
+
+
+def test_sensors_are_frozen() -> None:
+    sensors = Sensors.from_parameters({"imu_rate": 1.0})
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        sensors.imu = None  # type: ignore[misc]
+
+
+def test_names_are_distinct_and_defaults_are_allowed() -> None:
+    names = [parameter.name for parameter in SENSOR_PARAMETERS]
+    assert len(set(names)) == len(names)
+    for parameter in SENSOR_PARAMETERS:
+        value = list(parameter.default) if isinstance(parameter.default, tuple) else parameter.default
+        assert parameter.read(value) == parameter.default
+
+
+@pytest.mark.parametrize("name", NOT_NEGATIVE)
+@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf, "much", True])
+def test_amounts_are_finite_and_not_negative(name: str, value: object) -> None:
+    assert refusal({name: value}).name == name
+
+
+@pytest.mark.parametrize("parameter", ARRAYS, ids=lambda p: p.name)
+@pytest.mark.parametrize("value", [math.nan, math.inf, "much", None])
+def test_arrays_are_finite_numbers(parameter: Parameter, value: object) -> None:
+    good = [0.0] * parameter.lengths[0]
+    name = parameter.name
+    assert refusal({name: [*good[1:], value]}).name == name
+    assert refusal({name: good[1:]}).name == name
+
+
+@pytest.mark.parametrize(("name", "given", "said"), LIMITS.values(), ids=LIMITS)
+def test_what_cannot_be_is_refused(name: str, given: dict[str, object], said: str) -> None:
+    error = refusal(given)
+    assert error.name == name
+    assert re.search(said, str(error))

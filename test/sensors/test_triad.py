@@ -1,0 +1,197 @@
+"""The errors of gyro and accelerometer, in the order of the signal: mounting, scale, bias, noise, range, resolution."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+import numpy as np
+import pytest
+from reference_noise import normal, words
+from scipy import stats
+from scipy.spatial.transform import Rotation
+from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
+
+from lie_rigid_body import RigidBody, State
+from lie_rigid_body.sensors import Imu
+from lie_rigid_body.sensors.noise import Source
+
+COUNT = 50_000
+FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
+SENSORS = ["gyro", "accelerometer"]
+PERIOD_NS = 10_000_000
+
+
+def gyro_reads(rates: object, **given: object) -> np.ndarray:
+    rate = np.array(rates, dtype=float)
+    t = np.arange(len(rate), dtype=np.int64) * PERIOD_NS
+    states = State(np.tile([0.0, 0.0, 0.0, 1.0], (len(rate), 1)), rate)
+    return Imu(imu_model(**given), BODY, -PERIOD_NS, states[0]).measure(t, states).angular_velocity
+
+
+def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
+    """At rest on the pivot, tilted so that the world's z lies along a vector of the body."""
+    up = np.array(up_in_body, dtype=float)
+    tilt = Rotation.align_vectors([[0.0, 0.0, 1.0]], [up / np.linalg.norm(up)])[0].as_quat()
+    states = State(tilt[np.newaxis], np.zeros((1, 3)))
+    model = imu_model(accelerometer_mode="pivot_gravity", gravity=float(np.linalg.norm(up)), **given)
+    return Imu(model, BODY, -PERIOD_NS, states[0]).measure(np.array([0]), states).linear_acceleration[0]
+
+
+def reading(sensor: str, truth: list[float], **given: object) -> np.ndarray:
+    named = {f"{sensor}_{key}": value for key, value in given.items()}
+    return gyro_reads([truth], **named)[0] if sensor == "gyro" else accelerometer_reads(truth, **named)
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_a_perfect_sensor_reads_the_truth(sensor: str) -> None:
+    assert reading(sensor, [0.3, -0.4, 0.5]) == pytest.approx([0.3, -0.4, 0.5], rel=1e-14)
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_scale_multiplies_each_axis(sensor: str) -> None:
+    assert reading(sensor, [0.3, -0.4, 0.5], scale_factor=[2.0, 0.5, -1.0]) == pytest.approx([0.6, -0.2, -0.5])
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_mounting_turns_the_axes_and_not_the_truth(sensor: str) -> None:
+    """A sensor turned by +90° about z has its x along the body's y."""
+    turned = reading(sensor, [0.3, -0.4, 0.5], misalignment=[0.0, 0.0, np.pi / 2.0])
+    assert turned == pytest.approx([-0.4, -0.3, 0.5])
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_scale_belongs_to_the_turned_axes(sensor: str) -> None:
+    mounting = [0.1, -0.2, 0.3]
+    truth, scale = np.array([0.3, -0.4, 0.5]), np.array([1.1, 0.9, 1.2])
+    expected = scale * Rotation.from_rotvec(mounting).inv().apply(truth)
+    assert reading(sensor, truth.tolist(), misalignment=mounting, scale_factor=scale.tolist()) == pytest.approx(
+        expected
+    )
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_range_saturates(sensor: str) -> None:
+    assert reading(sensor, [3.0, -4.0, 0.5], range=1.0) == pytest.approx([1.0, -1.0, 0.5])
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_resolution_rounds_to_the_nearest_multiple(sensor: str) -> None:
+    steps = reading(sensor, [0.26, -0.24, 0.61], resolution=0.25)
+    assert steps.tolist() == [0.25, -0.25, 0.5]
+
+
+def test_rounding_of_halves_goes_to_the_even_step() -> None:
+    assert gyro_reads([[0.125, 0.375, -0.125]], gyro_resolution=0.25)[0].tolist() == [0.0, 0.5, 0.0]
+
+
+def test_range_comes_before_resolution() -> None:
+    """The converter counts what the amplifier lets through: 1.0 is 4 steps of 0.3 away from nothing but 0.9."""
+    assert gyro_reads([[5.0, -5.0, 0.5]], gyro_range=1.0, gyro_resolution=0.3)[0] == pytest.approx([0.9, -0.9, 0.6])
+
+
+def test_noise_comes_before_range() -> None:
+    noisy = gyro_reads(np.full((2000, 3), 0.99), gyro_range=1.0, gyro_noise_density=0.1)
+    assert noisy.max() == 1.0
+    assert 0.4 < (noisy == 1.0).mean() < 0.6
+
+
+def test_noise_comes_before_resolution() -> None:
+    """A signal of a quarter step is the mean of its rounded readings, as noise carries it across the steps."""
+    read = gyro_reads(np.full((COUNT, 3), 0.025), gyro_resolution=0.1, gyro_noise_density=0.01)
+    assert np.all(np.abs(np.rint(read / 0.1) * 0.1 - read) < 1e-15)
+    assert np.abs(read.mean(axis=0) - 0.025).max() < FIVE_SIGMA * np.hypot(0.1, 0.1 / np.sqrt(12.0))
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_noise_is_not_scaled(sensor: str) -> None:
+    plain = readings_at_rest(100, **{f"{sensor}_noise_density": 0.1})
+    scaled = readings_at_rest(100, **{f"{sensor}_noise_density": 0.1, f"{sensor}_scale_factor": [2.0, 3.0, 4.0]})
+    assert plain.angular_velocity.tolist() == scaled.angular_velocity.tolist()
+    assert plain.linear_acceleration.tolist() == scaled.linear_acceleration.tolist()
+
+
+@pytest.mark.parametrize("rate", [1.0, 100.0, 12345.678])
+def test_white_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> None:
+    read = readings_at_rest(COUNT, imu_rate=rate, gyro_noise_density=0.02, accelerometer_noise_density=0.03)
+    for values, density in ((read.angular_velocity, 0.02), (read.linear_acceleration, 0.03)):
+        assert np.abs(values.std(axis=0) / (density * np.sqrt(rate)) - 1.0).max() < FIVE_SIGMA
+        assert np.abs(values.mean(axis=0)).max() < FIVE_SIGMA * density * np.sqrt(rate)
+
+
+@pytest.mark.parametrize("rate", [1.0, 100.0, 12345.678])
+def test_bias_steps_are_the_walk_times_the_root_of_the_interval(rate: float) -> None:
+    read = readings_at_rest(COUNT, imu_rate=rate, gyro_bias_random_walk=0.02, accelerometer_bias_random_walk=0.03)
+    for bias, walk in ((read.gyro_bias, 0.02), (read.accelerometer_bias, 0.03)):
+        assert not bias[0].any()
+        assert np.abs(np.diff(bias, axis=0).std(axis=0) * np.sqrt(rate) / walk - 1.0).max() < FIVE_SIGMA
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_the_true_bias_is_what_the_reading_has_more_than_the_truth(sensor: str) -> None:
+    read = readings_at_rest(1000, **{f"{sensor}_bias_random_walk": 0.1, f"{sensor}_turn_on_bias": 1.0})
+    pairs = {
+        "gyro": (read.angular_velocity, read.gyro_bias),
+        "accelerometer": (read.linear_acceleration, read.accelerometer_bias),
+    }
+    values, bias = pairs.pop(sensor)
+    assert values.tolist() == bias.tolist()
+    assert np.abs(bias).min() > 0.0
+    assert not np.any(pairs.popitem()[1])
+
+
+def test_turn_on_biases_are_normal_over_the_seeds() -> None:
+    seeds = range(500)
+    reads = [readings_at_rest(1, sensor_seed=s, gyro_turn_on_bias=0.2, accelerometer_turn_on_bias=3.0) for s in seeds]
+    gyro = np.concatenate([read.gyro_bias for read in reads]) / 0.2
+    accelerometer = np.concatenate([read.accelerometer_bias for read in reads]) / 3.0
+    both = np.concatenate([gyro, accelerometer], axis=1)
+    limit = 5.0 / np.sqrt(both.size)
+    assert abs(both.mean()) < limit
+    assert abs(both.std() - 1.0) < limit
+    assert stats.kstest(both.ravel(), "norm").pvalue > 1e-3
+    assert np.abs(np.corrcoef(both, rowvar=False) - np.eye(6)).max() < 5.0 / np.sqrt(len(seeds))
+
+
+def test_the_variance_that_is_told_is_that_of_the_readings() -> None:
+    given = {"gyro_noise_density": 2e-3, "gyro_resolution": 0.04, "accelerometer_noise_density": 0.02}
+    model = imu_model(**given)
+    still = at_rest(COUNT)
+    turning = State(still.attitude_xyzw, np.linspace(0.0, 100.0, 3 * COUNT).reshape(-1, 3))
+    t = np.arange(COUNT, dtype=np.int64) * PERIOD_NS
+    read = Imu(model, RigidBody([1.0, 1.0, 1.0]), -PERIOD_NS, START).measure(t, turning)
+    errors = read.angular_velocity - turning.body_rate
+    assert np.abs(errors.var(axis=0) / model.angular_velocity_variance - 1.0).max() < 2.0 * FIVE_SIGMA
+    variances = read.linear_acceleration.var(axis=0)
+    assert np.abs(variances / model.linear_acceleration_variance - 1.0).max() < 2.0 * FIVE_SIGMA
+
+
+def test_the_variance_of_a_perfect_sensor_is_unknown() -> None:
+    assert (imu_model().angular_velocity_variance, imu_model().linear_acceleration_variance) == (0.0, 0.0)
+
+
+def reference_deviates(source: Source, seed: int, count: int) -> np.ndarray:
+    return np.array([float(normal(word)) for word in islice(words(seed, source), 3 * count)]).reshape(count, 3)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "source"),
+    [
+        ("gyro_turn_on_bias", Source.GYRO_TURN_ON),
+        ("gyro_bias_random_walk", Source.GYRO_WALK),
+        ("gyro_noise_density", Source.GYRO_WHITE),
+        ("accelerometer_turn_on_bias", Source.ACCELEROMETER_TURN_ON),
+        ("accelerometer_bias_random_walk", Source.ACCELEROMETER_WALK),
+        ("accelerometer_noise_density", Source.ACCELEROMETER_WHITE),
+    ],
+)
+def test_every_error_has_deviates_of_its_own(parameter: str, source: Source) -> None:
+    read = readings_at_rest(5, imu_rate=4.0, sensor_seed=11, **{parameter: 0.5})
+    values = read.angular_velocity if parameter.startswith("gyro") else read.linear_acceleration
+    drawn = reference_deviates(source, 11, 5)
+    if parameter.endswith("turn_on_bias"):
+        expected = np.tile(0.5 * drawn[0], (5, 1))
+    elif parameter.endswith("walk"):
+        expected = np.concatenate([np.zeros((1, 3)), np.cumsum(0.25 * drawn[:-1], axis=0)])
+    else:
+        expected = 1.0 * drawn
+    assert np.abs(values - expected).max() < 1e-14
