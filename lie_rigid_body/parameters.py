@@ -1,4 +1,4 @@
-"""The parameters of a scenario: one table for the node, for parameter files, for the command line and for the docs."""
+"""A parameter: its type, its limits, and how it is read."""
 
 from __future__ import annotations
 

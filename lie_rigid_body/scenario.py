@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
-from typing import Final, cast
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,82 +14,37 @@ from numpy.typing import NDArray
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
-from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
-from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value
+from lie_rigid_body.motion import ClosedForm, Motion, MovingChart
+from lie_rigid_body.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a moving chart that turned farther in one step would go where its Taylor expansion means nothing."""
 
-PARAMETERS: Final = (
-    Parameter(
-        "inertia",
-        "double_array",
-        (1.0, 2.0, 3.0),
-        "Inertia about the mass centre, kg m^2: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
-        lengths=(3, 6),
-    ),
-    Parameter(
-        "initial_attitude_xyzw",
-        "double_array",
-        (0.0, 0.0, 0.0, 1.0),
-        "Unit quaternion, scalar last, taking body vectors to world vectors at the start.",
-        lengths=(4,),
-    ),
-    Parameter(
-        "initial_body_rate",
-        "double_array",
-        (0.01, 1.0, 0.01),
-        "Angular velocity in the body frame at the start, rad/s.",
-        lengths=(3,),
-    ),
-    Parameter(
-        "rate",
-        "double",
-        100.0,
-        "Samples per second, from one in eleven days to one per nanosecond.",
-        minimum=1e-6,
-        maximum=1e9,
-    ),
-    Parameter(
-        "motion",
-        "string",
-        "moving_chart",
-        "How the state moves: moving_chart integrates Euler's equations, closed_form evaluates the exact solution.",
-        choices=("moving_chart", "closed_form"),
-    ),
-    Parameter("method", "string", DEFAULT_METHOD, "Stepper of the moving chart.", choices=tuple(METHODS)),
-    Parameter(
-        "max_step",
-        "double",
-        DEFAULT_MAX_STEP,
-        "Largest step of the moving chart, s.",
-        minimum=1e-9,
-        maximum=1e6,
-    ),
-    Parameter("world_frame", "string", "world", "Name of the inertial frame of the pose."),
-    Parameter("body_frame", "string", "base_link", "Name of the body frame of the twist."),
-    Parameter("stamped_twist", "bool", True, "Publish TwistStamped (true) or bare Twist (false)."),
-    Parameter(
-        "epoch_ns",
-        "int",
-        0,
-        "Stamp of the first sample, ns; 0 in the node means the time of start.",
-        minimum=0,
-        maximum=MAX_EPOCH_NS,
-    ),
-    Parameter("record_path", "string", "", "The node also writes this MCAP file; empty: it writes none."),
-)
-"""Every parameter, in the order in which they are shown."""
-
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
+_SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
+_OWN: Final = (
+    "inertia",
+    "initial_attitude_xyzw",
+    "initial_body_rate",
+    "rate",
+    "motion",
+    "method",
+    "max_step",
+    "world_frame",
+    "body_frame",
+    "stamped_twist",
+    "epoch_ns",
+)
 
 
 @dataclass(frozen=True)
 class Scenario:
     """A body, its start and the way it is sampled. Build it with `from_parameters`, which validates.
 
-    Attributes carry the names, types and units of the parameters (see ``PARAMETERS``).
+    Attributes carry the names, types and units of the parameters (see ``PARAMETERS``); those of the sensors are kept
+    together, and as the models that they make.
     """
 
     inertia: tuple[float, ...]
@@ -104,6 +58,8 @@ class Scenario:
     body_frame: str
     stamped_twist: bool
     epoch_ns: int
+    sensors: Sensors
+    sensor_parameters: tuple[tuple[str, Value], ...]
 
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Scenario:
@@ -124,13 +80,24 @@ class Scenario:
             Naming the parameter, its value, its limit and the remedy.
         """
         values = read_parameters(given or {})
-        scenario = cls(**{f.name: values[f.name] for f in fields(cls)})  # type: ignore[arg-type]
+        of_sensors = {name: values[name] for name in _SENSORS}
+        scenario = cls(
+            **{name: values[name] for name in _OWN},  # type: ignore[arg-type]
+            sensors=Sensors.from_parameters(of_sensors),
+            sensor_parameters=tuple(of_sensors.items()),
+        )
         scenario._validate()
         return scenario
 
     def parameters(self) -> dict[str, Value]:
-        """Names and values, in the order of the table."""
-        return cast(dict[str, Value], asdict(self))
+        """Names and values, in the order of the table; those of the sensors only if there is one."""
+        own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
+        return {**own, **dict(self.sensor_parameters)} if self.has_sensors else own
+
+    @property
+    def has_sensors(self) -> bool:
+        """Whether any sensor is on."""
+        return self.sensors.imu is not None or self.sensors.magnetometer is not None
 
     def body(self) -> RigidBody:
         """The body of this scenario."""
@@ -148,7 +115,7 @@ class Scenario:
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
-            _require_frame_name(name, getattr(self, name))
+            require_frame_name(name, getattr(self, name))
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body, start = self.body(), self._valid_start()
             _require_ordinary_inertia(body)
@@ -180,30 +147,6 @@ def _shorter(longest: float) -> str:
     return f"give at most {step:g} s, or " if step >= _BY_NAME["max_step"].minimum else ""
 
 
-def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
-    """Every parameter's value: the given ones in their own types, the rest at their defaults.
-
-    Parameters
-    ----------
-    given : mapping of str to object
-
-    Returns
-    -------
-    dict of str to value
-
-    Raises
-    ------
-    ParameterError
-        If a name is unknown or a value is not of its parameter's type, length, range or choice.
-    """
-    for name in given:
-        if name not in _BY_NAME:
-            near = difflib.get_close_matches(str(name), _BY_NAME, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(_BY_NAME)}"
-            raise ParameterError(str(name), f"no such parameter: {hint}")
-    return {p.name: p.read(given[p.name]) if p.name in given else p.default for p in PARAMETERS}
-
-
 def _require_ordinary_inertia(body: RigidBody) -> None:
     if not (_is_ordinary(body.principal_moments) and _is_ordinary(1.0 / body.principal_moments)):
         raise ParameterError(
@@ -231,10 +174,3 @@ def _is_ordinary(values: NDArray[np.float64]) -> bool:
 
 def _listed(values: NDArray[np.float64]) -> str:
     return ", ".join(f"{value:g}" for value in values)
-
-
-def _require_frame_name(name: str, value: str) -> None:
-    if not value or value.startswith("/") or any(c.isspace() or not c.isprintable() for c in value):
-        raise ParameterError(
-            name, f"{value!r} is not a frame name: give a word without spaces that does not begin with a slash"
-        )

@@ -13,7 +13,7 @@ SOURCES = Path(__file__).parent.parent / PACKAGE
 
 # What each room may import of the package besides itself and `errors`. A room is a folder or a module of the package,
 # and its own __init__ is the room "".
-SCENARIO = {"lie", "mechanics", "motion", "parameters", "shipped", "scenario"}
+SCENARIO = {"lie", "mechanics", "motion", "parameters", "parameter_table", "sensors", "shipped", "scenario"}
 EDGE = {"console", "interruption", "parameter_file"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
@@ -26,6 +26,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "interruption": set(),
     "parameter_file": {"parameters", "shipped"},
     "console": {"parameter_file"},
+    "parameter_table": {"motion", "parameters", "sensors"},
     "scenario": SCENARIO - {"scenario"},
     "simulation": SCENARIO,
     "recording": SCENARIO | {"simulation"},

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.scenario import PARAMETERS
+from lie_rigid_body.parameter_table import PARAMETERS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

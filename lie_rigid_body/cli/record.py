@@ -21,7 +21,7 @@ from lie_rigid_body.interruption import Interruption
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation
+    from lie_rigid_body.simulation import SampleClock, Simulation
 
 BYTES_PER_SAMPLE: Final = 105
 """What a pose and a twist take in a bag after compression."""
@@ -47,12 +47,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         scenario = Scenario.from_parameters(console.parameters(given))
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
+    last_ns = _last_stamp_ns(simulation.clock, duration, count)
     out = Path(given.out)
     simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
     _require_room(out, count)
     with Interruption() as interruption:
         with BagWriter(out, stamped_twist=scenario.stamped_twist, overwrite=given.force) as bag:
-            _record(simulation, bag, count, interruption, quiet=given.quiet)
+            _record(simulation, bag, count, last_ns, interruption, quiet=given.quiet)
         return _report(bag, simulation, count, interruption, quiet=given.quiet)
 
 
@@ -92,24 +93,32 @@ def _require_room(out: Path, count: int) -> None:
         )
 
 
-def _record(simulation: Simulation, bag: BagWriter, count: int, interruption: Interruption, *, quiet: bool) -> None:
+def _record(
+    simulation: Simulation, bag: BagWriter, count: int, last_ns: int, interruption: Interruption, *, quiet: bool
+) -> None:
     from tqdm import tqdm
 
-    from lie_rigid_body.recording.cdr import MessageEncoder
+    from lie_rigid_body.recording.batch import BatchEncoder
 
-    encoder = MessageEncoder(simulation.segment.scenario)
+    encoder = BatchEncoder(simulation.segment.scenario)
     batch = _batch(simulation.segment.scenario)
     bag.begin_segment(simulation.segment)
     # disable=None: shown on a terminal only
     with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
-        while bag.sample_count < count and not interruption.requested:
+        while simulation.next_stamp_ns <= last_ns and not interruption.requested:
             try:
                 with interruption.allowed():
-                    samples = simulation.take(min(batch, count - bag.sample_count))
+                    taken = simulation.take_until(last_ns, batch)
             except KeyboardInterrupt:
                 return
-            bag.write(samples, encoder.poses(samples), encoder.twists(samples))
-            bar.update(len(samples.stamps_ns))
+            bag.write(encoder.encode(taken))
+            bar.update(len(taken.samples))
+
+
+def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
+    """The last stamp that a sensor may have: the end of the duration, but for rounding, which the truth decides."""
+    end = clock.epoch_ns + math.ceil(duration * 1_000_000_000) - 1
+    return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
 
 
 def _batch(scenario: Scenario) -> int:

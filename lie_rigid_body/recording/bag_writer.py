@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -13,9 +13,10 @@ from mcap.writer import CompressionType, Writer
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording import message_text
+from lie_rigid_body.recording.batch import POSE, SENSOR_TOPICS, TWIST, Batch
 from lie_rigid_body.recording.cdr import encode_string
 from lie_rigid_body.recording.output_file import OutputFile, reason
-from lie_rigid_body.simulation import SOFTWARE, Samples, Segment
+from lie_rigid_body.simulation import SOFTWARE, Segment
 
 POSE_TOPIC: Final = "/pose"
 TWIST_TOPIC: Final = "/twist"
@@ -47,6 +48,9 @@ class BagWriter:
         Finish a chunk when its stamps span as much, s. Without it, chunks end at 256 KiB or at `flush`.
     pose_topic, twist_topic, scenario_topic : str, optional
         Full names of the topics.
+    sensor_topics : mapping of str to str, optional
+        Full names of the sensors' topics by their relative names; ``/`` goes before them by default. A sensor's topic
+        is in the bag from its first message on.
 
     Raises
     ------
@@ -64,11 +68,14 @@ class BagWriter:
         pose_topic: str = POSE_TOPIC,
         twist_topic: str = TWIST_TOPIC,
         scenario_topic: str = SCENARIO_TOPIC,
+        sensor_topics: Mapping[str, str] | None = None,
     ) -> None:
         self._stamped_twist = stamped_twist
         self._max_chunk_ns = None if max_chunk_seconds is None else round(max_chunk_seconds * 1e9)
         self._chunk_start_ns: int | None = None
-        self._samples = self._segments = 0
+        self._sensor_topics = {topic: f"/{topic}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
+        self._counts = dict.fromkeys((POSE, TWIST, *SENSOR_TOPICS), 0)
+        self._segments = 0
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
         with self._writing():
@@ -77,8 +84,10 @@ class BagWriter:
             )
             self._writer.start(profile="ros2", library=f"{SOFTWARE} {__version__}")
             twist = message_text.TWIST_STAMPED if stamped_twist else message_text.TWIST
-            self._pose = self._channel(pose_topic, message_text.POSE_STAMPED)
-            self._twist = self._channel(twist_topic, twist)
+            self._channels = {
+                POSE: self._channel(pose_topic, message_text.POSE_STAMPED),
+                TWIST: self._channel(twist_topic, twist),
+            }
             self._scenario = self._channel(scenario_topic, message_text.STRING, latched=True)
 
     @property
@@ -88,8 +97,8 @@ class BagWriter:
 
     @property
     def sample_count(self) -> int:
-        """How many samples were written."""
-        return self._samples
+        """How many samples of the truth were written."""
+        return self._counts[POSE]
 
     def _channel(self, topic: str, message_type: str, *, latched: bool = False) -> int:
         schema = self._writer.register_schema(message_type, "ros2msg", message_text.definition(message_type).encode())
@@ -110,23 +119,23 @@ class BagWriter:
             self._add(self._scenario, segment.start_ns, encode_string(segment.to_json()), self._segments)
             self._segments += 1
 
-    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
-        """Write samples: for each its pose, then its twist, logged at its stamp.
+    def write(self, batch: Batch) -> None:
+        """Write messages in the order of their stamps, each logged at its own.
 
         Parameters
         ----------
-        samples : Samples, N of them
-        poses, twists : sequence of bytes, N each
-            As `MessageEncoder` makes them.
+        batch : Batch
+            As `BatchEncoder` makes it.
         """
-        stamps: list[int] = samples.stamps_ns.tolist()
         with self._writing():
-            for stamp, pose, twist in zip(stamps, poses, twists, strict=True):
-                number = self._samples % _SEQUENCES
-                self._add(self._pose, stamp, pose, number)
-                self._add(self._twist, stamp, twist, number)
-                self._samples += 1
-                self._bound_chunk(stamp)
+            for stamp, topic, payload in batch.in_order():
+                if topic not in self._channels:
+                    self._channels[topic] = self._channel(self._sensor_topics[topic], SENSOR_TOPICS[topic])
+                number = self._counts[topic]
+                self._add(self._channels[topic], stamp, payload, number % _SEQUENCES)
+                self._counts[topic] = number + 1
+                if topic == TWIST:
+                    self._bound_chunk(stamp)
 
     def _add(self, channel: int, stamp: int, data: bytes, number: int) -> None:
         self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp, sequence=number)
@@ -151,7 +160,7 @@ class BagWriter:
             return
         self.flush()
         with self._writing():
-            self._writer.add_metadata(METADATA, {"samples": str(self._samples)})
+            self._writer.add_metadata(METADATA, {"samples": str(self.sample_count)})
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.commit()
         self._open = False

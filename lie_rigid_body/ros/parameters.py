@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Final
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.parameters import Parameter, Value
-from lie_rigid_body.scenario import PARAMETERS, Scenario, read_parameters
+from lie_rigid_body.scenario import Scenario
 
-READ_ONLY: Final = frozenset({"stamped_twist", "epoch_ns", "record_path"})
-"""What types, stamps and files hang on from the start."""
+READ_ONLY: Final = frozenset(
+    {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
+)
+"""What types, stamps, files and publishers hang on from the start."""
+AT_ONCE: Final = frozenset({"real_time_factor"})
+"""What acts without a reset."""
 
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _OF_EVERY_NODE: Final = ("use_sim_time", "start_type_description_service", "qos_overrides.")
@@ -47,13 +52,23 @@ class NodeParameters:
         node.add_pre_set_parameters_callback(integers_as_doubles)
         node.add_on_set_parameters_callback(self._judge)
 
-    def held(self) -> dict[str, object]:
+    def held(self) -> dict[str, Any]:
         """Every parameter's present value."""
         return {name: self._node.get_parameter(name).value for name in _BY_NAME}
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
         return Scenario.from_parameters(self.held())
+
+    def act(self, on_change: Callable[[Mapping[str, Any]], None]) -> None:
+        """Call back with the parameters that act at once, by name, when they change."""
+
+        def tell(changes: Sequence[RosParameter]) -> None:
+            changed = {change.name: change.value for change in changes if change.name in AT_ONCE}
+            if changed:
+                on_change(changed)
+
+        self._node.add_post_set_parameters_callback(tell)
 
     def _judge(self, changes: Sequence[RosParameter]) -> SetParametersResult:
         """Accept or refuse a set of changes, as a whole and with the reason."""
@@ -70,7 +85,7 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     fixed = parameter.name in READ_ONLY
     described = ParameterDescriptor(
         description=parameter.description,
-        additional_constraints="; ".join([*_constraints(parameter), *_effect(fixed)]),
+        additional_constraints="; ".join([*_constraints(parameter), *_effect(parameter.name)]),
         read_only=fixed,
     )
     if parameter.kind == "double" and math.isfinite(parameter.maximum):
@@ -91,8 +106,11 @@ def _constraints(parameter: Parameter) -> Iterable[str]:
         yield f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers"
 
 
-def _effect(fixed: bool) -> Iterable[str]:
-    yield "fixed at the start" if fixed else "a change takes effect at the next ~/reset"
+def _effect(name: str) -> Iterable[str]:
+    if name in READ_ONLY:
+        yield "fixed at the start"
+    else:
+        yield f"a change takes effect {'at once' if name in AT_ONCE else 'at the next ~/reset'}"
 
 
 def integers_as_doubles(changes: list[RosParameter]) -> list[RosParameter]:

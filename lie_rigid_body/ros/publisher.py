@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import struct
+import time
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Final
 
@@ -11,36 +13,50 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, MagneticField
 from std_msgs.msg import String
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
 from lie_rigid_body.recording.cdr import encode_string
-from lie_rigid_body.ros.live_run import LARGEST_BURST, NS
+from lie_rigid_body.recording.cdr.layout import ENCAPSULATION
+from lie_rigid_body.ros.burst import LARGEST_BURST
+from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.ros.refusal import told
-from lie_rigid_body.simulation import Samples, Segment
+from lie_rigid_body.sensors import Sensors
+from lie_rigid_body.simulation import Segment
 
-POSE: Final = "pose"
-TWIST: Final = "twist"
 SCENARIO: Final = "~/scenario"
+CLOCK: Final = "/clock"
+NS: Final = 1_000_000_000
 KEPT: Final = 4 * LARGEST_BURST
 """Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
-BURST_PATIENCE: Final = Duration(nanoseconds=10_000_000)
+BURST_PATIENCE_NS: Final = 10_000_000
 """How long a full burst waits to be confirmed on each topic: one subscriber that hangs must not hold up the others."""
-LAST_PATIENCE: Final = Duration(nanoseconds=100_000_000)
+UNHURRIED_PATIENCE_NS: Final = NS
+"""The same when time goes as fast as the subscribers allow."""
+LAST_PATIENCE_NS: Final = 100_000_000
 """The same for the last samples of all."""
 LATE_NS: Final = NS
 WARNING_INTERVAL_NS: Final = 10 * NS
 _NEVER: Final = 2**63
+_SENSOR_TYPES: Final[Mapping[str, type]] = {IMU_DATA: Imu, IMU_BIAS: Imu, MAG: MagneticField}
 
 
 class SamplePublisher:
-    """An outlet into topics: poses, twists and the latched scenario.
+    """An outlet into topics: the truth, the sensors, the latched scenario and the clock.
 
     Parameters
     ----------
     node : Node
     stamped_twist : bool
         The type of the twist topic.
+    sensors : Sensors
+        Those whose topics are there from the start. A segment with others adds theirs.
+    clock : bool
+        Whether to publish /clock: each stamp once, before what carries it.
 
     Raises
     ------
@@ -48,49 +64,85 @@ class SamplePublisher:
         If remapping leaves two topics with one name, or a name that is taken by another type.
     """
 
-    def __init__(self, node: Node, *, stamped_twist: bool) -> None:
-        reliable = QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE)
+    def __init__(self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool) -> None:
+        self._node = node
+        self._logger = node.get_logger()
+        _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO, *_SENSOR_TYPES)})
         latched = QoSProfile(
             depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
         )
-        _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO)})
-        self._pose = _publisher(node, PoseStamped, POSE, reliable)
-        self._twist = _publisher(node, TwistStamped if stamped_twist else Twist, TWIST, reliable)
+        types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
+        self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
         self._scenario = _publisher(node, String, SCENARIO, latched)
-        self._logger = node.get_logger()
+        self._clock = self._publisher(Clock, CLOCK) if clock else None
+        self._clock_ns = 0
+        self._add_sensors(sensors)
+        self._unsettled = 0
         self._warned_ns = -WARNING_INTERVAL_NS
+        self._patience_ns = BURST_PATIENCE_NS
+
+    def follow(self, factor: float) -> None:
+        """Take a real-time factor: where there is none (0), subscribers set the pace."""
+        self._patience_ns = BURST_PATIENCE_NS if factor > 0.0 else UNHURRIED_PATIENCE_NS
+
+    def _publisher(self, kind: type, topic: str) -> Publisher:
+        return _publisher(self._node, kind, topic, QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE))
+
+    def _add_sensors(self, sensors: Sensors) -> None:
+        for topic in sensor_topics(sensors):
+            if topic not in self._publishers:
+                self._publishers[topic] = self._publisher(_SENSOR_TYPES[topic], topic)
 
     @property
     def topics(self) -> tuple[str, str, str]:
         """Full names of the pose, twist and scenario topics, as remapped."""
-        return self._pose.topic_name, self._twist.topic_name, self._scenario.topic_name
+        return self._publishers[POSE].topic_name, self._publishers[TWIST].topic_name, self._scenario.topic_name
+
+    @property
+    def sensor_topics(self) -> dict[str, str]:
+        """Full names of the sensors' topics, as remapped, by their relative names; also of sensors that are off."""
+        return {topic: self._node.resolve_topic_name(topic) for topic in _SENSOR_TYPES}
 
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
+        self._add_sensors(segment.scenario.sensors)
         self._scenario.publish(encode_string(segment.to_json()))
 
-    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
-        """Publish samples, oldest first."""
-        for pose, twist in zip(poses, twists, strict=True):
-            self._pose.publish(pose)
-            self._twist.publish(twist)
-        if len(poses) == LARGEST_BURST:
-            self._settle(BURST_PATIENCE)
+    def write(self, batch: Batch) -> None:
+        """Publish messages, oldest first."""
+        publishers, clock = self._publishers, self._clock
+        for stamp, topic, payload in batch.in_order():
+            if clock is not None and stamp > self._clock_ns:
+                self._clock_ns = stamp
+                clock.publish(_clock(stamp))
+            publishers[topic].publish(payload)
+        self._unsettled += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
+        if self._unsettled >= LARGEST_BURST:
+            self._settle(self._patience_ns)
 
-    def tick(self, steady_ns: int, lateness_ns: int) -> int:
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Say it when the samples are late, now and then."""
-        if lateness_ns > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
+        late = punctuality.lateness_ns
+        if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
-            self._logger.warning(f"{lateness_ns / NS:.1f} s late, catching up; no sample is left out")
+            self._logger.warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
         return _NEVER
 
     def finish(self) -> None:
         """Let the last samples arrive."""
-        self._settle(LAST_PATIENCE)
+        self._settle(LAST_PATIENCE_NS)
 
-    def _settle(self, patience: Duration) -> None:
-        for publisher in (self._pose, self._twist):
-            publisher.wait_for_all_acked(patience)
+    def _settle(self, patience_ns: int) -> None:
+        self._unsettled = 0
+        end = time.monotonic_ns() + len(self._publishers) * patience_ns
+        for publisher in self._publishers.values():
+            left = min(patience_ns, max(0, end - time.monotonic_ns()))
+            publisher.wait_for_all_acked(Duration(nanoseconds=left))
+
+
+def _clock(stamp_ns: int) -> bytes:
+    """A rosgraph_msgs/Clock."""
+    return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
 
 
 def _require_distinct(full_names: Mapping[str, str]) -> None:
@@ -101,4 +153,6 @@ def _require_distinct(full_names: Mapping[str, str]) -> None:
 
 def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
     with told(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
-        return node.create_publisher(kind, topic, qos)
+        return node.create_publisher(
+            kind, topic, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
+        )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.ros.live_run import steps_per_sample
-from lie_rigid_body.simulation import Samples, Segment
+from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.ros.burst import steps_per_sample
+from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.simulation import Segment
 
 FLUSH_INTERVAL_NS: Final = 500_000_000
 """Half of the second that a crash may cost, so that a busy machine keeps the promise as well."""
@@ -36,12 +37,12 @@ class Recorder:
         self._unsafe = True
         self._patience_ns = FLUSH_INTERVAL_NS if steps_per_sample(segment.scenario) < MANY_STEPS else 0
 
-    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
-        """Record samples."""
-        self._bag.write(samples, poses, twists)
+    def write(self, batch: Batch) -> None:
+        """Record messages."""
+        self._bag.write(batch)
         self._unsafe = True
 
-    def tick(self, steady_ns: int, lateness_ns: int) -> int:
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """End the chunk when it is half a second old, or at once if the next sample takes long to compute."""
         if not self._unsafe:
             return _NEVER

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from lie_rigid_body.ros.announcement import Names
     from lie_rigid_body.ros.node import SimulatorNode
 
-NEEDED: Final = ("rclpy", "rcl_interfaces", "geometry_msgs", "std_msgs", "std_srvs")
+NEEDED: Final = (
+    *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),
+    *("geometry_msgs", "sensor_msgs", "diagnostic_msgs", "visualization_msgs"),
+)
 
 
 @console.run
@@ -102,13 +105,22 @@ def _run(node: SimulatorNode, bag: BagWriter | None, interruption: Interruption)
     from lie_rigid_body.ros.live_run import LiveRun
     from lie_rigid_body.ros.mailbox import Mailbox
     from lie_rigid_body.ros.recorder import Recorder
+    from lie_rigid_body.ros.run_control import RunControl
     from lie_rigid_body.simulation import Simulation
 
     scenario = node.parameters.scenario()
     mailbox = Mailbox()
     simulation = Simulation(scenario, scenario.epoch_ns or time.time_ns())
-    run = LiveRun(simulation, [node.publisher, *([Recorder(bag)] if bag else [])], mailbox, interruption)
-    node.serve(lambda start: mailbox.request(lambda: run.reset(start)))
+    held = node.parameters.held()
+    run = LiveRun(
+        simulation,
+        [*node.outlets, *([Recorder(bag)] if bag else [])],
+        mailbox,
+        interruption,
+        factor=held["real_time_factor"],
+        paused=held["paused"],
+    )
+    node.serve(RunControl(run, mailbox, interruption))
     _say(announcement(scenario, _names(node), str(bag.path) if bag else ""))
     try:
         run.run()
@@ -133,9 +145,15 @@ def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
     if os.path.lexists(path):
         raise ParameterError("record_path", f"{path} exists and is kept: give another name, or move it away")
     pose, twist, scenario = node.publisher.topics
-    stamped = node.parameters.scenario().stamped_twist
     try:
-        return BagWriter(path, stamped_twist=stamped, pose_topic=pose, twist_topic=twist, scenario_topic=scenario)
+        return BagWriter(
+            path,
+            stamped_twist=node.parameters.scenario().stamped_twist,
+            pose_topic=pose,
+            twist_topic=twist,
+            scenario_topic=scenario,
+            sensor_topics=node.publisher.sensor_topics,
+        )
     except BagError as error:
         raise ParameterError("record_path", str(error)) from None
 

@@ -13,7 +13,7 @@ from threading import Thread
 from typing import Final
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -23,6 +23,8 @@ from lie_rigid_body.ros.refusal import told
 _RCL: Final = "rcl"
 LONGEST_GOODBYE: Final = 0.5
 """s to wait for the thread at the end."""
+THREADS: Final = 4
+"""Some may wait for long steps while the others answer."""
 
 
 @contextmanager
@@ -54,7 +56,7 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
 @contextmanager
 def spinning(node: Node) -> Iterator[None]:
     """Answer the node's services in another thread. At the end rclpy is shut down, which is what wakes that thread."""
-    executor = SingleThreadedExecutor()
+    executor = MultiThreadedExecutor(THREADS)
     executor.add_node(node)
     thread = Thread(target=_spin, args=(executor, node), name="services", daemon=True)
     thread.start()
@@ -65,7 +67,7 @@ def spinning(node: Node) -> Iterator[None]:
         thread.join(LONGEST_GOODBYE)
 
 
-def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
+def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
     while rclpy.ok():
         try:
             executor.spin()

@@ -11,18 +11,18 @@ import pytest
 
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.cdr import MessageEncoder
+from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.simulation import Simulation, Taken
 
 
 def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
     simulation = Simulation(Scenario.from_parameters(parameters))
-    encoder = MessageEncoder(simulation.segment.scenario)
+    encoder = BatchEncoder(simulation.segment.scenario)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
         samples = simulation.take(count)
-        bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+        bag.write(encoder.encode(Taken(samples, None, None)))
     return path
 
 

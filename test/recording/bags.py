@@ -6,16 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.cdr import MessageEncoder
+from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples, Simulation
+from lie_rigid_body.simulation import Samples, Simulation, Taken
 
 MakeBag = Callable[..., Path]
 
 
 def write_samples(bag: BagWriter, scenario: Scenario, samples: Samples) -> None:
-    encoder = MessageEncoder(scenario)
-    bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+    bag.write(BatchEncoder(scenario).encode(Taken(samples, None, None)))
 
 
 def write_bag(path: Path, count: int = 100, batch: int = 1024, **parameters: object) -> Path:

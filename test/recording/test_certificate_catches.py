@@ -11,10 +11,10 @@ from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, wi
 
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.cdr import MessageEncoder, encode_string
+from lie_rigid_body.recording.batch import BatchEncoder, encode_string
 from lie_rigid_body.recording.certificate import Certificate, certify
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.simulation import Simulation, Taken
 
 SCENARIOS = {
     "default": {},
@@ -33,11 +33,11 @@ COUNT = 300
 def bag(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"
     simulation = Simulation(Scenario.from_parameters(SCENARIOS[request.param]))
-    encoder = MessageEncoder(simulation.segment.scenario)
+    encoder = BatchEncoder(simulation.segment.scenario)
     with BagWriter(path, stamped_twist=True) as writer:
         writer.begin_segment(simulation.segment)
         samples = simulation.take(COUNT)
-        writer.write(samples, encoder.poses(samples), encoder.twists(samples))
+        writer.write(encoder.encode(Taken(samples, None, None)))
     return path
 
 

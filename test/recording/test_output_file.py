@@ -24,17 +24,17 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 KILLED = """
     import os, signal, sys
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.recording.cdr import MessageEncoder
+    from lie_rigid_body.recording.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation
+    from lie_rigid_body.simulation import Simulation, Taken
 
     scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     bag = BagWriter(sys.argv[1], stamped_twist=True, **eval(sys.argv[2]))
     bag.begin_segment(simulation.segment)
     for last in (False, True):
         samples = simulation.take(150)
-        bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+        bag.write(encoder.encode(Taken(samples, None, None)))
         if not last and sys.argv[3] == "flush":
             bag.flush()
     os.kill(os.getpid(), signal.SIGKILL)
@@ -95,18 +95,18 @@ FULL = """
     import resource, sys
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.recording.cdr import MessageEncoder
+    from lie_rigid_body.recording.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation
+    from lie_rigid_body.simulation import Simulation, Taken
 
     scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     try:
         with BagWriter(sys.argv[1], stamped_twist=True, overwrite=True) as bag:
             bag.begin_segment(simulation.segment)
             for _ in range(20):
                 samples = simulation.take(500)
-                bag.write(samples, encoder.poses(samples), encoder.twists(samples))
+                bag.write(encoder.encode(Taken(samples, None, None)))
     except Exception as error:
         print(type(error).__name__, error)
 """

@@ -12,12 +12,12 @@ import pytest
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.cdr import MessageEncoder
+from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.ros.live_run import LARGEST_BURST, STEPS_PER_BURST, LiveRun, largest_burst
 from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples, Segment, Simulation
+from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
 
 NS = 1_000_000_000
 
@@ -217,13 +217,13 @@ def test_closing_keeps_answers() -> None:
 @pytest.mark.parametrize(("max_step", "wait_ns"), [(1e-3, FLUSH_INTERVAL_NS), (2e-6, 0)])
 def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: float, wait_ns: int) -> None:
     scenario = Scenario.from_parameters({"rate": 1.0, "max_step": max_step})
-    simulation, encoder = Simulation(scenario), MessageEncoder(scenario)
+    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
         recorder = Recorder(bag)
         recorder.begin_segment(simulation.segment)
         samples = simulation.take(1)
         before = bag.path.stat().st_size
-        recorder.write(samples, encoder.poses(samples), encoder.twists(samples))
+        recorder.write(encoder.encode(Taken(samples, None, None)))
         recorder.tick(5 * NS, 0)
         assert (bag.path.stat().st_size > before) == (wait_ns == 0)
         recorder.tick(5 * NS + wait_ns, 0)

@@ -1,0 +1,111 @@
+"""The one table of parameters: for the node, for parameter files, for the command line and for the docs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
+from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
+from lie_rigid_body.sensors import SENSOR_PARAMETERS
+
+PARAMETERS: Final = (
+    Parameter(
+        "inertia",
+        "double_array",
+        (1.0, 2.0, 3.0),
+        "Inertia about the mass centre, kg m^2: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
+        lengths=(3, 6),
+    ),
+    Parameter(
+        "initial_attitude_xyzw",
+        "double_array",
+        (0.0, 0.0, 0.0, 1.0),
+        "Unit quaternion, scalar last, taking body vectors to world vectors at the start.",
+        lengths=(4,),
+    ),
+    Parameter(
+        "initial_body_rate",
+        "double_array",
+        (0.01, 1.0, 0.01),
+        "Angular velocity in the body frame at the start, rad/s.",
+        lengths=(3,),
+    ),
+    Parameter(
+        "rate",
+        "double",
+        100.0,
+        "Samples per second, from one in eleven days to one per nanosecond.",
+        minimum=1e-6,
+        maximum=1e9,
+    ),
+    Parameter(
+        "motion",
+        "string",
+        "moving_chart",
+        "How the state moves: moving_chart integrates Euler's equations, closed_form evaluates the exact solution.",
+        choices=("moving_chart", "closed_form"),
+    ),
+    Parameter("method", "string", DEFAULT_METHOD, "Stepper of the moving chart.", choices=tuple(METHODS)),
+    Parameter(
+        "max_step",
+        "double",
+        DEFAULT_MAX_STEP,
+        "Largest step of the moving chart, s.",
+        minimum=1e-9,
+        maximum=1e6,
+    ),
+    Parameter("world_frame", "string", "world", "Name of the inertial frame of the pose."),
+    Parameter("body_frame", "string", "base_link", "Name of the body frame of the twist."),
+    Parameter("stamped_twist", "bool", True, "Publish TwistStamped (true) or bare Twist (false)."),
+    Parameter(
+        "epoch_ns",
+        "int",
+        0,
+        "Stamp of the first sample, ns; 0 in the node means the time of start.",
+        minimum=0,
+        maximum=MAX_EPOCH_NS,
+    ),
+    Parameter("record_path", "string", "", "The node also writes this MCAP file; empty: it writes none."),
+    Parameter(
+        "real_time_factor",
+        "double",
+        1.0,
+        "How fast the node's samples follow one another: 2 is twice as fast as time passes, 0 as fast as possible.",
+        minimum=0.0,
+        maximum=1e6,
+    ),
+    Parameter("publish_clock", "bool", False, "The node publishes /clock, in step with its samples."),
+    Parameter("paused", "bool", False, "The node starts paused, before its first sample."),
+    Parameter("publish_tf", "bool", True, "The node publishes /tf, where the package tf2_msgs is installed."),
+    Parameter(
+        "marker_rate",
+        "double",
+        20.0,
+        "Pictures of the body per second of the steady clock, for RViz and Foxglove, while somebody looks; 0: none.",
+        minimum=0.0,
+        maximum=1000.0,
+    ),
+    *SENSOR_PARAMETERS,
+)
+"""Every parameter, in the order in which they are shown."""
+
+
+def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
+    """Every parameter's value: the given ones in their own types, the rest at their defaults.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+
+    Returns
+    -------
+    dict of str to value
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a value is not of its parameter's type, length, range or choice.
+    """
+    return read_table(PARAMETERS, given)

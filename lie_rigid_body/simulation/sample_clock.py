@@ -1,0 +1,77 @@
+"""The stamps of samples, by their numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import MAX_EPOCH_NS
+
+
+@dataclass(frozen=True)
+class SampleClock:
+    """Stamps by sample number: ``epoch_ns + round(k · 1e9 / rate)``, in exact arithmetic.
+
+    Parameters
+    ----------
+    epoch_ns : int
+        Stamp of sample 0, ns.
+    rate : float
+        Samples per second, taken as its shortest decimal.
+    """
+
+    epoch_ns: int
+    rate: float
+
+    @cached_property
+    def period_ns(self) -> Fraction:
+        """Time between samples, ns, exactly: a stamp costs less than reading the rate's decimals again."""
+        return 1_000_000_000 / Fraction(repr(self.rate))
+
+    def stamp_ns(self, number: int) -> int:
+        """The stamp of one sample, ns; of a negative number, where it would have been."""
+        period = self.period_ns
+        return self.epoch_ns + _round_ratio(number * period.numerator, period.denominator)
+
+    def count_until(self, stamp_ns: int) -> int:
+        """How many samples from number 0 on are stamped at or before a time; 0 or more."""
+        period = self.period_ns
+        # the last k with k n/d < elapsed + 1/2, or equal to it, which rounds to even
+        last = (2 * (stamp_ns - self.epoch_ns) + 1) * period.denominator // (2 * period.numerator)
+        return max(0, last if self.stamp_ns(last) > stamp_ns else last + 1)
+
+    def stamps_ns(self, first: int, count: int) -> NDArray[np.int64]:
+        """The stamps of ``count`` samples from number ``first``.
+
+        Returns
+        -------
+        ndarray of int64, shape (count,)
+        """
+        n, d, epoch = self.period_ns.numerator, self.period_ns.denominator, self.epoch_ns
+        stamps = (
+            [epoch + k * n for k in range(first, first + count)]
+            if d == 1
+            else [epoch + _round_ratio(k * n, d) for k in range(first, first + count)]
+        )
+        if stamps and stamps[-1] > MAX_EPOCH_NS:
+            raise ParameterError(
+                "epoch_ns",
+                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond {MAX_EPOCH_NS}, the last "
+                "second of builtin_interfaces/Time: start earlier or sample for a shorter time",
+            )
+        return np.array(stamps, dtype=np.int64)
+
+    def count_before(self, duration: Fraction) -> int:
+        """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""
+        return -int(-(duration * Fraction(repr(self.rate))) // 1)
+
+
+def _round_ratio(n: int, d: int) -> int:
+    """n/d rounded to the nearest integer, ties to even; d positive."""
+    quotient, remainder = divmod(2 * n + d, 2 * d)
+    return quotient - 1 if remainder == 0 and quotient % 2 else quotient

@@ -1,0 +1,68 @@
+"""A stretch of torque-free motion, and what a bag says of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Final
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation.sample_clock import SampleClock
+
+SOFTWARE: Final = "lie_rigid_body"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of torque-free motion between two resets, and what a bag says of it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the epoch in force.
+    first_sample : int
+        Number of the sample that carries the initial state.
+    start_ns : int
+        Its stamp, ns.
+    """
+
+    scenario: Scenario
+    first_sample: int
+    start_ns: int
+
+    def to_json(self) -> str:
+        """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
+        from lie_rigid_body import __version__
+
+        content = {
+            "software": f"{SOFTWARE} {__version__}",
+            **self.scenario.parameters(),
+            "first_sample": self.first_sample,
+            "start_ns": self.start_ns,
+        }
+        return json.dumps(content)
+
+    @classmethod
+    def from_json(cls, text: str) -> Segment:
+        """The segment that a scenario message declares.
+
+        Raises
+        ------
+        InputError
+            If the text is not such a message.
+        """
+        try:
+            content = json.loads(text)
+            first, start = content.pop("first_sample"), content.pop("start_ns")
+            content.pop("software", None)
+        except (ValueError, KeyError, AttributeError, TypeError) as error:
+            raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error!r}") from None
+        for name, value in (("first_sample", first), ("start_ns", start)):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+                raise InputError(f"the scenario message gives {name} {value!r}: it must be an integer of at least 0")
+        return cls(Scenario.from_parameters(content), first, start)
+
+    def clock(self) -> SampleClock:
+        """The clock of the segment's stamps."""
+        return SampleClock(self.scenario.epoch_ns, self.scenario.rate)

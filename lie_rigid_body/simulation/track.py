@@ -1,0 +1,104 @@
+"""Samples of one rate, computed ahead and handed out in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.simulation.sample_clock import SampleClock
+
+Integers = NDArray[np.int64]
+
+
+class Rows(Protocol):
+    """Samples and their stamps, as one sequence."""
+
+    @property
+    def stamps_ns(self) -> Integers:
+        """Of shape (N,)."""
+        ...
+
+    def __len__(self) -> int: ...
+
+
+R = TypeVar("R", bound="SlicedRows")
+
+
+class SlicedRows(Rows, Protocol):
+    """Rows that can be cut and joined."""
+
+    def __getitem__(self: R, index: slice) -> R: ...
+
+    def joined(self: R, later: R) -> R:
+        """These, and then those."""
+        ...
+
+
+class Track(Generic[R]):
+    """The samples of one clock that were not yet taken.
+
+    Parameters
+    ----------
+    clock : SampleClock
+    first : int
+        Number of the first sample to compute.
+    compute : callable
+        ``compute(stamps_ns)`` makes samples. Each stamp is asked for once, in rising order.
+    look_ahead : int, optional
+        Samples to compute at once when fewer are wanted.
+    ready : samples, optional
+        What comes before the first, such as the rest of an earlier track.
+    """
+
+    def __init__(
+        self,
+        clock: SampleClock,
+        first: int,
+        compute: Callable[[Integers], R],
+        look_ahead: int = 0,
+        ready: R | None = None,
+    ) -> None:
+        self._clock = clock
+        self._next = first
+        self._compute = compute
+        self._look_ahead = look_ahead
+        self._ready = compute(np.empty(0, dtype=np.int64)) if ready is None else ready
+
+    @property
+    def next_sample(self) -> int:
+        """Number of the next sample, on the track's own clock."""
+        return self._next - len(self._ready)
+
+    def stamp_ns(self, ahead: int) -> int:
+        """The stamp of the sample that comes after ``ahead`` others, ns."""
+        kept = len(self._ready)
+        return int(self._ready.stamps_ns[ahead]) if ahead < kept else self._clock.stamp_ns(self._next + ahead - kept)
+
+    def count_until(self, stamp_ns: int) -> int:
+        """How many samples that were not yet taken are stamped at or before a time."""
+        count = int(np.searchsorted(self._ready.stamps_ns, stamp_ns, side="right")) if len(self._ready) else 0
+        if count < len(self._ready):
+            return count
+        return count + max(0, self._clock.count_until(stamp_ns) - self._next)
+
+    def take(self, count: int) -> R:
+        """The next ``count`` samples."""
+        missing = count - len(self._ready)
+        if missing > 0:
+            self._fill(missing)
+        taken, self._ready = self._ready[:count], self._ready[count:]
+        return taken
+
+    def _fill(self, missing: int) -> None:
+        try:
+            stamps = self._clock.stamps_ns(self._next, max(missing, self._look_ahead))
+        except ParameterError:
+            # the stamps end before that, though perhaps not before the samples that are wanted
+            stamps = self._clock.stamps_ns(self._next, missing)
+        rows = self._compute(stamps)
+        self._ready = self._ready.joined(rows) if len(self._ready) else rows
+        self._next += len(stamps)
