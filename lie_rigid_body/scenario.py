@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Final
 
 import numpy as np
@@ -21,6 +21,8 @@ from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a moving chart that turned farther in one step would go where its Taylor expansion means nothing."""
+LARGEST_TURN_PER_READING: Final = 3.0
+"""rad: beyond half a turn, a rotation is taken for a shorter one the other way."""
 
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
@@ -120,8 +122,10 @@ class Scenario:
             body, start = self.body(), self._valid_start()
             _require_ordinary_inertia(body)
             _require_ordinary_motion(body, start)
+        fastest = math.sqrt(2.0 * float(body.kinetic_energy(start)) / float(body.principal_moments[0]))
         if self.motion == "moving_chart":
-            self._require_small_steps(body, start)
+            self._require_small_steps(fastest)
+        self._require_small_turns(fastest)
 
     def _valid_start(self) -> State:
         try:
@@ -130,8 +134,7 @@ class Scenario:
             name = f"initial_{error.name}"
             raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
 
-    def _require_small_steps(self, body: RigidBody, start: State) -> None:
-        fastest = math.sqrt(2.0 * float(body.kinetic_energy(start)) / float(body.principal_moments[0]))
+    def _require_small_steps(self, fastest: float) -> None:
         step = min(self.max_step, 1.0 / self.rate)
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
@@ -140,11 +143,25 @@ class Scenario:
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
 
+    def _require_small_turns(self, fastest: float) -> None:
+        imu = self.sensors.imu
+        if imu is not None and imu.gyro_rate == "integrated" and fastest > imu.rate * LARGEST_TURN_PER_READING:
+            raise ParameterError(
+                "imu_rate",
+                f"{imu.rate:g} Hz lets the body turn by up to {fastest / imu.rate:.3g} rad between readings, of which "
+                f"an integrated rate tells at most {LARGEST_TURN_PER_READING:g}: give at least "
+                f"{_rounded(fastest / LARGEST_TURN_PER_READING, ROUND_CEILING):g} Hz, or gyro_rate instantaneous",
+            )
+
 
 def _shorter(longest: float) -> str:
     """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
-    step = float(Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(longest))
+    step = _rounded(longest, ROUND_FLOOR)
     return f"give at most {step:g} s, or " if step >= _BY_NAME["max_step"].minimum else ""
+
+
+def _rounded(value: float, rounding: str) -> float:
+    return float(Context(prec=3, rounding=rounding).create_decimal_from_float(value))
 
 
 def _require_ordinary_inertia(body: RigidBody) -> None:

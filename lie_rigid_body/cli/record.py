@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 BYTES_PER_SAMPLE: Final = 105
 """What a pose and a twist take in a bag after compression."""
+BYTES_PER_READING: Final = 130
+"""The same of a sensor's reading: a little more than what an IMU with noise takes, its bias included."""
 LARGEST_DURATION: Final = 10**10
 """s; beyond it no stamp of builtin_interfaces/Time reaches."""
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
@@ -50,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     last_ns = _last_stamp_ns(simulation.clock, duration, count)
     out = Path(given.out)
     simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
-    _require_room(out, count)
+    _require_room(out, count, _readings(scenario, duration))
     with Interruption() as interruption:
         with BagWriter(out, stamped_twist=scenario.stamped_twist, overwrite=given.force) as bag:
             _record(simulation, bag, count, last_ns, interruption, quiet=given.quiet)
@@ -80,12 +82,20 @@ def _duration(text: str) -> Fraction:
     return Fraction(value)
 
 
-def _require_room(out: Path, count: int) -> None:
+def _readings(scenario: Scenario, duration: Fraction) -> int:
+    """How many readings the sensors give in a time."""
+    from lie_rigid_body.simulation import SampleClock
+
+    sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
+    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in sensors if sensor is not None)
+
+
+def _require_room(out: Path, count: int, readings: int) -> None:
     try:
         total, _, free = shutil.disk_usage(out.parent)
     except OSError:
         return  # opening the file will say what is wrong with the folder
-    needed = count * BYTES_PER_SAMPLE
+    needed = count * BYTES_PER_SAMPLE + readings * BYTES_PER_READING
     if needed > free and total:  # /proc and its like have no size at all
         raise BagError(
             f"{out}: {count} samples need about {_size(needed)} and {_size(free)} are free there: "

@@ -1,0 +1,34 @@
+"""Sensors in a scenario: kept through its text, silent when off, and refused where they could not tell the truth."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import SENSOR_PARAMETERS
+from lie_rigid_body.simulation import Segment
+
+SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS}
+
+
+def test_text_of_a_scenario_brings_its_sensors_back() -> None:
+    given = {"imu_rate": 250.0, "gyro_noise_density": 0.003, "sensor_seed": 7, "imu_frame": "imu"}
+    scenario = Scenario.from_parameters(given)
+    assert Segment.from_json(Segment(scenario, 0, 0).to_json()).scenario == scenario
+
+
+def test_text_without_sensors_does_not_speak_of_them() -> None:
+    assert SENSOR_NAMES.isdisjoint(Scenario.from_parameters({"gyro_noise_density": 0.003}).parameters())
+    assert set(Scenario.from_parameters({"magnetometer_rate": 50.0}).parameters()) >= SENSOR_NAMES
+
+
+def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:
+    given = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
+    with pytest.raises(ParameterError, match="imu_rate: 9 Hz") as refusal:
+        Scenario.from_parameters(given)
+    [least] = re.findall(r"give at least ([\d.]+) Hz", str(refusal.value))
+    Scenario.from_parameters({**given, "imu_rate": float(least)})
+    Scenario.from_parameters({**given, "gyro_rate": "instantaneous"})
