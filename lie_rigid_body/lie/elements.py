@@ -22,6 +22,10 @@ class Elements(ABC):
     def distance(self, A: Array) -> NDArray[np.float64]:
         """How far each matrix is from fulfilling the equations, shape (...); infinite where it cannot be said."""
 
+    def certain_distance(self, A: Array) -> NDArray[np.float64]:
+        """How much of `distance` is certain, shape (...): less where there are elements that it does not recognise."""
+        return self.distance(A)
+
     @abstractmethod
     def project(self, A: Array) -> Array:
         """The nearest element in the Frobenius norm, shape (..., n, n); an InputError where there is no nearest one."""
