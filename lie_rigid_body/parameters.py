@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
@@ -105,7 +105,7 @@ class Parameter:
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
-        if isinstance(value, str | bytes | Mapping) or not hasattr(value, "__iter__"):
+        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
             raise self._error(f"{value!r} is not a list: give {self._example()}")
         numbers = tuple(self._number(v) for v in value)
         if len(numbers) not in self.lengths:

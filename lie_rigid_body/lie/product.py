@@ -89,7 +89,9 @@ class ProductElements(Elements):
 
     def _largest(self, A: Array, distance: Callable[[Elements, Array], Real]) -> Real:
         outside = frobenius(A - self._blockwise(A, lambda _, part: part))
-        return np.asarray(np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0))
+        return np.asarray(
+            np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
+        )
 
     def project(self, A: Array) -> Array:
         """The nearest element of each factor to its block."""
