@@ -9,7 +9,6 @@ without factors of i (A. Lucas, arXiv 1111.1275). For SO(3) they are the basis o
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import exponential
-from lie_rigid_body.lie.elements import Elements
+from lie_rigid_body.lie.elements import Elements, measured
 from lie_rigid_body.lie.generated import GeneratedElements, closed_algebra
 from lie_rigid_body.lie.matrix_lie_algebra import MatrixLieAlgebra
 from lie_rigid_body.lie.number_array import as_numbers
@@ -138,7 +137,7 @@ class MatrixLieGroup:
         For a group from generators it may be any matrix that nothing rules out; see `from_generators`.
         """
         A = self.as_matrices(A)
-        worst = np.max(_measured(A, self.elements.certain_distance), initial=0.0)
+        worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
         if not worst <= tolerance:
             raise InputError(
                 f"a matrix is {worst:.3g} off {self.name} (limit {tolerance:g}): "
@@ -209,17 +208,13 @@ class MatrixLieGroup:
         return self.algebra.coordinates(self.elements.log(self.as_elements(A)))
 
     def inverse(self, A: ArrayLike) -> Array:
-        """Inverses of elements, shape (..., n, n).
-
-        Raises
-        ------
-        InputError
-            If A is off the group.
-        """
+        """Inverses of elements, shape (..., n, n). Refuses what is off the group."""
         return self.elements.inverse(self.as_elements(A))
 
     def Ad(self, A: ArrayLike) -> Real:  # noqa: N802
         """The matrix of hat(y) ↦ A hat(y) A⁻¹ in coordinates; Ad(AB) = Ad(A) Ad(B), Ad(exp x) = exp(ad x).
+
+        Refuses what is off the group.
 
         Parameters
         ----------
@@ -228,11 +223,6 @@ class MatrixLieGroup:
         Returns
         -------
         ndarray, shape (..., d, d)
-
-        Raises
-        ------
-        InputError
-            If A is off the group.
         """
         A = self.as_elements(A)[..., np.newaxis, :, :]
         return np.swapaxes(self.algebra.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
@@ -290,7 +280,7 @@ class MatrixLieGroup:
         For a group from generators an element is recognised by its principal logarithm, so that one without, or
         whose logarithm is lost to rounding, is not.
         """
-        return _measured(self.as_matrices(A), self.elements.distance) <= tolerance
+        return measured(self.as_matrices(A), self.elements.distance) <= tolerance
 
     def restored(self, A: ArrayLike) -> Array:
         """Elements that round-off has carried a little off the group, shape (..., n, n), brought back if possible."""
@@ -325,9 +315,3 @@ class MatrixLieGroup:
         standard normal coordinates.
         """
         return self.elements.random(rng, shape)
-
-
-def _measured(A: Array, distance: Callable[[Array], Real]) -> Real:
-    """Distances of matrices, shape (...), infinite for entries that are not finite."""
-    finite = np.isfinite(A).all(axis=(-2, -1))
-    return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)
