@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
@@ -106,7 +106,7 @@ class Parameter:
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
-        if isinstance(value, str | bytes | Mapping) or not hasattr(value, "__iter__"):
+        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
             raise self._error(f"{value!r} is not a list: give {self._example()}")
         numbers = tuple(self._number(v) for v in value)
         if len(numbers) not in self.lengths:

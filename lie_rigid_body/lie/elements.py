@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+Real = NDArray[np.float64]
 
 
 class Elements(ABC):
@@ -19,8 +21,12 @@ class Elements(ABC):
     """
 
     @abstractmethod
-    def distance(self, A: Array) -> NDArray[np.float64]:
+    def distance(self, A: Array) -> Real:
         """How far each matrix is from fulfilling the equations, shape (...); infinite where it cannot be said."""
+
+    def certain_distance(self, A: Array) -> Real:
+        """How much of `distance` is certain, shape (...): less where there are elements that it does not recognise."""
+        return self.distance(A)
 
     @abstractmethod
     def project(self, A: Array) -> Array:
@@ -41,3 +47,16 @@ class Elements(ABC):
     @abstractmethod
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
         """Independent random elements, shape (*shape, n, n)."""
+
+
+def measured(A: Array, distance: Callable[[Array], Real]) -> Real:
+    """Distances of matrices, shape (...), infinite for entries that are not finite.
+
+    Parameters
+    ----------
+    A : ndarray, shape (..., n, n)
+    distance : callable
+        `Elements.distance` or `Elements.certain_distance`.
+    """
+    finite = np.isfinite(A).all(axis=(-2, -1))
+    return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)

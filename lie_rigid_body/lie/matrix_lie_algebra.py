@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import exponential
+from lie_rigid_body.lie.number_array import as_numbers
 
 Array = NDArray[Any]
 Real = NDArray[np.float64]
@@ -121,8 +122,8 @@ class MatrixLieAlgebra:
         return metric
 
     def as_coordinates(self, x: ArrayLike) -> Real:
-        """The argument as float64 coordinates, or an error that names its shape."""
-        x = np.asarray(x)
+        """The argument as float64 coordinates, or an error that names its type or shape."""
+        x = as_numbers("coordinates", x)
         if np.iscomplexobj(x):
             raise InputError(f"coordinates are real, given {x.dtype}: give their real part if that is meant")
         x = x.astype(np.float64, copy=False)
@@ -152,6 +153,9 @@ class MatrixLieAlgebra:
     def vee(self, X: Array) -> Real:
         """Coordinates of matrices of the algebra; inverse of `hat`. Refuses matrices outside the span.
 
+        Outside is what lies farther from the span than 1e-9 of the matrix's own size, so that a product of elements
+        passes unless cancellation has left less of it than that.
+
         Parameters
         ----------
         X : ndarray, shape (..., n, n)
@@ -160,9 +164,13 @@ class MatrixLieAlgebra:
         -------
         ndarray, shape (..., d)
         """
+        if not np.all(np.isfinite(X)):
+            raise InputError("a matrix has entries that are not finite numbers: give a combination of the generators")
         x = self.coordinates(X)
-        off = frobenius(X - self.hat(x)) / np.maximum(1.0, frobenius(X))
-        worst = np.max(off, initial=0.0)
+        # measured in the largest entry, so that no square of an entry underflows or overflows
+        size = np.abs(X).max(axis=(-2, -1), keepdims=True)
+        unit = X / np.where(size > 0.0, size, 1.0)
+        worst = np.max(self.off_span(unit) / np.maximum(1.0, frobenius(unit)), initial=0.0)
         if not worst <= SPAN_TOLERANCE:
             raise InputError(
                 f"a matrix lies outside the span of the generators by {worst:.3g} of its size "

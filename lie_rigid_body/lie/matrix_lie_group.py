@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import exponential
-from lie_rigid_body.lie.elements import Elements
+from lie_rigid_body.lie.elements import Elements, measured
 from lie_rigid_body.lie.generated import GeneratedElements, closed_algebra
 from lie_rigid_body.lie.matrix_lie_algebra import MatrixLieAlgebra
+from lie_rigid_body.lie.number_array import as_numbers
 
 Array = NDArray[Any]
 Real = NDArray[np.float64]
@@ -57,16 +58,28 @@ class MatrixLieGroup:
     def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:
         """The connected group whose algebra is the real span of some matrices.
 
+        Generators give no equations for the elements, which limits what can be known of a matrix:
+
+        - `contains` and `log` recognise an element by its principal logarithm. Where that leaves the span, or does not
+          exist, or is lost to rounding, an element is not recognised, though it may be a true one: exp(xᵃTᵃ) with an
+          eigenvalue of xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
+        - `project` returns an element near the matrix, and refuses where the principal logarithm leads to none.
+        - `Ad`, `inverse` and motions take what nothing rules out: a finite invertible matrix with a determinant that
+          elements may have, whose Ad keeps the algebra. Others that do are those of the whole normaliser, as
+          diag(2, 2, 2, ⅛) for rigid motions of space.
+
         Parameters
         ----------
         generators : array_like, shape (d, n, n)
             Real or complex, linearly independent over the reals, closed under commutation within real combinations.
+            Largest entries within 1e-50 … 1e50, so that products of them are numbers.
         name : str
 
         Raises
         ------
         InputError
-            If a generator depends on those before it, or a commutator leaves the span; the message names it.
+            If a generator depends on those before it, is too small or large, or a commutator leaves the span; the
+            message names it.
         """
         algebra = closed_algebra(generators)
         return cls(name, algebra, algebra.trace_metric(1.0), GeneratedElements(algebra))
@@ -106,7 +119,7 @@ class MatrixLieGroup:
 
     def as_matrices(self, A: ArrayLike) -> Array:
         """The argument as n×n matrices of the group's number type, or an error that says what is wrong with it."""
-        A = np.asarray(A)
+        A = as_numbers(f"matrices of {self.name}", A)
         if A.shape[-2:] != (self.size, self.size):
             raise InputError(
                 f"matrices of {self.name} need shape (..., {self.size}, {self.size}), given {A.shape}: "
@@ -119,20 +132,18 @@ class MatrixLieGroup:
         return A.astype(self.generators.dtype, copy=False)
 
     def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Array:
-        """The argument as elements, or an error that says how far off the group it is."""
+        """The argument as elements, or an error that says how far off the group it is.
+
+        For a group from generators it may be any matrix that nothing rules out; see `from_generators`.
+        """
         A = self.as_matrices(A)
-        worst = np.max(self._distance(A), initial=0.0)
+        worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
         if not worst <= tolerance:
             raise InputError(
                 f"a matrix is {worst:.3g} off {self.name} (limit {tolerance:g}): "
                 "give an element of the group, or its projection by project()"
             )
         return A
-
-    def _distance(self, A: Array) -> Real:
-        """Distance of matrices from the group, shape (...), infinite for entries that are not finite."""
-        finite = np.isfinite(A).all(axis=(-2, -1))
-        return np.where(finite, self.elements.distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)
 
     def hat(self, x: ArrayLike) -> Array:
         """The matrix xᵃTᵃ of the algebra.
@@ -192,16 +203,18 @@ class MatrixLieGroup:
         ------
         InputError
             If A is off the group, or no logarithm is singled out: an eigenvalue on the negative real axis (for SU(n):
-            two logarithms of equal norm).
+            two logarithms of equal norm); for a group from generators, also if A is not recognised.
         """
         return self.algebra.coordinates(self.elements.log(self.as_elements(A)))
 
     def inverse(self, A: ArrayLike) -> Array:
-        """Inverses of elements, shape (..., n, n)."""
-        return self.elements.inverse(self.as_matrices(A))
+        """Inverses of elements, shape (..., n, n). Refuses what is off the group."""
+        return self.elements.inverse(self.as_elements(A))
 
     def Ad(self, A: ArrayLike) -> Real:  # noqa: N802
         """The matrix of hat(y) ↦ A hat(y) A⁻¹ in coordinates; Ad(AB) = Ad(A) Ad(B), Ad(exp x) = exp(ad x).
+
+        Refuses what is off the group.
 
         Parameters
         ----------
@@ -211,7 +224,7 @@ class MatrixLieGroup:
         -------
         ndarray, shape (..., d, d)
         """
-        A = self.as_matrices(A)[..., np.newaxis, :, :]
+        A = self.as_elements(A)[..., np.newaxis, :, :]
         return np.swapaxes(self.algebra.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
 
     def ad(self, x: ArrayLike) -> Real:
@@ -267,19 +280,19 @@ class MatrixLieGroup:
         For a group from generators an element is recognised by its principal logarithm, so that one without, or
         whose logarithm is lost to rounding, is not.
         """
-        return self._distance(self.as_matrices(A)) <= tolerance
+        return measured(self.as_matrices(A), self.elements.distance) <= tolerance
 
     def restored(self, A: ArrayLike) -> Array:
         """Elements that round-off has carried a little off the group, shape (..., n, n), brought back if possible."""
         return self.elements.restored(self.as_matrices(A))
 
     def project(self, A: ArrayLike) -> Array:
-        """The nearest elements in the Frobenius norm.
+        """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
 
         Parameters
         ----------
         A : array_like, shape (..., n, n)
-            Any matrices; for a group from generators, matrices near the group.
+            Any matrices; for a group from generators, matrices near elements that `contains` recognises.
 
         Returns
         -------
@@ -288,7 +301,7 @@ class MatrixLieGroup:
         Raises
         ------
         InputError
-            If no element is nearer than all others.
+            If no element is nearer than all others; for a group from generators, if none is found near A.
         """
         A = self.as_matrices(A)
         if not np.all(np.isfinite(A)):

@@ -25,9 +25,17 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     ----------
     *groups : MatrixLieGroup
         At least one. The product is complex if a factor is.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is no group.
     """
     if not groups:
         raise InputError("product() of 0 groups (limit 1): give at least one group")
+    for given in groups:
+        if not isinstance(given, MatrixLieGroup):
+            raise InputError(f"product() of {given!r}, which is no MatrixLieGroup: give groups, as SO(3) or SU(2)")
     dtype = np.result_type(*(group.generators.dtype for group in groups))
     T = np.zeros((sum(g.dimension for g in groups), sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
     metric = np.zeros((len(T), len(T)))
@@ -73,8 +81,17 @@ class ProductElements(Elements):
 
     def distance(self, A: Array) -> Real:
         """The largest of the blocks' distances and of what lies outside the blocks."""
+        return self._largest(A, lambda elements, part: elements.distance(part))
+
+    def certain_distance(self, A: Array) -> Real:
+        """The largest of the blocks' certain distances and of what lies outside the blocks."""
+        return self._largest(A, lambda elements, part: elements.certain_distance(part))
+
+    def _largest(self, A: Array, distance: Callable[[Elements, Array], Real]) -> Real:
         outside = frobenius(A - self._blockwise(A, lambda _, part: part))
-        return np.asarray(np.max([outside, *(elements.distance(part) for elements, _, part in self._parts(A))], axis=0))
+        return np.asarray(
+            np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
+        )
 
     def project(self, A: Array) -> Array:
         """The nearest element of each factor to its block."""

@@ -34,7 +34,10 @@ def require_components(group: MatrixLieGroup, values: ArrayLike, what: str) -> N
         If they are not real numbers, or the last axis is not of length d.
     """
     d = group.dimension
-    given = np.asarray(values)
+    try:
+        given = np.asarray(values)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} on {group.name} have rows of unequal length: give {d} real numbers") from None
     if given.dtype.kind not in "fiu":
         raise InputError(f"{what} on {group.name} are of type {given.dtype}: give {d} real numbers")
     array = given.astype(np.float64, copy=False)

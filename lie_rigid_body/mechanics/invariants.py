@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.mechanics.antihermitian import antihermitian_matrices, antisymmetric_matrices
 from lie_rigid_body.mechanics.coadjoint import invariant_metric
 from lie_rigid_body.mechanics.components import require_components
 from lie_rigid_body.mechanics.pfaffian import pfaffian
@@ -37,6 +38,11 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     -------
     ndarray, shape (..., d)
         kg m²/s.
+
+    Raises
+    ------
+    InputError
+        If A is off the group.
     """
     p = require_components(group, momentum, "momenta")
     to_body = group.Ad(group.inverse(element))
@@ -83,8 +89,13 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
     -------
     ndarray, shape (..., n // 2)
         By ascending degree in P; the Pfaffian comes last.
+
+    Raises
+    ------
+    InputError
+        If P is not square, real, finite and antisymmetric.
     """
-    p = _matrices(momentum).astype(np.float64)
+    p = _nonempty(antisymmetric_matrices("P", momentum))
     n = p.shape[-1]
     traces = _power_traces(p)[..., 1 : n - 1 : 2]
     return traces if n % 2 else np.concatenate([traces, pfaffian(p)[..., np.newaxis]], axis=-1)
@@ -104,8 +115,13 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     -------
     ndarray, shape (..., n - 1)
         By ascending degree in P.
+
+    Raises
+    ------
+    InputError
+        If P is not square, finite and anti-Hermitian.
     """
-    return np.asarray(_power_traces(-1j * _matrices(momentum))[..., 1:].real)
+    return np.asarray(_power_traces(-1j * _nonempty(antihermitian_matrices("P", momentum)))[..., 1:].real)
 
 
 def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
@@ -116,8 +132,7 @@ def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
     return np.stack([np.trace(power, axis1=-2, axis2=-1) for power in powers], axis=-1)
 
 
-def _matrices(momentum: ArrayLike) -> NDArray[Any]:
-    p = np.asarray(momentum)
-    if p.ndim < 2 or p.shape[-1] != p.shape[-2] or p.shape[-1] == 0:
+def _nonempty(p: NDArray[Any]) -> NDArray[Any]:
+    if p.shape[-1] == 0:
         raise InputError(f"Casimirs need P of shape (..., n, n), given {p.shape}: give momentum_matrix(group, p)")
     return p

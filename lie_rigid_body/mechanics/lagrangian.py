@@ -204,6 +204,11 @@ def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
     -------
     ndarray, shape (..., d, d)
         Exactly symmetric, kg m².
+
+    Raises
+    ------
+    InputError
+        If A is off the group.
     """
     group = lagrangian.group
     to_body = group.Ad(group.inverse(element))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.pfaffian import antisymmetric_matrices
+from lie_rigid_body.mechanics.antihermitian import antisymmetric_matrices
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 Array = NDArray[np.float64]

@@ -2,45 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.antihermitian import antisymmetric_matrices
 
 Array = NDArray[np.float64]
-
-_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
-
-
-def antisymmetric_matrices(name: str, value: ArrayLike) -> Array:
-    """Matrices that are antisymmetric to within round-off.
-
-    Parameters
-    ----------
-    name : str
-        What they are called in the message.
-    value : array_like, shape (..., n, n)
-
-    Returns
-    -------
-    ndarray, shape (..., n, n)
-
-    Raises
-    ------
-    InputError
-        If they are not square, real, finite and antisymmetric.
-    """
-    given = real_array(name, value, "(…, n, n)")
-    if given.ndim < 2 or given.shape[-1] != given.shape[-2]:
-        raise InputError(f"{name}: shape {given.shape} is not (..., n, n): give square matrices")
-    off = float(np.abs(given + np.swapaxes(given, -1, -2)).max())
-    limit = _ROUND_OFF * float(np.abs(given).max())
-    if off > limit:
-        raise InputError(f"{name}: P + Pᵀ reaches {off:.3g}, the limit is {limit:.3g}: give an antisymmetric matrix")
-    return given
 
 
 def pfaffian(matrices: ArrayLike) -> Array:
@@ -52,21 +21,19 @@ def pfaffian(matrices: ArrayLike) -> Array:
     Parameters
     ----------
     matrices : array_like, shape (..., n, n)
-        Antisymmetric. Only entries above the diagonal are read.
+        Antisymmetric.
 
     Returns
     -------
     ndarray, shape (...)
-        With Pf [[0, a], [−a, 0]] = a, and 0 for odd n.
+        With Pf [[0, a], [−a, 0]] = a, 1 for n = 0 as the empty product, and 0 for odd n.
 
     Raises
     ------
     InputError
-        If the matrices are not square.
+        If the matrices are not square, real, finite and antisymmetric.
     """
-    given = np.asarray(matrices, dtype=np.float64)
-    if given.ndim < 2 or given.shape[-1] != given.shape[-2]:
-        raise InputError(f"a Pfaffian needs shape (..., n, n), given {given.shape}: give square matrices")
+    given = antisymmetric_matrices("P", matrices)
     rest = np.triu(given, 1) - np.swapaxes(np.triu(given, 1), -1, -2)
     value = np.full(given.shape[:-2], float(given.shape[-1] % 2 == 0))
     while rest.shape[-1] > 1:

@@ -6,6 +6,8 @@ results with `MassMoments` to build other bodies of them.
 
 from __future__ import annotations
 
+import operator
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -35,11 +37,9 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     Raises
     ------
     InputError
-        If a mass, a length or the dimension is not positive.
+        If a mass, a length or the dimension is not positive, or the dimension no whole number.
     """
-    if dimension < 1:
-        raise InputError(f"dimension: {dimension} is below 1: give the number of coordinates")
-    return ellipsoid(mass, np.full(dimension, _length("radius", radius)))
+    return ellipsoid(mass, np.full(_dimension(dimension), _length("radius", radius)))
 
 
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
@@ -168,6 +168,16 @@ def _mass(mass: float) -> float:
     if not value > 0.0:
         raise InputError(f"mass: {value:.9g} kg is not positive: every body has a mass above 0 kg")
     return value
+
+
+def _dimension(value: int) -> int:
+    try:
+        dimension = operator.index(value)
+    except TypeError:
+        raise InputError(f"dimension: {value!r} is no whole number: give the number of coordinates") from None
+    if dimension < 1:
+        raise InputError(f"dimension: {dimension} is below 1: give the number of coordinates")
+    return dimension
 
 
 def _length(name: str, value: float) -> float:

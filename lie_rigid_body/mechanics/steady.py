@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,9 +20,7 @@ STEADY_TOLERANCE: Final = 1e-9
 """A rate that turns its own momentum by more than this, relative to both and to the structure constants, is refused."""
 
 _RANK: Final = 1e-10
-# a double eigenvalue 0 splits under round-off by its square root
-_GROWTH: Final = 1e-7
-_DEFINITE: Final = 1e-9
+_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 
 
 class Stability(Enum):
@@ -31,8 +29,13 @@ class Stability(Enum):
     STABLE = "stable"
     """The energy is a strict extremum on the orbit, so that the motion stays near for ever (V. I. Arnold)."""
 
+    LINEARLY_STABLE = "linearly stable"
+    """The linearised motion stays bounded, its eigenvalues being imaginary and semisimple, but the energy is no strict
+    extremum: it does not bind the motion itself, which further integrals may (Manakov's, for a body in n dimensions)
+    or nothing. So turn a body in four dimensions in many a plane, and a spherical one about any axis."""
+
     MARGINAL = "marginal"
-    """The linearised motion does not grow exponentially, but the energy is no strict extremum."""
+    """The linearised motion grows, but no faster than a power of time: an imaginary eigenvalue is not semisimple."""
 
     UNSTABLE = "unstable"
     """The linearised motion grows exponentially."""
@@ -65,7 +68,9 @@ class SteadyRotation:
     def frequencies(self) -> Array:
         """The imaginary parts above round-off, ascending, rad/s: with these a push oscillates about the rotation."""
         imaginary = self.eigenvalues.imag
-        return np.asarray(np.sort(imaginary[imaginary > _GROWTH * np.abs(self.eigenvalues).max(initial=0.0)]))
+        # a double eigenvalue 0 splits under round-off by its square root
+        noise = np.sqrt(_ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
+        return np.asarray(np.sort(imaginary[imaginary > noise]))
 
 
 def steady_axes(lagrangian: Lagrangian) -> Array:
@@ -102,6 +107,11 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
 
     A push off the orbit of p adds nothing but a slow drift along neighbouring steady motions, so it is left out.
 
+    The verdict rests on one resolution ε, round-off or what the rate itself is unsteady by: curvatures of the energy
+    on the orbit within ε of their terms count as 0, eigenvalues within √ε as equal, as a double eigenvalue splits by
+    that. An indefinite curvature with an odd number of negative directions is unstable however slow the growth, so that
+    on SO(3), where an orbit has two dimensions, the signs of the curvature decide alone.
+
     Parameters
     ----------
     lagrangian : Lagrangian
@@ -123,13 +133,12 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     to Mechanics and Symmetry*, on the energy–Casimir method.
     """
     w = require_components(lagrangian.group, rate, "rates").copy()
-    _require_steady(lagrangian, w)
-    linear = linearisation(lagrangian, w)
+    resolution = max(_ROUND_OFF, _unsteadiness(lagrangian, w))
     tangent, algebra = _orbit(lagrangian, w)
-    eigenvalues = np.sort_complex(np.linalg.eigvals(tangent.T @ linear @ tangent))
-    growing = bool(eigenvalues.real.max(initial=0.0) > _GROWTH * np.linalg.norm(linear, 2))
-    curvature = np.linalg.eigvalsh(algebra.T @ _energy_curvature(lagrangian, w) @ algebra)
-    return SteadyRotation(w, eigenvalues, _verdict(growing, curvature))
+    linear = tangent.T @ linearisation(lagrangian, w) @ tangent
+    signs = _signs(algebra.T @ _energy_curvature(lagrangian, w) @ algebra, resolution * _curvature_scale(lagrangian, w))
+    eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
+    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution))))
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
@@ -158,6 +167,18 @@ def _energy_curvature(lagrangian: Lagrangian, rate: Array) -> Array:
     return np.asarray(directions.T @ lagrangian.inverse_metric @ directions + 0.5 * (bent + bent.T))
 
 
+def _curvature_scale(lagrangian: Lagrangian, rate: Array) -> float:
+    """The size of the terms of `_energy_curvature`, which cancel for a body that is nearly a sphere."""
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    return float(np.linalg.norm(directions.T @ lagrangian.inverse_metric @ directions, 2))
+
+
+def _signs(form: Array, zero: float) -> NDArray[np.int_]:
+    """The signs of the eigenvalues of a quadratic form, 0 for those below a limit."""
+    values = np.linalg.eigvalsh(form)
+    return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
+
+
 def _orbit(lagrangian: Lagrangian, rate: Array) -> tuple[Array, Array]:
     """Orthonormal columns: the tangent space of the orbit of p, and the algebra elements that move p along it."""
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
@@ -166,7 +187,8 @@ def _orbit(lagrangian: Lagrangian, rate: Array) -> tuple[Array, Array]:
     return tangent[:, on_orbit], algebra[on_orbit].T
 
 
-def _require_steady(lagrangian: Lagrangian, rate: Array) -> None:
+def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
+    """What the rate turns its own momentum by, relative to both and to the structure constants, if that is small."""
     if rate.ndim != 1 or not np.isfinite(rate).all():
         raise InputError(
             f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "
@@ -181,11 +203,28 @@ def _require_steady(lagrangian: Lagrangian, rate: Array) -> None:
             f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} relative "
             f"to both, the limit is {STEADY_TOLERANCE:g}: take a multiple of one of steady_axes"
         )
+    return turned / scale if scale else 0.0
 
 
-def _verdict(growing: bool, curvature: NDArray[Any]) -> Stability:
-    if growing:
+def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float) -> Stability:
+    """From the linearised motion and the signs of the energy's curvature on the orbit, both of its dimension m."""
+    if np.all(signs > 0) or np.all(signs < 0):
+        return Stability.STABLE
+    size = float(np.linalg.norm(linear, 2))
+    # the determinant of the linearised motion has the sign of the curvature's: < 0 asks for a real pair ±λ
+    odd = bool(np.prod(signs) < 0)
+    # a mode that grows has no energy, which a form of one sign grants to none but its own zeros, and these stand still
+    indefinite = bool(signs.min() < 0 < signs.max())
+    if odd or (indefinite and eigenvalues.real.max() > split * size):
         return Stability.UNSTABLE
-    largest = float(np.abs(curvature).max(initial=0.0))
-    definite = bool(np.all(curvature > _DEFINITE * largest) or np.all(curvature < -_DEFINITE * largest))
-    return Stability.STABLE if definite else Stability.MARGINAL
+    return Stability.LINEARLY_STABLE if _semisimple(linear, eigenvalues, split * size) else Stability.MARGINAL
+
+
+def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:
+    """Whether every eigenvalue, with those within a distance of it, has as many eigenvectors as its multiplicity."""
+    for value in eigenvalues:
+        multiplicity = np.count_nonzero(np.abs(eigenvalues - value) <= 2.0 * split)
+        sizes = np.linalg.svd(linear - value * np.eye(len(linear)), compute_uv=False)
+        if np.count_nonzero(sizes <= 4.0 * split) < multiplicity:
+            return False
+    return True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Final, Generic, NoReturn, Protocol, TypeVar
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.stepper import Point, RungeKuttaStepper
@@ -13,6 +13,8 @@ Centre = TypeVar("Centre")
 
 STEPS_BETWEEN_RESTORATIONS: Final = 100
 """Products of elements leave the group by round-off alone, slowly; the nearest element may cost many products."""
+
+_GOOD_WAY: Final = 0.01
 
 
 class Chart(Protocol[Centre]):
@@ -52,12 +54,21 @@ class ChartIntegrator(Generic[Centre]):
         Body momentum at the start.
     max_step : float
         Largest step, s. Between two requested times the steps are equal and no longer than this.
+    reach : float, optional
+        Largest norm of the coordinates that a step may come to; a longer step is refused.
     """
 
     def __init__(
-        self, stepper: RungeKuttaStepper, chart: Chart[Centre], centre: Centre, momentum: Point, max_step: float
+        self,
+        stepper: RungeKuttaStepper,
+        chart: Chart[Centre],
+        centre: Centre,
+        momentum: Point,
+        max_step: float,
+        reach: float = math.inf,
     ) -> None:
         self._stepper = stepper
+        self._reach = reach
         self._chart = chart
         self._max_step = float(max_step)
         self._time_ns = 0
@@ -72,7 +83,7 @@ class ChartIntegrator(Generic[Centre]):
         Raises
         ------
         InputError
-            If a time lies before one already reached; nothing is integrated then.
+            If a time lies before one already reached; nothing is integrated then. Also where a step is too long.
         """
         self._require_forward(times_ns)
         for t in times_ns:
@@ -96,11 +107,32 @@ class ChartIntegrator(Generic[Centre]):
             self._step(span / steps)
         self._time_ns = t_ns
 
+    def _end(self, h: float) -> Point:
+        """The end of a step, infinite where a stage overflows on the way."""
+        try:
+            return self._stepper.step(self._chart.field, [*self._origin, *self._momentum], h)
+        except InputError:
+            raise
+        except (ArithmeticError, ValueError):
+            return [math.inf] * (2 * self._chart.dimension)
+
+    def _refuse(self, h: float) -> NoReturn:
+        # at the centre of the chart its coordinates have the rate of the motion itself
+        way = h * math.hypot(*self._chart.field([*self._origin, *self._momentum])[: self._chart.dimension])
+        limit = f"limit {self._reach:.3g} rad" if math.isfinite(self._reach) else "limit: where its end is finite"
+        raise InputError(
+            f"a step of {h:g} s goes {way:.3g} rad at the rate of its start, or more ({limit}): lower max_step, to "
+            f"about {self._advised(h, way):.1g} s"
+        )
+
+    @staticmethod
+    def _advised(h: float, way: float) -> float:
+        return min(h / 10.0, _GOOD_WAY * h / way) if way else h / 10.0
+
     def _step(self, h: float) -> None:
-        end = self._stepper.step(self._chart.field, [*self._origin, *self._momentum], h)
-        if not math.isfinite(sum(end)):
-            raise InputError(f"a step of {h:g} s leads to infinity: lower max_step")
-        d = self._chart.dimension
+        d, end = self._chart.dimension, self._end(h)
+        if not (math.isfinite(sum(end)) and math.hypot(*end[:d]) <= self._reach):
+            self._refuse(h)
         # the chart moves on: its centre is the element just reached
         self._centre, self._momentum = self._chart.recentred(self._centre, end[:d]), end[d:]
         self._steps += 1

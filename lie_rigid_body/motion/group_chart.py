@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie.series import bernoulli_over_factorial
 from lie_rigid_body.mechanics.lagrangian import Lagrangian
 from lie_rigid_body.motion.stepper import Point
@@ -16,6 +17,9 @@ Array = NDArray[np.float64]
 
 _EVEN_TERMS: Final = tuple(bernoulli_over_factorial(2 * k) for k in range(1, 16))
 _LEFT_OUT: Final = 1e-18
+
+LARGEST_TURN: Final = math.pi
+"""Turn within a step, rad, the largest eigenvalue of ad_β: half the series' radius, where its terms leave 1e-10."""
 
 
 class GroupChart:
@@ -60,14 +64,27 @@ class GroupChart:
     def _chart_rate(self, coordinates: Array, rate: Array) -> Array:
         """Σ Bₖ/k! (−ad_β)ᵏ ω, up to terms below round-off; β is a step's, far inside the radius 2π."""
         ad = self._ad(coordinates)
+        bound = float(np.abs(ad).max()) * self.dimension
+        if not bound < 2.0 * math.pi:
+            _require_convergence(ad)
         power = ad @ rate
         total = rate + 0.5 * power
         power = ad @ power
         square = ad @ ad
-        for coefficient in _EVEN_TERMS[: _terms(float(np.abs(ad).max()) * self.dimension)]:
+        for coefficient in _EVEN_TERMS[: _terms(bound)]:
             total = total + coefficient * power
             power = square @ power
         return np.asarray(total)
+
+
+def _require_convergence(ad: Array) -> None:
+    """Refuse a turn that the series does not reach; of motions without one, as translations, ad has no eigenvalues."""
+    turn = float(np.abs(np.linalg.eigvals(ad)).max())
+    if not turn <= LARGEST_TURN:
+        raise InputError(
+            f"a step turns by {turn:.3g} rad (limit {LARGEST_TURN:.3g} rad): lower max_step by a factor of "
+            f"{10.0 * turn / LARGEST_TURN:.1g} or more"
+        )
 
 
 def _terms(bound: float) -> int:

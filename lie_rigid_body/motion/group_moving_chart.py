@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import MatrixLieGroup
+from lie_rigid_body.mechanics.components import require_components
 from lie_rigid_body.mechanics.group_state import GroupState
 from lie_rigid_body.mechanics.lagrangian import Lagrangian
 from lie_rigid_body.motion.chart_integrator import ChartIntegrator
@@ -28,7 +29,8 @@ class GroupMovingChart:
     lagrangian : Lagrangian
         The group and its metric M.
     start : GroupState
-        Of one instant, shapes (n, n) and (d,).
+        Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that nothing
+        rules out; see `MatrixLieGroup.from_generators`.
     method : str, optional
         Stepper; see `MovingChart`.
     max_step : float, optional
@@ -73,7 +75,7 @@ class GroupMovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached.
+            If a time is not an integer or lies before one already reached, or the body turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
         flat = np.atleast_1d(times).tolist()
@@ -87,14 +89,17 @@ class GroupMovingChart:
 
 
 def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], NDArray[np.float64]]:
-    element, rate = np.asarray(start.element), np.asarray(start.rate, dtype=np.float64)
+    rate = require_components(group, start.rate, "rates")
+    element = np.asarray(start.element)
     if element.shape != (group.size, group.size) or rate.shape != (group.dimension,):
         raise InputError(
             f"start has shapes {element.shape} and {rate.shape}: give ({group.size}, {group.size}) and "
             f"({group.dimension},) for {group.name}"
         )
-    if not np.all(group.contains(element)):
-        raise InputError(f"the start is not an element of {group.name}: project it onto the group first")
+    try:
+        element = group.as_elements(element)
+    except InputError as error:
+        raise InputError(f"the start is not an element of {group.name}: {error}") from None
     if not np.isfinite(rate).all():
         raise InputError(f"rate {rate.tolist()} is not finite: give finite numbers in 1/s")
     return element, rate

@@ -23,6 +23,7 @@ from lie_rigid_body.lie import scalar
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.chart_integrator import ChartIntegrator
+from lie_rigid_body.motion.group_chart import LARGEST_TURN
 from lie_rigid_body.motion.motion import nanoseconds, require_body_and_start
 from lie_rigid_body.motion.rotation_chart import RotationChart
 from lie_rigid_body.motion.stepper import RungeKuttaStepper
@@ -64,7 +65,12 @@ class MovingChart:
         x, y, z, w = start.attitude_xyzw.tolist()
         self._body, self._start = body, start
         self._integrator: ChartIntegrator[scalar.Quaternion] = ChartIntegrator(
-            METHODS[method], RotationChart(body), (x, y, z, w), body.body_momentum(start).tolist(), max_step
+            METHODS[method],
+            RotationChart(body),
+            (x, y, z, w),
+            body.body_momentum(start).tolist(),
+            max_step,
+            LARGEST_TURN,
         )
 
     def at(self, t_ns: ArrayLike) -> State:
@@ -83,7 +89,7 @@ class MovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached.
+            If a time is not an integer or lies before one already reached, or the body turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
         flat = np.atleast_1d(times).tolist()

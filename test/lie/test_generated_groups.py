@@ -91,7 +91,7 @@ def test_positive_numbers_have_the_logarithm_of_a_calculator():
 def test_a_logarithm_lost_to_rounding_is_refused():
     """The exponential of what double precision makes of it would miss the matrix by parts in 10⁵."""
     triangular = from_generators([unit(0, 0, 2), unit(0, 1, 2), unit(1, 1, 2)])
-    with pytest.raises(InputError, match="inf off G"):
+    with pytest.raises(InputError, match="no principal logarithm: a matrix is singular, far from normal"):
         triangular.log([[0.25, 3e9], [0.0, 1e-7]])
 
 
@@ -148,10 +148,81 @@ def test_what_is_no_set_of_generators_is_refused(generators, said):
 
 def test_a_matrix_without_principal_logarithm_is_refused():
     group = from_generators(SO(3).generators)
-    with pytest.raises(InputError, match="limit 1e-09"):
+    with pytest.raises(InputError, match="no principal logarithm"):
         group.log(np.diag([-1.0, -1.0, 1.0]))
     with pytest.raises(InputError, match="no principal logarithm"):
         group.project(np.diag([-1.0, -1.0, 1.0]))
+
+
+def torus() -> MatrixLieGroup:
+    """One turn that winds about two circles."""
+    return from_generators([np.diag([1j, np.sqrt(2.0) * 1j])], name="torus")
+
+
+UNRECOGNISED = {
+    "torus": (torus(), np.diag(np.exp([4j, 4j * np.sqrt(2.0)]))),
+    "SU(3)": (from_generators(SU(3).generators, name="su(3)"), np.diag(np.exp([2j, 2.1j, -4.1j]))),
+}
+
+
+@pytest.mark.parametrize(("group", "element"), UNRECOGNISED.values(), ids=UNRECOGNISED)
+def test_an_element_beyond_the_principal_logarithm_is_not_called_off_the_group(group, element):
+    assert not group.contains(element)
+    with pytest.raises(InputError, match=r"not recognised as an element: its principal logarithm leaves .* by \d"):
+        group.log(element)
+    with pytest.raises(InputError, match=r"no nearest element found: .* of its size away \(limit 0\.5\)"):
+        group.project(element)
+    np.testing.assert_allclose(group.inverse(element) @ element, np.eye(group.size), rtol=0, atol=1e-15)
+    turned = element @ group.generators @ np.linalg.inv(element)
+    expected = np.array([group.vee(matrix) for matrix in turned]).T
+    np.testing.assert_allclose(group.Ad(element), expected, rtol=0, atol=1e-14)
+
+
+RULED_OUT = {
+    "reflection": (SO(3).generators, np.diag([1.0, 1.0, -1.0])),
+    "scaled": (SO(3).generators, 1.001 * np.eye(3)),
+    "sheared": (se3(), np.eye(4) + 1e-3 * unit(0, 1, 4)),
+    "projective": (se3(), np.eye(4) + 1e-3 * unit(3, 0, 4)),
+    "singular": (sl2(), np.ones((2, 2))),
+    "singular to rounding": (se3(), np.array([[1, 2, 3, 4], [0.1, 0.7, 3, 2], [1.1, 2.7, 6, 6], [1, 1, 0.3, 2]])),
+    "infinite": (sl2(), np.diag([np.inf, 1.0])),
+    "not a number": (heisenberg(), np.full((3, 3), np.nan)),
+    "dilated": ([np.diag([1j, np.sqrt(2.0) * 1j])], 2.0 * np.eye(2)),
+    "turned": ([np.diag([1.0, 2.0]) + 0j], 1j * np.eye(2)),
+}
+
+
+@pytest.mark.parametrize(("generators", "matrix"), RULED_OUT.values(), ids=RULED_OUT)
+def test_what_no_element_can_be_is_refused(generators, matrix):
+    group = from_generators(generators)
+    for function in (group.Ad, group.inverse):
+        with pytest.raises(InputError, match=r"off G \(limit 1e-09\)"):
+            function(matrix)
+
+
+@pytest.mark.parametrize("reach", [1.0, 1e4, 1e8])
+def test_far_rigid_motions_are_ruled_in(reach):
+    """Their condition number is the square of their reach, and the inverse is known."""
+    group, turn = from_generators(se3()), SO(3).exp([0.3, -2.0, 1.0])
+    shift = reach * np.array([0.5, -0.7, 0.2])
+    motion, back = np.eye(4), np.eye(4)
+    motion[:3], back[:3] = np.c_[turn, shift], np.c_[turn.T, -turn.T @ shift]
+    np.testing.assert_allclose(group.inverse(motion), back, rtol=0, atol=1e-15 * reach)
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e-51, 1e51, 1e200])
+def test_generators_whose_products_are_no_numbers_are_refused(size):
+    T = SO(3).generators.copy()
+    T[1] *= size
+    with pytest.raises(InputError, match=r"largest entry of T1 is 1e[-+]\d+ \(limits 1e-50 and 1e\+50\): rescale it"):
+        from_generators(T)
+
+
+@pytest.mark.parametrize("size", [1e-49, 1e49])
+def test_generators_of_any_other_size_serve(size):
+    group = from_generators(size * SO(3).generators)
+    np.testing.assert_allclose(group.structure_constants, size * SO(3).structure_constants, rtol=1e-14, atol=0)
+    np.testing.assert_allclose(group.exp([0.0, 0.1 / size, 0.0]), SO(3).exp([0.0, 0.1, 0.0]), rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("make", GENERATED.values(), ids=GENERATED)

@@ -168,8 +168,9 @@ def test_dexpinv_is_refused_at_a_full_turn(group):
 )
 def test_matrices_off_the_group_are_told_and_refused(group, matrix, distance):
     assert not group.contains(matrix)
-    with pytest.raises(InputError, match=rf"{distance}.*limit 1e-09.*project"):
-        group.log(matrix)
+    for function in (group.log, group.inverse, group.Ad):
+        with pytest.raises(InputError, match=rf"{distance}.*limit 1e-09.*project"):
+            function(matrix)
 
 
 def test_membership_is_to_within_the_tolerance():
@@ -203,8 +204,30 @@ def test_wrong_shapes_and_number_types_are_refused():
         (group.Ad, np.zeros(4), r"\(\.\.\., 4, 4\), given \(4,\)"),
         (group.log, np.eye(4) + 0j, "SO.4. are real, given complex128"),
         (group.vee, np.eye(4), r"outside the span of the generators by 1 of its size \(limit 1e-09\)"),
-        (group.vee, np.full((4, 4), np.nan), r"outside the span of the generators by nan"),
+        (group.vee, np.full((4, 4), np.nan), "entries that are not finite numbers"),
         (group.project, np.full((4, 4), np.inf), "no nearest element"),
+        (group.exp, list("abcdef"), "coordinates are no numbers, given type <U1"),
+        (group.exp, ["1"] * 6, "coordinates are no numbers"),
+        (group.exp, [[0.0] * 6, [0.0]], "coordinates have rows of unequal length"),
+        (group.Ad, [["a"] * 4] * 4, r"matrices of SO\(4\) are no numbers"),
+        (product, 3, r"product\(\) of 3, which is no MatrixLieGroup: give groups"),
     ):
         with pytest.raises(InputError, match=said):
             function(argument)
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-200, 1e-10, 1.0, 1e10, 1e200])
+@pytest.mark.parametrize("group", [SO(3), SU(3), product(SO(2), SO(2))], ids=lambda g: g.name)
+def test_what_is_outside_the_algebra_is_refused_at_any_scale(group, size):
+    inside = group.hat(np.random.default_rng(61).normal(size=group.dimension))
+    np.testing.assert_allclose(group.vee(size * inside) / size, group.vee(inside), rtol=0, atol=1e-15)
+    for outside, said in ((group.identity, "1"), (inside + 1e-6 * group.identity, r"\d\.?\d*e-0[67]")):
+        with pytest.raises(InputError, match=rf"by {said} of its size \(limit 1e-09\)"):
+            group.vee(size * outside)
+
+
+def test_round_off_of_products_is_inside_the_algebra():
+    group = SO(5)
+    A, x = group.random(np.random.default_rng(62)), 1e-12 * np.random.default_rng(63).normal(size=10)
+    np.testing.assert_allclose(group.vee(A @ group.hat(x) @ A.T), group.Ad(A) @ x, rtol=0, atol=1e-26)
+    np.testing.assert_array_equal(group.vee(np.zeros((5, 5))), np.zeros(10))

@@ -23,6 +23,7 @@ from lie_rigid_body.mechanics import (
     Lagrangian,
     legendre_transform,
     manakov_integrals,
+    metric_at,
     momentum_matrix,
     pfaffian,
     rotation_casimirs,
@@ -207,53 +208,21 @@ def test_the_momentum_matrix_of_a_body_is_k_omega_plus_omega_k(n):
     np.testing.assert_allclose(found, k @ omega + omega @ k, atol=1e-14 * 10)
 
 
-def expanded(p):
-    """Pf by expansion along the first row, from its definition."""
-    n = len(p)
-    if n == 0:
-        return 1.0
-    rest = range(1, n)
-    without = {j: [i for i in rest if i != j] for j in rest}
-    return sum((-1) ** (j - 1) * p[0, j] * expanded(p[np.ix_(without[j], without[j])]) for j in rest)
-
-
-@given(seeds, st.integers(0, 4))
-def test_pfaffian_is_its_expansion_and_the_root_of_the_determinant(seed, half):
-    rng = np.random.default_rng(seed)
-    x = rng.integers(-3, 4, size=(3, 2 * half, 2 * half)).astype(float)
-    p = x - np.swapaxes(x, 1, 2)
-    expected = [expanded(q) for q in p]
-    scale = 1.0 + np.prod(np.linalg.norm(p, axis=-1), axis=-1) ** 0.5
-    np.testing.assert_allclose((pfaffian(p) - expected) / scale, 0.0, atol=1e-12)
-    np.testing.assert_allclose((pfaffian(p) ** 2 - np.linalg.det(p)) / scale**2, 0.0, atol=1e-12)
-
-
-@given(seeds)
-def test_pfaffian_under_a_change_of_basis(seed):
-    """Pf(B P Bᵀ) = det B · Pf P: an odd exchange of axes changes its sign, so it is no invariant of O(n)."""
-    rng = np.random.default_rng(seed)
-    x, b = rng.normal(size=(2, 6, 6))
-    p = x - x.T
-    expected = np.linalg.det(b) * pfaffian(p)
-    assert pfaffian(b @ p @ b.T) == pytest.approx(expected, abs=1e-10 * np.linalg.norm(b) ** 6 * np.linalg.norm(p) ** 3)
-
-
-def test_pfaffian_needs_no_pivot_on_the_way_and_none_at_all_for_odd_n():
-    swapped = np.zeros((4, 4))
-    swapped[0, 2], swapped[2, 0], swapped[1, 3], swapped[3, 1] = 2.0, -2.0, 3.0, -3.0
-    assert pfaffian(swapped) == -6.0
-    assert pfaffian(np.zeros((4, 4))) == 0.0
-    assert pfaffian(np.array([[0.0, 7.0], [-7.0, 0.0]])) == 7.0
-    np.testing.assert_array_equal(pfaffian(np.ones((2, 3, 3))), [0.0, 0.0])
-
-
 def test_wrong_shapes_are_refused():
     with pytest.raises(InputError, match=r"given \(3, 3\) and \(4, 4\)"):
         manakov_integrals(np.zeros((3, 3)), np.eye(4))
-    with pytest.raises(InputError, match=r"Pfaffian needs shape \(\.\.\., n, n\), given \(2, 3\)"):
-        pfaffian(np.zeros((2, 3)))
-    with pytest.raises(InputError, match="Casimirs need P"):
-        rotation_casimirs(np.zeros(3))
+    for function in (rotation_casimirs, unitary_casimirs):
+        with pytest.raises(InputError, match="Casimirs need P"):
+            function(np.zeros((0, 0)))
+
+
+@pytest.mark.parametrize("group", [SO(3), SU(2)], ids=lambda g: g.name)
+@pytest.mark.parametrize(("factor", "said"), [(2.0, r"off S.\(\d\) \(limit 1e-09\)"), (np.nan, "inf off")])
+def test_no_spatial_momentum_and_no_metric_off_the_group(group, factor, said):
+    with pytest.raises(InputError, match=said):
+        spatial_momentum(group, factor * group.identity, np.ones(3))
+    with pytest.raises(InputError, match=said):
+        metric_at(Lagrangian(group, np.eye(3)), factor * group.identity)
 
 
 def test_a_group_without_invariant_metric_has_no_momentum_matrix():

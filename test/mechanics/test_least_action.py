@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from group_bodies import diagonal_body, random_metric
+from group_bodies import affine_line, diagonal_body, random_metric, rigid_motions_of_the_plane
 from mpmath import mp
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -19,7 +19,14 @@ from lie_rigid_body.mechanics import Lagrangian, metric_at
 
 DURATION = 1.2
 PANELS = 3
-GROUPS = {"SO3": SO(3), "SO4": SO(4), "SU2": SU(2), "SU3": SU(3)}
+GROUPS = {
+    "SO3": SO(3),
+    "SO4": SO(4),
+    "SU2": SU(2),
+    "SU3": SU(3),
+    "SE2": rigid_motions_of_the_plane(),
+    "affine line": affine_line(),
+}
 SIZES = np.logspace(-3.0, -1.5, 4)
 
 

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from group_bodies import COMPACT, ROTATIONS, affine_line, diagonal_body, random_metric
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import SO, U1
 from lie_rigid_body.mechanics import Lagrangian, Stability, linearisation, steady_axes, steady_rotation
+from lie_rigid_body.mechanics.spin_stability import SpinStability
 
 MOMENTS = {3: [0.3, 0.5, 0.9], 4: [0.3, 0.5, 0.9, 1.4], 5: [0.2, 1.1, 0.5, 0.8, 1.7], 6: [0.2, 1.1, 0.5, 0.8, 1.7, 2.5]}
 
@@ -45,13 +48,16 @@ def plane_squares(k, i, j):
 
 
 def plane_verdict(k, i, j):
-    """Unstable if an axis lies between the two; at rest in energy if all others lie on one side."""
+    """Unstable if an axis lies between the two; energy extremal if all others lie on one side; else bounded.
+
+    Bounded in the linearised motion: its eigenvalues are imaginary, and those of one pair of axes differ from others.
+    """
     others = [x for m, x in enumerate(k) if m not in (i, j)]
     low, high = sorted((k[i], k[j]))
     if any(low < x < high for x in others):
         return Stability.UNSTABLE
     one_side = all(x < low for x in others) or all(x > high for x in others)
-    return Stability.STABLE if one_side else Stability.MARGINAL
+    return Stability.STABLE if one_side else Stability.LINEARLY_STABLE
 
 
 @pytest.mark.parametrize("n", MOMENTS)
@@ -67,7 +73,7 @@ def test_rotations_in_coordinate_planes(n):
         assert steady.stability is plane_verdict(k, i, j), (i, j)
         seen.add(steady.stability)
     assert seen >= {Stability.STABLE, Stability.UNSTABLE}
-    assert (Stability.MARGINAL in seen) == (n > 3)
+    assert (Stability.LINEARLY_STABLE in seen) == (n > 3)
 
 
 def departure(body, rate, push, time):
@@ -122,6 +128,57 @@ def test_a_symmetric_top_about_its_equator_is_marginal():
     top = Lagrangian(SO(3), np.diag([1.0, 1.0, 2.0]))
     assert steady_rotation(top, [0.6, 0.8, 0.0]).stability is Stability.MARGINAL
     assert steady_rotation(top, [0.0, 0.0, 1.0]).stability is Stability.STABLE
+
+
+def test_a_sphere_is_linearly_stable():
+    """All rotations are steady, so that a push neither grows nor returns."""
+    for turn in ([0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.1, -0.7, 0.3]):
+        for body in (Lagrangian(SO(3), 0.3 * np.eye(3)), Lagrangian(SO(3), turned(np.full(3, 0.3)))):
+            steady = steady_rotation(body, turn)
+            assert steady.stability is Stability.LINEARLY_STABLE
+            np.testing.assert_allclose(steady.eigenvalues, 0.0, atol=1e-15)
+
+
+def turned(moments):
+    """An inertia in a tilted frame, rounded."""
+    a = Rotation.from_rotvec([0.3, -0.9, 0.5]).as_matrix()
+    m = a @ np.diag(moments) @ a.T
+    return (m + m.T) / 2
+
+
+@pytest.mark.parametrize("gap", np.logspace(-13, -1, 13))
+@pytest.mark.parametrize(
+    ("moments", "parted"), [([1, 1, 2], [0, 1, 0]), ([0.2, 1, 1], [0, 0, 1]), ([1, 1, 1], [0, 1, 2])]
+)
+def test_nearly_equal_moments_get_one_verdict_on_all_axes(gap, moments, parted):
+    """That of `SpinStability`, to the percent: what parts two moments on one axis parts them on the others."""
+    inertia = np.array(moments) + gap * np.array(parted)
+    body = Lagrangian(SO(3), np.diag(inertia))
+    for axis in range(3):
+        spin, steady = SpinStability.of(inertia, axis, 0.7), steady_rotation(body, 0.7 * np.eye(3)[axis])
+        assert steady.stability.value == spin.verdict
+        assert steady.growth_rate == pytest.approx(spin.growth_rate_1_s, rel=0.01, abs=1e-7)
+
+
+@pytest.mark.parametrize("moments", [[1.0, 1.0, 2.0, 3.0], [1.0, 2.0, 2.0, 3.0], [1.0, 1.0, 2.0, 2.0]])
+def test_equal_second_moments_in_four_dimensions(moments):
+    """The linearised motion over a long time, as a matrix exponential: bounded, or growing like t, or faster."""
+    group = ROTATIONS[4]
+    body = Lagrangian(group, diagonal_body(group, np.array(moments)))
+    for i, j in combinations(range(4), 2):
+        rate = plane_rate(group, i, j, 1.0)
+        p = body.momenta(rate)
+        orbit = np.linalg.svd(np.einsum("cad,d->ac", group.structure_constants, p))
+        tangent = orbit[0][:, orbit[1] > 1e-12]
+        linear = tangent.T @ linearisation(body, rate) @ tangent
+        grown = [np.abs(expm(time * linear)).max() for time in np.linspace(900.0, 1000.0, 7)]
+        verdict = steady_rotation(body, rate).stability
+        if verdict is Stability.MARGINAL:
+            assert 20.0 < max(grown) < 2e3
+        elif verdict is Stability.UNSTABLE:
+            assert max(grown) > 1e6
+        else:
+            assert max(grown) < 10.0
 
 
 def test_the_verdict_has_no_unit():

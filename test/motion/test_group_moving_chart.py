@@ -184,8 +184,35 @@ def test_a_step_too_long_is_told():
     group = SO(4)
     start = GroupState(group.identity, np.full(6, 1e6) * [1, 2, 3, 4, 5, 6])
     lagrangian = Lagrangian(group, np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
-    with pytest.raises(InputError, match="lower max_step"), np.errstate(all="ignore"):
+    said = r"a step turns by \d\S* rad \(limit 3\.14 rad\): lower max_step by a factor of"
+    with pytest.raises(InputError, match=said):
         GroupMovingChart(lagrangian, start, max_step=0.1).at(10**9)
+    with pytest.raises(InputError, match="lower max_step"), np.errstate(all="ignore"):
+        GroupMovingChart(lagrangian, GroupState(group.identity, 1e290 * start.rate), max_step=0.1).at(10**9)
+
+
+def test_translations_may_be_of_any_length():
+    """They do not turn, so that the series of the chart ends."""
+    x, y = np.zeros((2, 3, 3))
+    x[0, 2] = y[1, 2] = 1.0
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    group = MatrixLieGroup.from_generators([turn, x, y], name="SE(2)")
+    start = GroupState(group.identity, np.array([0.3, 1e3, -2e3]))
+    end = GroupMovingChart(Lagrangian(group, np.diag([1.0, 2.0, 2.0])), start, max_step=0.01).at(10**9)
+    # the velocity stands still in space, the body turns evenly
+    np.testing.assert_allclose(end.element[:2, 2], [1e3, -2e3], rtol=1e-9)
+    np.testing.assert_allclose(
+        end.element[:2, :2], [[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]], atol=1e-9
+    )
+
+
+def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
+    group = MatrixLieGroup.from_generators([np.diag([1j, np.sqrt(2.0) * 1j])], name="torus")
+    lagrangian, rate = Lagrangian(group, [[1.0]]), np.array([1.0])
+    half = GroupMovingChart(lagrangian, GroupState(group.identity, rate)).at(4_000_000_000)
+    assert not group.contains(half.element)
+    end = GroupMovingChart(lagrangian, half).at(4_000_000_000)
+    np.testing.assert_allclose(end.element, group.exp(8.0 * rate), rtol=0, atol=1e-12)
 
 
 def test_so4_splits_into_two_tops():
@@ -243,12 +270,17 @@ def test_calls_continue_one_another():
 
 def test_bad_input_is_refused():
     lagrangian, start, _ = body(SO(4))
-    with pytest.raises(InputError, match=r"not an element of SO\(4\)"):
+    with pytest.raises(InputError, match=r"not an element of SO\(4\): a matrix is 6 off SO\(4\) \(limit 1e-09\)"):
         GroupMovingChart(lagrangian, GroupState(2.0 * start.element, start.rate))
     with pytest.raises(InputError, match=r"\(3, 3\)"):
         GroupMovingChart(lagrangian, GroupState(np.eye(3), start.rate))
     with pytest.raises(InputError, match="not finite"):
         GroupMovingChart(lagrangian, GroupState(start.element, start.rate * np.nan))
+    with pytest.raises(InputError, match="inf off"):
+        GroupMovingChart(lagrangian, GroupState(start.element * np.nan, start.rate))
+    for rate, kind in ((start.rate + 0j, "complex128"), (["a"] * 6, "<U1")):
+        with pytest.raises(InputError, match=rf"rates on SO\(4\) are of type {kind}: give 6 real numbers"):
+            GroupMovingChart(lagrangian, GroupState(start.element, rate))
     with pytest.raises(ParameterError, match="rkmk9"):
         GroupMovingChart(lagrangian, start, method="rkmk9")
     chart = GroupMovingChart(lagrangian, start)

@@ -100,6 +100,27 @@ def test_bad_input_is_refused_with_value_and_remedy():
         MovingChart(body, State(np.tile([0, 0, 0, 1.0], (2, 1)), np.zeros((2, 3))))
 
 
+@pytest.mark.parametrize("rate", [1e4, 1e6, 1e150, 1e300])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_step_too_long_says_how_far_it_goes(method, rate):
+    motion = MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0.1 * rate, rate, 0]), method=method)
+    way = f"{1e-3 * rate * np.sqrt(1.01):.3g}".replace("+", r"\+")
+    said = rf"a step of 0\.001 s goes {way} rad .*limit 3\.14 rad.*lower max_step, to about \S* s"
+    with pytest.raises(InputError, match=said):
+        motion.at(10**9)
+
+
+@pytest.mark.parametrize("rate", [1e4, 1e6])
+def test_the_step_that_is_advised_serves(rate):
+    body, start = RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0.1 * rate, rate, 0])
+    with pytest.raises(InputError, match="to about") as caught:
+        MovingChart(body, start).at(10**9)
+    step = float(str(caught.value).split("to about ")[1].split()[0])
+    reached = MovingChart(body, start, max_step=step).at(round(1e10 / rate))
+    exact = ClosedForm(body, start).at(round(1e10 / rate))
+    np.testing.assert_allclose(reached.body_rate, exact.body_rate, rtol=0, atol=1e-6 * rate)
+
+
 @pytest.mark.parametrize("step", ["a", None, True, [0.1], np.inf, 0])
 def test_what_is_no_step_is_refused_in_one_line(step):
     with pytest.raises(ParameterError, match=r"max_step: .* is not a positive finite time") as caught:
