@@ -11,17 +11,19 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.parameter_table import PARAMETERS
+from lie_rigid_body.sensors import SENSOR_PARAMETERS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+ROS_PAGE = (ROOT / "docs" / "ros.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+def blocks(language: str, text: str = README) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
 
 
-def commands(language: str, program: str) -> list[list[str]]:
-    lines = [line.removeprefix("$ ") for block in blocks(language) for line in block.splitlines()]
+def commands(language: str, program: str, text: str = README) -> list[list[str]]:
+    lines = [line.removeprefix("$ ") for block in blocks(language, text) for line in block.splitlines()]
     return [shlex.split(line, comments=True) for line in lines if line.removeprefix("$ ").startswith(program)]
 
 
@@ -52,26 +54,29 @@ def test_make_targets_exist():
     assert {*shown, "test-oldest"} <= set(targets)
 
 
-def test_ros_names_are_those_of_the_package():
+@pytest.mark.parametrize("text", [README, ROS_PAGE], ids=["README.md", "docs/ros.md"])
+def test_ros_names_are_those_of_the_package(text):
     setup = (ROOT / "setup.py").read_text()
-    for words in commands("console", "ros2 run"):
-        assert words[2] == "lie_rigid_body"
+    started = commands("console", "ros2 run lie_rigid_body", text)
+    assert started
+    for words in started:
         assert f'"{words[3]} = ' in setup
-    launched = [words[3] for words in commands("console", "ros2 launch")]
-    assert launched
-    assert all((ROOT / "launch" / name).is_file() for name in launched)
-    for words in commands("console", "ros2 launch"):
+    launched = commands("console", "ros2 launch", text)
+    assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
+    for words in launched:
+        assert words[2] == "lie_rigid_body"
         text = (ROOT / "launch" / words[3]).read_text()
         assert all(f'"{argument.split(":=")[0]}"' in text for argument in words[4:])
 
 
-def test_parameter_table_names_every_parameter_with_its_default():
-    rows = [line for line in README.splitlines() if line.startswith("| `")]
+def test_parameter_tables_name_every_parameter_with_its_default():
+    rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in (README, ROS_PAGE)}
     for parameter in PARAMETERS:
+        rows = rows_of[ROS_PAGE if parameter in SENSOR_PARAMETERS else README]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default
         if isinstance(default, tuple):
-            shown = re.findall(r"-?[\d.]+", row.split("|")[3])
+            shown = re.findall(r"-?[\d.]+(?:e-?\d+)?", row.split("|")[3])
             assert tuple(map(float, shown)) == default
         elif isinstance(default, bool):
             assert f"`{str(default).lower()}`" in row

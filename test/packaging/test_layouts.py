@@ -28,6 +28,7 @@ NOT_SOURCES = shutil.ignore_patterns(
     "log",
     "dist",
 )
+CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
 VERBS = {"sim", "record", "check", "plot", "explain", "scenarios"}
 
@@ -95,6 +96,8 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     script = "import lie_rigid_body; print(lie_rigid_body.__file__)"
     found = run(layout.python(), "-c", script, cwd=tmp_path, env=layout.environment)
     assert Path(found.strip()).is_relative_to(code)
+    config = Path(found.strip()).parent / "config"
+    assert [name for name in CONFIGURATION if not (config / name).is_file()] == []
     listed = layout.run("scenarios", cwd=tmp_path)
     assert [name for name in sorted(SCENARIOS) if name not in listed] == []
     name = min(SCENARIOS)
@@ -112,7 +115,9 @@ def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -
     assert names(layout.executables) == VERBS | {"lie-rigid-body"}
     assert (prefix / "share/ament_index/resource_index/packages/lie_rigid_body").is_file()
     assert names(prefix / "share/lie_rigid_body") >= {"package.xml", "config", "launch"}
-    assert names(prefix / "share/lie_rigid_body/config") == names(sources / "config")
+    config = prefix / "share/lie_rigid_body/config"
+    assert names(config) == names(sources / "config")
+    assert [name for name in CONFIGURATION if not (config / name).is_file()] == []
     assert names(prefix / "share/lie_rigid_body/launch") >= {file.name for file in sources.glob("launch/*.launch.py")}
     assert_works(layout, workspace, tmp_path)
 
