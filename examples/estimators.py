@@ -129,7 +129,7 @@ def mahony(given: Readings, first: Rotation) -> Rotation:
     """Its earth has y along magnetic north and z up."""
     to_world = about_vertical(np.arctan2(-given.field[0], given.field[1]))
     guess = scalar_first(to_world.inv() * first)
-    estimate = Mahony(given.gyro, -given.specific_force, given.magnetic, Dt=given.t_s[1], q0=guess)
+    estimate = Mahony(given.gyro, given.specific_force, given.magnetic, Dt=given.t_s[1], q0=guess)
     return to_world * scalar_last(estimate.Q)
 
 
