@@ -46,6 +46,7 @@ EXTRAS = {
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
     ],
     "test": [
+        "ahrs",
         "allantools",
         "colcon-core",
         "colcon-ros",

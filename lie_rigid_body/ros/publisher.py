@@ -39,6 +39,8 @@ UNHURRIED_PATIENCE_NS: Final = NS
 """The same when time goes as fast as the subscribers allow."""
 LAST_PATIENCE_NS: Final = 100_000_000
 """The same for the last samples of all."""
+IN_TIME_NS: Final = 5_000_000
+"""What is no later than this goes out at its own rate: only who catches up has to wait for subscribers."""
 LATE_NS: Final = NS
 WARNING_INTERVAL_NS: Final = 10 * NS
 _NEVER: Final = 2**63
@@ -123,6 +125,8 @@ class SamplePublisher:
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Say it when the samples are late, now and then."""
         late = punctuality.lateness_ns
+        if late < IN_TIME_NS and self._patience_ns == BURST_PATIENCE_NS:
+            self._unsettled = 0
         if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
             self._logger.warning(f"{late / NS:.1f} s late, catching up; no sample is left out")

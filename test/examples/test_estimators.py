@@ -1,0 +1,74 @@
+"""Estimators that were written elsewhere find the attitude again, from what the sensors in a bag read."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "estimators.py"
+PAGE = ROOT / "docs" / "estimators.md"
+
+Table = dict[str, list[float]]
+FIRST, RMS, LARGEST, FINAL, LATER, INVERSE = range(6)
+FILTERS = ("madgwick", "mahony", "ekf")
+
+
+def rows(text: str) -> Table:
+    """Lines of a name and six numbers."""
+    found = re.findall(rf"^[ |]*([a-z]+(?: alone)?) *{6 * r'[ |]+([-+.e0-9]+)'}[ |]*$", text, flags=re.MULTILINE)
+    return {name: [float(number) for number in numbers] for name, *numbers in found}
+
+
+@pytest.fixture(scope="module")
+def tables() -> tuple[Table, Table]:
+    """Of the bag without errors of the sensors, and of the one with."""
+    run = subprocess.run([sys.executable, str(EXAMPLE)], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    perfect, mems = run.stdout.split("consumer MEMS")
+    assert set(rows(perfect)) == set(rows(mems)) == {"gyro alone", *FILTERS}
+    return rows(perfect), rows(mems)
+
+
+def test_the_integrated_gyro_alone_is_the_truth(tables: tuple[Table, Table]) -> None:
+    radian = 57.3
+    assert tables[0]["gyro alone"][LARGEST] < 1e-12 * radian
+
+
+def test_a_noisy_gyro_alone_is_not(tables: tuple[Table, Table]) -> None:
+    assert tables[1]["gyro alone"][FINAL] > 5.0
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_a_first_guess_20_degrees_off_converges_to_the_truth(tables: tuple[Table, Table], name: str) -> None:
+    perfect, mems = tables
+    assert perfect[name][FIRST] == mems[name][FIRST] == pytest.approx(20.0)
+    assert perfect[name][LARGEST] < 0.5
+    assert mems[name][RMS] < 2.0
+    assert mems[name][LARGEST] < 3.0
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_a_quaternion_read_the_wrong_way_round_is_far_off(tables: tuple[Table, Table], name: str) -> None:
+    for table in tables:
+        assert table[name][INVERSE] > 40.0
+
+
+@pytest.mark.parametrize("name", ["madgwick", "mahony"])
+def test_perfect_readings_leave_a_lead_of_one_sample(tables: tuple[Table, Table], name: str) -> None:
+    perfect = tables[0][name]
+    one_sample_deg = 0.39 * 0.01 * 57.3
+    assert perfect[RMS] == pytest.approx(one_sample_deg, rel=0.2)
+    assert perfect[LATER] < 0.4 * one_sample_deg
+
+
+def test_the_page_shows_what_comes_out(tables: tuple[Table, Table]) -> None:
+    shown = PAGE.read_text(encoding="utf-8").split("Consumer MEMS")
+    for page, run in zip(map(rows, shown), tables, strict=True):
+        assert set(page) == set(run)
+        for name, numbers in run.items():
+            assert page[name] == pytest.approx(numbers, rel=0.1, abs=1e-11), name
