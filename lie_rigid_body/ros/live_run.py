@@ -244,7 +244,7 @@ class LiveRun:
         """Send what is due, at most a burst."""
         now, stamp = self._steady(), self._simulation.next_stamp_ns
         due = self._pace.due_ns(now)
-        if stamp > due:
+        if not all(outlet.ready() for outlet in self._outlets) or stamp > due:
             return
         with self._interruption.allowed():
             taken = self._simulation.take_until(due, self._burst)

@@ -75,6 +75,10 @@ class Markers:
         if len(batch.samples):
             self._latest = (int(batch.samples.stamps_ns[-1]), batch.samples.states[-1])
 
+    def ready(self) -> bool:
+        """There is always room."""
+        return True
+
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Publish a picture when it is time."""
         if self._latest is None:

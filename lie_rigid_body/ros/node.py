@@ -48,6 +48,7 @@ class SimulatorNode(Node):
             stamped_twist=scenario.stamped_twist,
             sensors=scenario.sensors,
             clock=held["publish_clock"],
+            unhurried=held["real_time_factor"] == 0.0,
         )
         self.publisher.follow(held["real_time_factor"])
         self._views = self._make_views(held)

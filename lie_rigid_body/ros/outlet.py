@@ -20,6 +20,10 @@ class Outlet(Protocol):
         """Take messages."""
         ...
 
+    def ready(self) -> bool:
+        """Whether there is room for more."""
+        ...
+
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Do what is due at a steady time; return how long from then the next is, ns."""
         ...

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Mapping
-from itertools import combinations
+from collections.abc import Iterator, Mapping
+from itertools import chain, combinations
 from typing import Final
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, MagneticField
@@ -35,10 +35,10 @@ KEPT: Final = 4 * LARGEST_BURST
 """Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
 BURST_PATIENCE_NS: Final = 10_000_000
 """How long a full burst waits to be confirmed on each topic: one subscriber that hangs must not hold up the others."""
-UNHURRIED_PATIENCE_NS: Final = NS
-"""The same when time goes as fast as the subscribers allow."""
 LAST_PATIENCE_NS: Final = 100_000_000
 """The same for the last samples of all."""
+LONGEST_GOODBYE_NS: Final = NS
+"""For what is not even sent when the node ends."""
 IN_TIME_NS: Final = 5_000_000
 """What is no later than this goes out at its own rate: only who catches up has to wait for subscribers."""
 LATE_NS: Final = NS
@@ -59,6 +59,9 @@ class SamplePublisher:
         Those whose topics are there from the start. A segment with others adds theirs.
     clock : bool
         Whether to publish /clock: each stamp once, before what carries it.
+    unhurried : bool, optional
+        Whether reliable subscribers set the pace: every message is kept until they have all confirmed it, and `ready`
+        tells when there is room for more. Without it a subscriber that hangs loses messages, and delays nobody.
 
     Raises
     ------
@@ -66,8 +69,13 @@ class SamplePublisher:
         If remapping leaves two topics with one name, or a name that is taken by another type.
     """
 
-    def __init__(self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool) -> None:
+    def __init__(
+        self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool, unhurried: bool = False
+    ) -> None:
         self._node = node
+        self._history = HistoryPolicy.KEEP_ALL if unhurried else HistoryPolicy.KEEP_LAST
+        self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
+        self._blocked: tuple[Publisher, bytes] | None = None
         self._logger = node.get_logger()
         _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO, *_SENSOR_TYPES)})
         latched = QoSProfile(
@@ -80,15 +88,16 @@ class SamplePublisher:
         self._clock_ns = 0
         self._add_sensors(sensors)
         self._unsettled = 0
+        self._is_limited = True
         self._warned_ns = -WARNING_INTERVAL_NS
-        self._patience_ns = BURST_PATIENCE_NS
 
     def follow(self, factor: float) -> None:
-        """Take a real-time factor: where there is none (0), subscribers set the pace."""
-        self._patience_ns = BURST_PATIENCE_NS if factor > 0.0 else UNHURRIED_PATIENCE_NS
+        """Take a real-time factor; 0: there is none."""
+        self._is_limited = factor > 0.0
 
     def _publisher(self, kind: type, topic: str) -> Publisher:
-        return _publisher(self._node, kind, topic, QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE))
+        qos = QoSProfile(history=self._history, depth=KEPT, reliability=ReliabilityPolicy.RELIABLE)
+        return _publisher(self._node, kind, topic, qos)
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):
@@ -111,21 +120,51 @@ class SamplePublisher:
         self._scenario.publish(encode_string(segment.to_json()))
 
     def write(self, batch: Batch) -> None:
-        """Publish messages, oldest first."""
+        """Publish messages, oldest first; those for which there is no room wait for `ready`."""
+        messages = self._in_order(batch)
+        self._rest = messages if self.ready() else chain(self._rest, messages)
+        self._send_rest()
+        self._unsettled += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
+        if self._unsettled >= LARGEST_BURST and self._history is HistoryPolicy.KEEP_LAST:
+            self._settle(BURST_PATIENCE_NS)
+
+    def ready(self) -> bool:
+        """Send what waits; return whether there is room for more."""
+        return self._send_rest()
+
+    def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
         publishers, clock = self._publishers, self._clock
         for stamp, topic, payload in batch.in_order():
             if clock is not None and stamp > self._clock_ns:
                 self._clock_ns = stamp
-                clock.publish(_clock(stamp))
-            publishers[topic].publish(payload)
-        self._unsettled += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
-        if self._unsettled >= LARGEST_BURST:
-            self._settle(self._patience_ns)
+                yield clock, _clock(stamp)
+            yield publishers[topic], payload
+
+    def _send_rest(self) -> bool:
+        if self._blocked is not None:
+            if not self._send(*self._blocked):
+                return False
+            self._blocked = None
+        for message in self._rest:
+            if not self._send(*message):
+                self._blocked = message
+                return False
+        return True
+
+    def _send(self, publisher: Publisher, payload: bytes) -> bool:
+        """Publish, unless a history that keeps all is full even after a moment (100 ms in Fast DDS)."""
+        try:
+            publisher.publish(payload)
+        except RuntimeError:
+            if self._history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
+                return False
+            raise
+        return True
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Say it when the samples are late, now and then."""
         late = punctuality.lateness_ns
-        if late < IN_TIME_NS and self._patience_ns == BURST_PATIENCE_NS:
+        if late < IN_TIME_NS and self._is_limited:
             self._unsettled = 0
         if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
@@ -134,6 +173,9 @@ class SamplePublisher:
 
     def finish(self) -> None:
         """Let the last samples arrive."""
+        end = time.monotonic_ns() + LONGEST_GOODBYE_NS
+        while not self.ready() and time.monotonic_ns() < end:
+            pass  # each attempt takes its moment
         self._settle(LAST_PATIENCE_NS)
 
     def _settle(self, patience_ns: int) -> None:

@@ -48,6 +48,10 @@ class Transforms:
         for payload in self._encoder.encode(batch.samples.stamps_ns, batch.samples.states.attitude_xyzw):
             self._publisher.publish(payload)
 
+    def ready(self) -> bool:
+        """There is always room."""
+        return True
+
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """There is nothing to do now and then."""
         return FOREVER
