@@ -208,9 +208,9 @@ class LiveRun:
         """Let time go on at another speed from now."""
         present = self._present_ns()
         self._factor = factor
+        self._set_deadline()
         if self._state is RunState.PLAYING:
             self._pace = pace(factor, present, self._steady())
-            self._set_deadline()
 
     def _present_ns(self) -> int:
         """Where simulated time is: what was not sent is still to come."""
