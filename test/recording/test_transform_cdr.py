@@ -13,7 +13,9 @@ TYPE = "tf2_msgs/msg/TFMessage"
 NAMES = ["w" * length for length in range(1, 9)]
 """Every length modulo the largest alignment."""
 STAMPS = np.array([0, 1, 999_999_999, 10**9, (2**31 - 1) * 10**9 + 999_999_999])
-ATTITUDES = np.array([[0, 0, 0, 1], [-0.0, 5e-324, 1, -1], [0.5, -0.5, 0.5, -0.5], [1 / 3, 1e-300, 0.1, 0.2], [1, 0, 0, 0]])
+ATTITUDES = np.array(
+    [[0, 0, 0, 1], [-0.0, 5e-324, 1, -1], [0.5, -0.5, 0.5, -0.5], [1 / 3, 1e-300, 0.1, 0.2], [1, 0, 0, 0]]
+)
 
 
 def require_transform(payload: bytes, k: int, frame: str, child: str) -> None:

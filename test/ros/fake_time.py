@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.batch import Batch
@@ -15,14 +15,18 @@ from lie_rigid_body.simulation import Segment, Simulation
 
 NS = 1_000_000_000
 NEVER = 2**63
+COST = 2_000_000
+"""ns that a turn of the loop takes when it does not wait."""
 
 
 class KeepingOutlet:
     """Keeps what comes, and asks the run to end after a number of samples."""
 
-    def __init__(self, interruption: Interruption, enough: int) -> None:
+    def __init__(self, interruption: Interruption, enough: int, steady: Callable[[], int] = lambda: 0) -> None:
         self.interruption = interruption
         self.enough = enough
+        self.steady = steady
+        self.sent_at: list[int] = []
         self.events: list[Segment | list[int]] = []
         self.batches: list[Batch] = []
         self.latest: list[int] = []
@@ -35,6 +39,7 @@ class KeepingOutlet:
         assert len(batch.poses) == len(batch.twists) == len(batch.samples)
         self.batches.append(batch)
         self.events.append(batch.samples.stamps_ns.tolist())
+        self.sent_at += [self.steady()] * len(batch.samples)
         self.interruption.requested = self.interruption.requested or len(self.stamps) >= self.enough
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
@@ -82,12 +87,12 @@ class FakeTime(Mailbox):
 class ScriptedTime(Mailbox):
     """A mailbox in which a script of calls, each at a time of the steady clock, comes in; then the run ends."""
 
-    def __init__(self, interruption: Interruption, script: Sequence[tuple[int, Callable[[], object]]]) -> None:
+    def __init__(self, interruption: Interruption) -> None:
         super().__init__()
         self.now = 0
+        self.script: list[tuple[int, Callable[[], object]]] = []
         self.answers: list[object] = []
         self._interruption = interruption
-        self._script = list(script)
 
     def steady(self) -> int:
         return self.now
@@ -97,16 +102,16 @@ class ScriptedTime(Mailbox):
         return function()
 
     def wait(self, seconds: float) -> Call[object] | None:
-        asked = round(max(0.0, seconds) * NS)
-        if not self._script:
+        asked = max(0, round(seconds * NS)) or COST
+        if not self.script:
             self._interruption.requested = True
             return None
-        at, action = self._script[0]
+        at, action = self.script[0]
         if self.now + asked < at:
             self.now += asked
             return None
         self.now = max(self.now, at)
-        del self._script[0]
+        del self.script[0]
         return Call(lambda: self._note(action))
 
     def _note(self, action: Callable[[], object]) -> None:
@@ -129,9 +134,9 @@ class ScriptedRun:
 
     def __init__(self, *, factor: float = 1.0, paused: bool = False, **parameters: object) -> None:
         self.interruption = Interruption()
-        self.outlet = KeepingOutlet(self.interruption, NEVER)
         self.scenario = Scenario.from_parameters({"motion": "closed_form", **parameters})
-        self.time = ScriptedTime(self.interruption, [])
+        self.time = ScriptedTime(self.interruption)
+        self.outlet = KeepingOutlet(self.interruption, NEVER, self.time.steady)
         outlets: list[Outlet] = [self.outlet]
         self.live = LiveRun(
             Simulation(self.scenario, NS),
@@ -145,6 +150,6 @@ class ScriptedRun:
 
     def play(self, *script: tuple[int, Callable[[], object]]) -> list[object]:
         """Run through a script; return what its actions returned or raised."""
-        self.time._script = list(script)
+        self.time.script = list(script)
         self.live.run()
         return self.time.answers
