@@ -208,9 +208,9 @@ class LiveRun:
         """Let time go on at another speed from now."""
         present = self._present_ns()
         self._factor = factor
+        self._set_deadline()
         if self._state is RunState.PLAYING:
             self._pace = pace(factor, present, self._steady())
-            self._set_deadline()
 
     def _present_ns(self) -> int:
         """Where simulated time is: what was not sent is still to come."""
@@ -256,7 +256,7 @@ class LiveRun:
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         samples, missed = batch.samples, 0
         if lateness_ns > self._deadline_ns:
-            overdue = self._pace.due_ns(steady_ns - self._deadline_ns)
+            overdue = self._pace.due_ns(steady_ns - self._deadline_ns - 1)
             missed = int(np.searchsorted(samples.stamps_ns, overdue, side="right"))
         self._punctuality = self._punctuality.after(len(samples), missed, lateness_ns)
         if len(samples):

@@ -52,8 +52,8 @@ class StandardState(IntEnum):
     QUITTING = 3
 
 
-FEATURES: Final = (10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
-"""Entity state getting and setting, entity info, reset of the state, simulation state getting and setting with pause,
+FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
+"""Entity categories, entity state getting and setting, entity info, reset of the state, simulation state getting and setting with pause,
 single steps, multiple steps, and the action; numbered as in simulation_interfaces/SimulatorFeatures."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
@@ -250,6 +250,8 @@ class StandardControl:
             return Result(
                 Code.OPERATION_FAILED, f"linear velocity {list(wanted.linear)} is not 0: the mass centre stays"
             )
+        if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
+            return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite")
         return self._restate(wanted)
 
     def _restate(self, wanted: WantedState) -> Result:

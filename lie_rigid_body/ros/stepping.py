@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+from concurrent.futures import TimeoutError as NotYet
 
 from lie_rigid_body.errors import LieRigidBodyError
 
@@ -54,6 +55,6 @@ class Stepping:
         """
         try:
             self._end.result(seconds)
-        except TimeoutError:
+        except NotYet:  # before Python 3.11 not the built-in one
             return False
         return True

@@ -2,78 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from threading import Thread
 
 import numpy as np
 import pytest
+from fake_time import NS, FakeTime, KeepingOutlet
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.batch import BatchEncoder
-from lie_rigid_body.ros.live_run import LARGEST_BURST, STEPS_PER_BURST, LiveRun, largest_burst
+from lie_rigid_body.ros.burst import LARGEST_BURST, STEPS_PER_BURST, largest_burst
+from lie_rigid_body.ros.live_run import LiveRun
 from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.ros.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
-
-NS = 1_000_000_000
+from lie_rigid_body.simulation import Segment, Simulation, Taken
 
 
-class Outlet:
-    """Keeps what comes, and asks the run to end after a number of samples."""
-
-    def __init__(self, interruption: Interruption, enough: int) -> None:
-        self.interruption = interruption
-        self.enough = enough
-        self.events: list[Segment | list[int]] = []
-        self.latest: list[int] = []
-
-    def begin_segment(self, segment: Segment) -> None:
-        self.events.append(segment)
-
-    def write(self, samples: Samples, poses: Sequence[bytes], twists: Sequence[bytes]) -> None:
-        assert len(poses) == len(twists) == len(samples.stamps_ns)
-        self.events.append(samples.stamps_ns.tolist())
-        self.interruption.requested = len(self.stamps) >= self.enough
-
-    def tick(self, steady_ns: int, lateness_ns: int) -> int:
-        self.latest.append(lateness_ns)
-        return 2**63
-
-    @property
-    def stamps(self) -> list[int]:
-        return [stamp for event in self.events if isinstance(event, list) for stamp in event]
-
-    @property
-    def segments(self) -> list[Segment]:
-        return [event for event in self.events if isinstance(event, Segment)]
-
-
-class FakeTime(Mailbox):
-    """A mailbox whose waiting moves the clock, by more than was asked for now and then."""
-
-    def __init__(self, stalls: dict[int, int], calls: dict[int, Call[object]] | None = None) -> None:
-        super().__init__()
-        self.now = 5 * NS
-        self.stalls = stalls
-        self.calls = calls or {}
-        self.waits: list[float] = []
-
-    def steady(self) -> int:
-        return self.now
-
-    def wait(self, seconds: float) -> Call[object] | None:
-        self.waits.append(seconds)
-        self.now += max(0, round(seconds * NS)) + self.stalls.get(len(self.waits), 0)
-        return self.calls.pop(len(self.waits), None)
-
-
-def run(time: FakeTime, enough: int, **parameters: object) -> Outlet:
+def run(time: FakeTime, enough: int, **parameters: object) -> KeepingOutlet:
     interruption = Interruption()
-    outlet = Outlet(interruption, enough)
+    outlet = KeepingOutlet(interruption, enough)
     simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
     LiveRun(simulation, [outlet], time, interruption, time.steady).run()
     return outlet
@@ -107,7 +58,7 @@ def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> Non
 def test_reset_begins_with_the_next_sample() -> None:
     time = FakeTime({})
     interruption = Interruption()
-    outlet = Outlet(interruption, 100)
+    outlet = KeepingOutlet(interruption, 100)
     simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}), NS)
     live = LiveRun(simulation, [outlet], time, interruption, time.steady)
     time.calls[20] = Call(lambda: live.reset(Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})))
@@ -224,7 +175,7 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
         samples = simulation.take(1)
         before = bag.path.stat().st_size
         recorder.write(encoder.encode(Taken(samples, None, None)))
-        recorder.tick(5 * NS, 0)
+        recorder.tick(5 * NS, Punctuality())
         assert (bag.path.stat().st_size > before) == (wait_ns == 0)
-        recorder.tick(5 * NS + wait_ns, 0)
+        recorder.tick(5 * NS + wait_ns, Punctuality())
         assert bag.path.stat().st_size > before

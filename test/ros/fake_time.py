@@ -1,0 +1,155 @@
+"""A run on a steady clock that the test holds, and an outlet that keeps what comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.ros.live_run import LiveRun
+from lie_rigid_body.ros.mailbox import Call, Mailbox
+from lie_rigid_body.ros.outlet import Outlet
+from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Segment, Simulation
+
+NS = 1_000_000_000
+NEVER = 2**63
+COST = 2_000_000
+"""ns that a turn of the loop takes when it does not wait."""
+
+
+class KeepingOutlet:
+    """Keeps what comes, and asks the run to end after a number of samples."""
+
+    def __init__(self, interruption: Interruption, enough: int, steady: Callable[[], int] = lambda: 0) -> None:
+        self.interruption = interruption
+        self.enough = enough
+        self.steady = steady
+        self.sent_at: list[int] = []
+        self.events: list[Segment | list[int]] = []
+        self.batches: list[Batch] = []
+        self.latest: list[int] = []
+        self.punctuality = Punctuality()
+
+    def begin_segment(self, segment: Segment) -> None:
+        self.events.append(segment)
+
+    def write(self, batch: Batch) -> None:
+        assert len(batch.poses) == len(batch.twists) == len(batch.samples)
+        self.batches.append(batch)
+        self.events.append(batch.samples.stamps_ns.tolist())
+        self.sent_at += [self.steady()] * len(batch.samples)
+        self.interruption.requested = self.interruption.requested or len(self.stamps) >= self.enough
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        self.latest.append(punctuality.lateness_ns)
+        self.punctuality = punctuality
+        return NEVER
+
+    @property
+    def stamps(self) -> list[int]:
+        return [stamp for event in self.events if isinstance(event, list) for stamp in event]
+
+    @property
+    def segments(self) -> list[Segment]:
+        return [event for event in self.events if isinstance(event, Segment)]
+
+    def sensor_stamps(self, topic: str) -> list[int]:
+        return [
+            stamp
+            for batch in self.batches
+            for messages in batch.sensors
+            if messages.topic == topic
+            for stamp in messages.stamps_ns
+        ]
+
+
+class FakeTime(Mailbox):
+    """A mailbox whose waiting moves the clock, by more than was asked for now and then."""
+
+    def __init__(self, stalls: dict[int, int], calls: dict[int, Call[object]] | None = None) -> None:
+        super().__init__()
+        self.now = 5 * NS
+        self.stalls = stalls
+        self.calls = calls or {}
+        self.waits: list[float] = []
+
+    def steady(self) -> int:
+        return self.now
+
+    def wait(self, seconds: float) -> Call[object] | None:
+        self.waits.append(seconds)
+        self.now += max(0, round(seconds * NS)) + self.stalls.get(len(self.waits), 0)
+        return self.calls.pop(len(self.waits), None)
+
+
+class ScriptedTime(Mailbox):
+    """A mailbox in which a script of calls, each at a time of the steady clock, comes in; then the run ends."""
+
+    def __init__(self, interruption: Interruption) -> None:
+        super().__init__()
+        self.now = 0
+        self.script: list[tuple[int, Callable[[], object]]] = []
+        self.answers: list[object] = []
+        self._interruption = interruption
+
+    def steady(self) -> int:
+        return self.now
+
+    def request(self, function: Callable[[], object]) -> object:  # type: ignore[override]
+        """The script runs in the owner's thread: it has no one to wait for."""
+        return function()
+
+    def wait(self, seconds: float) -> Call[object] | None:
+        asked = max(0, round(seconds * NS)) or COST
+        if not self.script:
+            self._interruption.requested = True
+            return None
+        at, action = self.script[0]
+        if self.now + asked < at:
+            self.now += asked
+            return None
+        self.now = max(self.now, at)
+        del self.script[0]
+        return Call(lambda: self._note(action))
+
+    def _note(self, action: Callable[[], object]) -> None:
+        try:
+            self.answers.append(action())
+        except Exception as error:
+            self.answers.append(error)
+
+
+class ScriptedRun:
+    """A run whose calls are given beforehand: steady times (ns, from 0) and actions on ``self.live``.
+
+    Parameters
+    ----------
+    factor, paused
+        As those of `LiveRun`.
+    **parameters
+        Of the scenario; the stamps begin at 1 s.
+    """
+
+    def __init__(self, *, factor: float = 1.0, paused: bool = False, **parameters: object) -> None:
+        self.interruption = Interruption()
+        self.scenario = Scenario.from_parameters({"motion": "closed_form", **parameters})
+        self.time = ScriptedTime(self.interruption)
+        self.outlet = KeepingOutlet(self.interruption, NEVER, self.time.steady)
+        outlets: list[Outlet] = [self.outlet]
+        self.live = LiveRun(
+            Simulation(self.scenario, NS),
+            outlets,
+            self.time,
+            self.interruption,
+            self.time.steady,
+            factor=factor,
+            paused=paused,
+        )
+
+    def play(self, *script: tuple[int, Callable[[], object]]) -> list[object]:
+        """Run through a script; return what its actions returned or raised."""
+        self.time.script = list(script)
+        self.live.run()
+        return self.time.answers
