@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from peers.contender import Contender, step_text
@@ -37,7 +37,7 @@ def _moving_chart(task: Task, method: str, step: float) -> Contender:
     def run() -> NDArray[np.float64]:
         try:
             return MovingChart(BODY, START, method=method, max_step=step).at(task.times_ns).attitude_xyzw
-        except InputError:  # the step leads to infinity
+        except LieRigidBodyError:  # the step is too long for the method
             return np.full((len(task.times_ns), 4), np.nan)
 
     unit = (method, step) == (DEFAULT_METHOD, DEFAULT_MAX_STEP)
