@@ -6,6 +6,7 @@ import json
 import sys
 from decimal import Decimal, localcontext
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +97,8 @@ def test_errors_are_finite_and_fall(family):
 @pytest.mark.parametrize(("family", "order"), ORDERS.items())
 def test_a_fixed_step_has_its_order(family, order):
     used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
+    if family == "MuJoCo, RK4" and int(version("mujoco").split(".")[0]) < 4:
+        order = 2  # of a joint that turns; 4 since MuJoCo 4
     slope = np.polyfit(*np.log(np.array(used)).T, 1)[0]
     assert len(used) >= 3
     assert slope == pytest.approx(order, abs=0.25)
