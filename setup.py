@@ -40,7 +40,10 @@ REQUIRES = [
     "zstandard>=0.22",
 ]
 ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
+# PyBullet has to be compiled elsewhere, which takes very long.
+PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
 EXTRAS = {
+    "bench": ["mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
     "ros": [
         f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",

@@ -5,6 +5,7 @@
 #   environment.sh headless  .venv-headless  the same without ROS
 #   environment.sh any       the first of these two that there is a Python for
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
+#   environment.sh bench     .venv-bench     the software that the benchmark compares with; PyBullet where it is built
 #
 # Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
 # so a set-up that was interrupted is thrown away and made anew by the next one.
@@ -12,8 +13,13 @@ set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
 
+no_python() {
+    echo "make: no Python 3.10 or newer with venv found: install one, or name one with PYTHON=/path/to/python3" >&2
+    exit 1
+}
+
 kind=$1
-constraints=
+constraints= never_compiled=
 case $kind in
     live | any)
         if python=$(scripts/find-python.sh live); then
@@ -24,14 +30,14 @@ case $kind in
             exit 3
         fi ;;
     headless)
-        python=$(scripts/find-python.sh headless) || {
-            echo "make: no Python 3.10 or newer with venv found: install one, or name one with PYTHON=/path/to/python3" >&2
-            exit 1
-        }
+        python=$(scripts/find-python.sh headless) || no_python
         folder=.venv-headless extras=test,lint ;;
     oldest)
         python=$(scripts/find-python.sh live) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
+    bench)
+        python=$(scripts/find-python.sh bench 2>/dev/null || scripts/find-python.sh headless) || no_python
+        folder=.venv-bench extras=bench never_compiled=pybullet ;;
     *)
         echo "environment.sh: unknown environment '$kind'" >&2
         exit 2 ;;
@@ -58,6 +64,7 @@ fi
 echo "Setting up $folder with $python (once; it takes about a minute)" >&2
 rm -f $folder/complete
 [ -d $folder ] || "$python" -m venv $folder >&2
-$folder/bin/python -m pip install --quiet ${constraints:+--constraint $constraints} --editable ".[$extras]" >&2
+$folder/bin/python -m pip install --quiet ${constraints:+--constraint $constraints} \
+    ${never_compiled:+--only-binary $never_compiled} --editable ".[$extras]" >&2
 echo "$wanted" >$folder/complete
 echo "$root/$folder"

@@ -3,6 +3,7 @@
 #
 #   find-python.sh live      Python 3.12 on Linux x86-64, which the wheels of the ROS 2 client library are built for
 #   find-python.sh headless  Python 3.10 or newer
+#   find-python.sh bench     Python 3.10 or 3.11 on Linux x86-64, which PyBullet is built for
 #
 # PYTHON=... names the one to use; PYTHON_ROS=... the one for `live` ("none": pretend there is none).
 # Exit status 3 when there is none. Each candidate is really run: a shim on PATH may exist and yet fail, and Debian's
@@ -13,7 +14,8 @@ kind=$1
 case $kind in
     live) chosen=${PYTHON_ROS:-${PYTHON:-}} ; names="python3.12 python3 python" ;;
     headless) chosen=${PYTHON:-} ; names="python3 python3.12 python3.13 python3.14 python3.11 python3.10 python" ;;
-    *) echo "find-python.sh: '$kind' is neither live nor headless" >&2; exit 2 ;;
+    bench) chosen=${PYTHON:-} ; names="python3.11 python3.10 python3 python" ;;
+    *) echo "find-python.sh: '$kind' is none of live, headless, bench" >&2; exit 2 ;;
 esac
 
 probe='
@@ -28,6 +30,9 @@ if kind == "live":
         and (sys.platform, platform.machine(), libc) == ("linux", "x86_64", "glibc")
         and tuple(map(int, version.split(".")[:2])) >= (2, 28)
     )
+if kind == "bench":
+    built_for = (sys.platform, platform.machine()) == ("linux", "x86_64")
+    fits = fits and built_for and sys.version_info < (3, 12)
 if not fits:
     sys.exit(1)
 try:
