@@ -33,6 +33,8 @@ CLOCK: Final = "/clock"
 NS: Final = 1_000_000_000
 KEPT: Final = 4 * LARGEST_BURST
 """Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
+CLOCK_KEPT: Final = 3 * KEPT
+"""The same for the clock, which ticks for the truth, for the IMU and for the magnetometer."""
 BURST_PATIENCE_NS: Final = 10_000_000
 """How long a full burst waits to be confirmed on each topic: one subscriber that hangs must not hold up the others."""
 UNHURRIED_PATIENCE_NS: Final = NS
@@ -74,7 +76,7 @@ class SamplePublisher:
         types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
         self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
         self._scenario = _publisher(node, String, SCENARIO, latched)
-        self._clock = self._publisher(Clock, CLOCK) if clock else None
+        self._clock = self._publisher(Clock, CLOCK, CLOCK_KEPT) if clock else None
         self._clock_ns = 0
         self._add_sensors(sensors)
         self._unsettled = 0
@@ -85,8 +87,8 @@ class SamplePublisher:
         """Take a real-time factor: where there is none (0), subscribers set the pace."""
         self._patience_ns = BURST_PATIENCE_NS if factor > 0.0 else UNHURRIED_PATIENCE_NS
 
-    def _publisher(self, kind: type, topic: str) -> Publisher:
-        return _publisher(self._node, kind, topic, QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE))
+    def _publisher(self, kind: type, topic: str, depth: int = KEPT) -> Publisher:
+        return _publisher(self._node, kind, topic, QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE))
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):

@@ -53,8 +53,9 @@ class StandardState(IntEnum):
 
 
 FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
-"""Entity categories, entity state getting and setting, entity info, reset of the state, simulation state getting and setting with pause,
-single steps, multiple steps, and the action; numbered as in simulation_interfaces/SimulatorFeatures."""
+"""Entity categories, entity state getting and setting, entity info, reset of the state, simulation state getting and
+setting with pause, single steps, multiple steps, and the action; numbered as in
+simulation_interfaces/SimulatorFeatures."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_OBJECT: Final = 0

@@ -77,7 +77,8 @@ def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClie
     assert (rate.from_value, rate.to_value) == (1e-6, 1e9)
     assert len(described["max_step"].floating_point_range) == 1
     assert len(described["epoch_ns"].integer_range) == 1
-    assert {name for name in names if described[name].read_only} == {"stamped_twist", "epoch_ns", "record_path"}
+    fixed = {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
+    assert {name for name in names if described[name].read_only} == fixed
     assert "next ~/reset" in described["inertia"].additional_constraints
     assert "closed_form" in described["motion"].additional_constraints
     assert "rad/s" in described["initial_body_rate"].description
