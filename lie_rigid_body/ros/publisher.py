@@ -33,6 +33,8 @@ CLOCK: Final = "/clock"
 NS: Final = 1_000_000_000
 KEPT: Final = 4 * LARGEST_BURST
 """Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
+CLOCK_KEPT: Final = 3 * KEPT
+"""The same for the clock, which ticks for the truth, for the IMU and for the magnetometer."""
 BURST_PATIENCE_NS: Final = 10_000_000
 """How long a full burst waits to be confirmed on each topic: one subscriber that hangs must not hold up the others."""
 LAST_PATIENCE_NS: Final = 100_000_000
@@ -84,7 +86,7 @@ class SamplePublisher:
         types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
         self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
         self._scenario = _publisher(node, String, SCENARIO, latched)
-        self._clock = self._publisher(Clock, CLOCK) if clock else None
+        self._clock = self._publisher(Clock, CLOCK, CLOCK_KEPT) if clock else None
         self._clock_ns = 0
         self._add_sensors(sensors)
         self._unsettled = 0
@@ -95,8 +97,8 @@ class SamplePublisher:
         """Take a real-time factor; 0: there is none."""
         self._is_limited = factor > 0.0
 
-    def _publisher(self, kind: type, topic: str) -> Publisher:
-        qos = QoSProfile(history=self._history, depth=KEPT, reliability=ReliabilityPolicy.RELIABLE)
+    def _publisher(self, kind: type, topic: str, depth: int = KEPT) -> Publisher:
+        qos = QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
         return _publisher(self._node, kind, topic, qos)
 
     def _add_sensors(self, sensors: Sensors) -> None:

@@ -22,9 +22,11 @@ class Peer:
 
     def __init__(self, name: str) -> None:
         self.node = rclpy.create_node(name)
+        self._clients: dict[str, Any] = {}
 
     def answer(self, kind: type, service: str, request: object) -> Any:
-        client = self.node.create_client(kind, service)
+        client = self._clients.get(service) or self.node.create_client(kind, service)
+        self._clients[service] = client
         assert client.wait_for_service(DEADLINE), service
         return self.wait_for(client.call_async(request))
 
@@ -37,6 +39,11 @@ class Peer:
         messages: list[Any] = []
         self.node.create_subscription(kind, topic, messages.append, qos)
         return messages
+
+    def listen_no_more(self) -> None:
+        """Old subscriptions, which are always ready, would keep new ones waiting."""
+        for subscription in list(self.node.subscriptions):
+            self.node.destroy_subscription(subscription)
 
     def spin_until(self, condition: Callable[[], object], what: str) -> None:
         eventually(lambda: bool(rclpy.spin_once(self.node, timeout_sec=0.1) or condition()), what)

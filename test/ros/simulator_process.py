@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ DEADLINE = 60.0
 """s: far beyond what a loaded machine takes; only a failure waits as long."""
 LAST_LINE = "Ctrl-C ends it."
 CLIENT = Path(__file__).with_name("stream_client.py")
+RAW_CLIENT = Path(__file__).with_name("raw_client.py")
 
 
 def sim_command(*arguments: str) -> list[str]:
@@ -85,6 +87,33 @@ class SimulatorProcess:
 
 def start_client(*arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen([sys.executable, str(CLIENT), *arguments], stderr=subprocess.PIPE, text=True)
+
+
+class RawClient:
+    """A process that keeps the bytes of every message; leaving the context kills it if it still runs."""
+
+    def __init__(self, out: Path, namespace: str, *topics: str) -> None:
+        self._out = out
+        command = [sys.executable, str(RAW_CLIENT), str(out), namespace, *topics]
+        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+
+    def __enter__(self) -> RawClient:
+        ready = self._out.with_name(f"{self._out.name}.ready")
+        eventually(lambda: ready.exists() or self._process.poll() is not None, "a client that listens")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._process.kill()
+        self._process.wait(DEADLINE)
+
+    def finish(self) -> dict[str, list[bytes]]:
+        """Let what is under way arrive, and return the messages of each topic."""
+        self._out.with_name(f"{self._out.name}.stop").touch()
+        finish_client(self._process)
+        seen: dict[str, list[bytes]] = pickle.loads(self._out.read_bytes())
+        return seen
 
 
 def finish_client(client: subprocess.Popen[str]) -> None:
