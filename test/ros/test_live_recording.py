@@ -14,7 +14,7 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
-from simulator_process import DEADLINE, SimulatorProcess, eventually, sim_command
+from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command
 
 from lie_rigid_body.recording.bag_reader import read_bag
 
@@ -80,11 +80,6 @@ def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
         eventually(lambda: cpu_seconds(simulator.process.pid) > idle + 0.3, "work on the second sample")
         assert simulator.end(signal.SIGINT) == 0
     assert read_bag(bag).expected_samples == 1
-
-
-def cpu_seconds(pid: int) -> float:
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def test_full_disk_ends_the_node_with_status_2_and_a_reason(tmp_path: Path) -> None:

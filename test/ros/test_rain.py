@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 import signal
 import struct
@@ -13,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from simulator_process import RawClient, SimulatorProcess
+from simulator_process import RawClient, SimulatorProcess, cpu_seconds
 
 if find_spec("rclpy"):
     import rclpy
@@ -47,11 +46,6 @@ def definition(rate: float, first_ns: int, last_ns: int) -> list[int]:
     first, last = ((stamp - EPOCH) / period for stamp in (first_ns, last_ns))
     stamps = (EPOCH + round(k * period) for k in range(max(0, int(first) - 1), int(last) + 2))
     return [stamp for stamp in stamps if first_ns <= stamp <= last_ns]
-
-
-def cpu_seconds(pid: int) -> float:
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def rain(peer: Peer, simulator: SimulatorProcess, seconds: float) -> int:
