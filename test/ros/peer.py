@@ -25,10 +25,13 @@ class Peer:
         self._clients: dict[str, Any] = {}
 
     def answer(self, kind: type, service: str, request: object) -> Any:
+        return self.wait_for(self.client(kind, service).call_async(request))
+
+    def client(self, kind: type, service: str) -> Any:
         client = self._clients.get(service) or self.node.create_client(kind, service)
         self._clients[service] = client
         assert client.wait_for_service(DEADLINE), service
-        return self.wait_for(client.call_async(request))
+        return client
 
     def wait_for(self, future: Any) -> Any:
         rclpy.spin_until_future_complete(self.node, future, timeout_sec=DEADLINE)
