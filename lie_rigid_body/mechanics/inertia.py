@@ -20,38 +20,74 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
 
     Parameters
     ----------
-    inertia : array_like, shape (3,), (6,) or (3, 3)
+    inertia : array_like, shape (3,), (6,) or (..., 3, 3)
         Principal moments along the body axes; or ``ixx ixy ixz iyy iyz izz`` (the off-diagonal entries of the tensor
-        itself, as in URDF); or the symmetric tensor. kg m², body frame.
+        itself, as in URDF); or the symmetric tensor, or a batch of them. kg m², body frame.
 
     Returns
     -------
-    ndarray, shape (3, 3)
+    ndarray, shape (..., 3, 3)
 
     Raises
     ------
     ParameterError
         If the form is another, a number is not finite, or a matrix is not symmetric.
     """
+    array = _finite(inertia)
+    if array.shape == (3,):
+        return np.diag(array)
+    if array.shape == (6,):
+        xx, xy, xz, yy, yz, zz = array
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if array.shape[-2:] != (3, 3) or array.size == 0:
+        raise ParameterError(
+            _NAME,
+            f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz, and "
+            "many bodies as tensors of shape (..., 3, 3) or by RigidBody.from_principal_moments",
+        )
+    lopsided = (array != array.swapaxes(-1, -2)).any(axis=(-2, -1))
+    if lopsided.any():
+        raise ParameterError(
+            _NAME, f"{array[lopsided][0].tolist()} is not symmetric: give equal entries across the diagonal"
+        )
+    return array
+
+
+def diagonal_matrix(moments: ArrayLike) -> Array:
+    """The inertia tensors of principal moments along the body axes.
+
+    Parameters
+    ----------
+    moments : array_like, shape (..., 3)
+        kg m².
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ParameterError
+        If the form is another or a number is not finite.
+    """
+    array = _finite(moments)
+    if array.shape[-1:] != (3,) or array.size == 0:
+        raise ParameterError(_NAME, f"principal moments of shape {array.shape}: give 3 for each body, shape (..., 3)")
+    matrix = np.zeros((*array.shape, 3))
+    matrix[..., range(3), range(3)] = array
+    return matrix
+
+
+def _finite(inertia: ArrayLike) -> Array:
     try:
         array = np.array(inertia, dtype=np.float64)
     except (TypeError, ValueError):
         raise ParameterError(
             _NAME, f"{inertia!r} is not numbers: give 3 principal moments or 6 tensor entries"
         ) from None
-    if array.shape not in ((3,), (6,), (3, 3)):
-        raise ParameterError(
-            _NAME, f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz"
-        )
     if not np.isfinite(array).all():
-        raise ParameterError(_NAME, f"{array.tolist()} is not finite: give finite numbers in kg m²")
-    if array.shape == (3,):
-        return np.diag(array)
-    if array.shape == (6,):
-        xx, xy, xz, yy, yz, zz = array
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if not np.array_equal(array, array.T):
-        raise ParameterError(_NAME, f"{array.tolist()} is not symmetric: give equal entries across the diagonal")
+        shown = array if array.size <= 9 else array[~np.isfinite(array)][:1]
+        raise ParameterError(_NAME, f"{shown.tolist()} is not finite: give finite numbers in kg m²")
     return array
 
 
@@ -60,24 +96,24 @@ def principal_decomposition(matrix: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    matrix : ndarray, shape (3, 3)
+    matrix : ndarray, shape (..., 3, 3)
         Symmetric inertia tensor, kg m².
 
     Returns
     -------
-    moments : ndarray, shape (3,)
+    moments : ndarray, shape (..., 3)
         Ascending, kg m². Exactly the diagonal, if the matrix is diagonal.
-    axes : ndarray, shape (3, 3)
+    axes : ndarray, shape (..., 3, 3)
         Columns are the principal axes in the body frame, right-handed.
     """
-    diagonal = np.diag(matrix)
-    if np.array_equal(matrix, np.diag(diagonal)):
-        order = np.argsort(diagonal, kind="stable")
-        moments, axes = diagonal[order], np.eye(3)[:, order]
-    else:
-        moments, axes = np.linalg.eigh(matrix)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 2] = -axes[:, 2]
+    moments, axes = np.linalg.eigh(matrix)
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    order = np.argsort(diagonal, axis=-1, kind="stable")
+    plain = (matrix == diagonal[..., np.newaxis] * np.eye(3)).all(axis=(-2, -1))[..., np.newaxis]
+    moments = np.where(plain, np.take_along_axis(diagonal, order, axis=-1), moments)
+    axes = np.where(plain[..., np.newaxis], np.eye(3)[order].swapaxes(-1, -2), axes)
+    mirrored = np.linalg.det(axes) < 0.0
+    axes[..., 2] = np.where(mirrored[..., np.newaxis], -axes[..., 2], axes[..., 2])
     return moments, axes
 
 
@@ -86,7 +122,7 @@ def require_physical(moments: Array) -> None:
 
     Parameters
     ----------
-    moments : ndarray, shape (3,)
+    moments : ndarray, shape (..., 3)
         Ascending, kg m².
 
     Raises
@@ -94,12 +130,17 @@ def require_physical(moments: Array) -> None:
     ParameterError
         If the smallest is not positive, or the largest exceeds the sum of the others by more than round-off.
     """
-    small, middle, large = (float(m) for m in moments)
-    if not small > 0.0:
+    rows = moments.reshape(-1, 3)
+    lacking = ~(rows[:, 0] > 0.0)
+    if lacking.any():
         raise ParameterError(
-            _NAME, f"smallest principal moment {small!r} is not positive: every moment must be above 0 kg m²"
+            _NAME,
+            f"smallest principal moment {float(rows[lacking][0, 0])!r} is not positive: "
+            "every moment must be above 0 kg m²",
         )
-    if large - middle > small + _ROUND_OFF * large:
+    excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + _ROUND_OFF * rows[:, 2]
+    if excess.any():
+        small, middle, large = rows[excess][0].tolist()
         raise ParameterError(
             _NAME,
             f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality: "
@@ -112,7 +153,7 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
 
     Parameters
     ----------
-    tensor : ndarray, shape (3, 3)
+    tensor : ndarray, shape (..., 3, 3)
     vectors : ndarray, shape (..., 3)
 
     Returns
@@ -120,4 +161,4 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
     ndarray, shape (..., 3)
     """
     x, y, z = vectors[..., 0:1], vectors[..., 1:2], vectors[..., 2:3]
-    return np.asarray(x * tensor[:, 0] + y * tensor[:, 1] + z * tensor[:, 2])
+    return np.asarray(x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2])

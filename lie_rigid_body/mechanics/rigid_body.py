@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.inertia import apply_tensor, inertia_matrix, principal_decomposition, require_physical
+from lie_rigid_body.mechanics.inertia import (
+    apply_tensor,
+    diagonal_matrix,
+    inertia_matrix,
+    principal_decomposition,
+    require_physical,
+)
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
 
@@ -14,28 +20,29 @@ Array = NDArray[np.float64]
 
 
 class RigidBody:
-    """A free rigid body, known by its inertia about its centre of mass.
+    """A free rigid body, known by its inertia about its centre of mass; or a batch of them.
 
     Parameters
     ----------
-    inertia : array_like, shape (3,), (6,) or (3, 3)
-        Principal moments along the body axes, or ``ixx ixy ixz iyy iyz izz``, or the symmetric tensor; kg m².
+    inertia : array_like, shape (3,), (6,) or (..., 3, 3)
+        Principal moments along the body axes, or ``ixx ixy ixz iyy iyz izz``, or the symmetric tensor; kg m². Tensors
+        with leading axes make a batch of bodies.
 
     Attributes
     ----------
-    inertia : ndarray, shape (3, 3)
+    inertia : ndarray, shape (..., 3, 3)
         Tensor in the body frame, kg m².
-    inverse_inertia : ndarray, shape (3, 3)
+    inverse_inertia : ndarray, shape (..., 3, 3)
         Its inverse, 1/(kg m²).
-    principal_moments : ndarray, shape (3,)
+    principal_moments : ndarray, shape (..., 3)
         Ascending, kg m².
-    principal_axes : ndarray, shape (3, 3)
+    principal_axes : ndarray, shape (..., 3, 3)
         Columns are the principal axes in the body frame, right-handed, in the order of the moments.
 
     Raises
     ------
     ParameterError
-        If the inertia is not finite, not positive definite, or breaks the triangle inequality.
+        If an inertia is not finite, not positive definite, or breaks the triangle inequality.
     """
 
     __slots__ = ("inertia", "inverse_inertia", "principal_axes", "principal_moments")
@@ -47,6 +54,26 @@ class RigidBody:
         self.inverse_inertia: Array = np.linalg.inv(self.inertia)
         for array in (self.inertia, self.inverse_inertia, self.principal_moments, self.principal_axes):
             array.setflags(write=False)
+
+    @classmethod
+    def from_principal_moments(cls, moments: ArrayLike) -> RigidBody:
+        """The body, or the batch of bodies, with these principal moments along the body axes.
+
+        Parameters
+        ----------
+        moments : array_like, shape (..., 3)
+            kg m².
+
+        Returns
+        -------
+        RigidBody
+
+        Raises
+        ------
+        ParameterError
+            See the class.
+        """
+        return cls(diagonal_matrix(moments))
 
     @classmethod
     def from_second_moment(cls, second_moment: ArrayLike) -> RigidBody:
@@ -70,10 +97,32 @@ class RigidBody:
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M about the centre of mass in the body frame, shape (3, 3), kg m²."""
-        return second_moment_from_inertia(self.inertia)
+        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M about the centre of mass in the body frame, shape (..., 3, 3), kg m²."""
+        tensors = self.inertia.reshape(-1, 3, 3)
+        return np.array([second_moment_from_inertia(tensor) for tensor in tensors]).reshape(self.inertia.shape)
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """The leading axes: () for one body."""
+        return self.inertia.shape[:-2]
+
+    def __len__(self) -> int:
+        if not self.batch_shape:
+            raise TypeError("one RigidBody has no length")
+        return self.batch_shape[0]
+
+    def __getitem__(self, index: int | slice) -> RigidBody:
+        """The bodies at an index of the first leading axis."""
+        if not self.batch_shape:
+            raise TypeError("one RigidBody cannot be indexed")
+        part = RigidBody.__new__(RigidBody)
+        for name in self.__slots__:
+            setattr(part, name, getattr(self, name)[index])
+        return part
 
     def __repr__(self) -> str:
+        if self.inertia.size > 9:
+            return f"<RigidBody of shape {self.batch_shape}>"
         return f"RigidBody({self.inertia.tolist()})"
 
     def body_momentum(self, states: State) -> Array:
@@ -82,13 +131,16 @@ class RigidBody:
         Parameters
         ----------
         states : State
+            Those of a batch of bodies have its axes first, as a motion gives them.
 
         Returns
         -------
         ndarray, shape (..., 3)
             kg m²/s.
         """
-        return apply_tensor(self.inertia, states.body_rate)
+        more = states.body_rate.ndim - 1 - len(self.batch_shape)
+        extra = (1,) * more if self.batch_shape else ()
+        return apply_tensor(self.inertia.reshape(*self.batch_shape, *extra, 3, 3), states.body_rate)
 
     def angular_momentum(self, states: State) -> Array:
         """Angular momentum in the world frame, A M ω: conserved, component by component.

@@ -93,12 +93,13 @@ def _numbers(name: str, value: ArrayLike, size: int) -> Array:
     if array.ndim == 0 or array.shape[-1] != size:
         raise ParameterError(name, f"shape {array.shape} is not (..., {size}): give {size} numbers")
     if not np.isfinite(array).all():
-        raise ParameterError(name, f"{array.tolist()} is not finite: give {size} finite numbers")
+        worst = array[~np.isfinite(array).all(axis=-1)].reshape(-1, size)[0]
+        raise ParameterError(name, f"{worst.tolist()} is not finite: give {size} finite numbers")
     return array
 
 
 def _unit(name: str, attitude: Array) -> Array:
-    norms = np.atleast_1d(quaternion.norm(attitude))
+    norms = np.ravel(quaternion.norm(attitude))
     worst = norms[np.argmax(np.abs(norms - 1.0))] if norms.size else 1.0
     if abs(worst - 1.0) > UNIT_NORM_TOLERANCE:
         raise ParameterError(

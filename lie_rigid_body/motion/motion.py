@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 
 
 class Motion(Protocol):
-    """A torque-free motion: the states of a body at given times."""
+    """A torque-free motion: the states of a body, or of an ensemble of bodies, at given times."""
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times.
@@ -25,13 +26,13 @@ class Motion(Protocol):
         Returns
         -------
         State
-            Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
+            Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array; of an ensemble, after its axes.
         """
         ...
 
 
 def require_body_and_start(body: object, start: object) -> None:
-    """Refuse what is no body, or no state of one instant.
+    """Refuse what is no single body, or no state of one instant.
 
     Parameters
     ----------
@@ -42,12 +43,47 @@ def require_body_and_start(body: object, start: object) -> None:
     InputError
         Saying which, and what to give.
     """
+    shape = batch_shape(body, start)
+    if shape:
+        raise InputError(
+            f"body and start hold {math.prod(shape)} bodies and states, of shape {shape}: give one of each"
+        )
+
+
+def batch_shape(body: object, start: object) -> tuple[int, ...]:
+    """The leading axes of the states of bodies from their starts.
+
+    They follow numpy's rules of broadcasting, but where both have leading axes the body must not have fewer than the
+    start: its axes then are the first of every result, and ``body.kinetic_energy(states)`` takes them so.
+
+    Parameters
+    ----------
+    body, start : object
+
+    Returns
+    -------
+    tuple of int
+
+    Raises
+    ------
+    InputError
+        If one is no RigidBody or State, or their leading axes do not go together.
+    """
     if not isinstance(body, RigidBody):
         raise InputError(f"body {_one_line(body)} is not a RigidBody: give for example RigidBody([1, 2, 3])")
     if not isinstance(start, State):
         raise InputError(f"start {_one_line(start)} is not a State: give for example State([0, 0, 0, 1], [0, 1, 0])")
-    if start.body_rate.ndim != 1:
-        raise InputError(f"start holds {start.body_rate.shape[:-1]} states: give one")
+    bodies, starts = body.batch_shape, start.body_rate.shape[:-1]
+    try:
+        shape = np.broadcast_shapes(bodies, starts)
+    except ValueError:
+        shape = ()
+    if ((bodies or starts) and not shape) or 0 < len(bodies) < len(starts):
+        raise InputError(
+            f"bodies of shape {bodies} do not go with starts of shape {starts}: give equal leading axes, "
+            "of length 1 where one body or start serves all"
+        )
+    return shape
 
 
 def _one_line(value: object) -> str:

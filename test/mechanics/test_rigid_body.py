@@ -90,6 +90,66 @@ def test_energy_and_momentum_are_what_the_definitions_say(axes, turn, rate):
     np.testing.assert_allclose(body.kinetic_energy(state), energy, rtol=1e-14, atol=1e-300)
 
 
+def batch(count):
+    random = np.random.default_rng(1)
+    axes = np.linalg.qr(random.normal(size=(count, 3, 3)))[0]
+    moments = np.array([ellipsoid_moments(row) for row in random.uniform(0.1, 3.0, size=(count, 3))])
+    tensors = axes @ (moments[..., np.newaxis] * axes.swapaxes(-1, -2))
+    tensors[1] = np.diag([3.0, 1.0, 2.5])
+    return 0.5 * (tensors + tensors.swapaxes(-1, -2))
+
+
+def test_a_batch_of_bodies_is_each_of_them():
+    tensors = batch(12)
+    bodies = RigidBody(tensors.reshape(3, 4, 3, 3))
+    assert (bodies.batch_shape, len(bodies), bodies[1].batch_shape) == ((3, 4), 3, (4,))
+    states = State(np.tile([0.0, 0.6, 0.0, 0.8], (3, 4, 5, 1)), np.arange(180.0).reshape(3, 4, 5, 3))
+    energy, momentum = bodies.kinetic_energy(states), bodies.angular_momentum(states)
+    assert (energy.shape, momentum.shape) == ((3, 4, 5), (3, 4, 5, 3))
+    for i, j in np.ndindex(3, 4):
+        alone = RigidBody(tensors[4 * i + j])
+        for name in ("inertia", "inverse_inertia", "principal_moments", "principal_axes", "second_moment"):
+            np.testing.assert_array_equal(getattr(bodies, name)[i, j], getattr(alone, name))
+            np.testing.assert_array_equal(getattr(bodies[i][j], name), getattr(alone, name))
+        np.testing.assert_array_equal(energy[i, j], alone.kinetic_energy(states[i][j]))
+        np.testing.assert_array_equal(momentum[i, j], alone.angular_momentum(states[i][j]))
+
+
+def test_a_batch_of_principal_moments():
+    moments = [[1.0, 2.0, 3.0], [0.6, 1.0, 0.8]]
+    bodies = RigidBody.from_principal_moments(moments)
+    for body, own in zip(bodies, moments, strict=True):
+        np.testing.assert_array_equal(body.inertia, np.diag(own))
+    np.testing.assert_array_equal(RigidBody.from_principal_moments([1.0, 2.0, 3.0]).inertia, np.diag([1.0, 2.0, 3.0]))
+
+
+@pytest.mark.parametrize(
+    ("inertia", "said"),
+    [
+        (np.ones((5, 3)), "from_principal_moments"),
+        (np.ones((4, 6)), r"shape \(4, 6\): .*tensors of shape \(..., 3, 3\)"),
+        (np.empty((0, 3, 3)), "0 numbers"),
+        ([np.eye(3), np.diag([1.0, 1.0, 2.1])], "1.0, 1.0, 2.1 break"),
+        ([np.eye(3), np.diag([-0.5, 1.0, 1.0])], "moment -0.5 is not"),
+        ([np.eye(3), np.triu(np.ones((3, 3)))], "not symmetric"),
+        ([np.eye(3), np.full((3, 3), np.nan)], "not finite"),
+    ],
+)
+def test_a_batch_with_an_impossible_inertia_is_refused(inertia, said):
+    with pytest.raises(ParameterError, match=said) as caught:
+        RigidBody(inertia)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 250
+
+
+def test_one_body_is_no_sequence():
+    body = RigidBody([1.0, 2.0, 3.0])
+    with pytest.raises(TypeError):
+        len(body)
+    with pytest.raises(TypeError):
+        body[0]
+
+
 def test_quantities_are_batched():
     body = RigidBody([1.0, 2.0, 3.0])
     states = State(np.tile([0, 0, 0, 1.0], (5, 1)), np.arange(15.0).reshape(5, 3))
@@ -108,6 +168,8 @@ def test_quantities_are_batched():
         ([0, 0, 0, 1], [0, np.inf, 0], "not finite"),
         ([0, 0, 0, 1], [0, 0], "give 3 numbers"),
         ([[0, 0, 0, 1]], [0, 0, 0], "leading axes"),
+        ([[[0, 0, 0, 1], [0, 0, 0, 2]]], np.zeros((1, 2, 3)), "norm 2 is not 1"),
+        ([[0, 0, 0, 1]] * 2, [[0, 0, 0], [0, np.inf, 0]], "inf, 0.0] is not finite"),
     ],
 )
 def test_impossible_states_are_refused(attitude, rate, said):

@@ -55,9 +55,9 @@ def inverse(m):
     return [[x / determinant for x in row] for row in cofactors]
 
 
-def series(m, inverse_m, attitude, rate):
-    """Taylor coefficients of q, ω at a state, by the recurrences of the two equations."""
-    w, p, q = [rate], [[dot(row, rate) for row in m]], [attitude]
+def series(inverse_m, attitude, momentum):
+    """Taylor coefficients of q, Mω at a state, by the recurrences of the two equations."""
+    w, p, q = [[dot(row, momentum) for row in inverse_m]], [momentum], [attitude]
     for k in range(ORDER):
         torque = [Decimal(0)] * 3
         turn = [Decimal(0)] * 4
@@ -68,7 +68,7 @@ def series(m, inverse_m, attitude, rate):
         p.append([t / (k + 1) for t in torque])
         w.append([dot(row, p[-1]) for row in inverse_m])
         q.append([t / (2 * (k + 1)) for t in turn])
-    return q, w
+    return q, p
 
 
 def horner(coefficients, h):
@@ -78,18 +78,33 @@ def horner(coefficients, h):
     return value
 
 
+def carried(inverse_m, q, p, seconds: Decimal, speed: Decimal):
+    """The attitude and momentum of q′ = ½ q ⊗ ω, p′ = p × ω with ω = M⁻¹p this much later."""
+    step, now = STEP / speed if speed else Decimal(1), Decimal(0)
+    while now != seconds:
+        h = max(min(seconds - now, step), -step)
+        qs, ps = series(inverse_m, q, p)
+        q, p, now = horner(qs, h), horner(ps, h), now + h
+    return q, p
+
+
+def moved(m, q, w, seconds: Decimal):
+    """The state q, ω this much later, in the context in force."""
+    inverse_m, p = inverse(m), [dot(row, w) for row in m]
+    # by the triangle inequality of the moments |ω′| ≤ |ω|², and |ω| stays within the ratio of the moments
+    q, p = carried(inverse_m, q, p, seconds, norm(w))
+    return q, [dot(row, p) for row in inverse_m]
+
+
 def reference(inertia, attitude, rate, t_ns: Sequence[int]) -> list[Reference]:
     """The states at times of one sign, in order of growing size."""
     with context():
         m = [[Decimal(float(x)) for x in row] for row in np.asarray(inertia)]
         q, w = [Decimal(float(x)) for x in attitude], [Decimal(float(x)) for x in rate]
-        # by the triangle inequality of the moments |ω′| ≤ |ω|², and |ω| stays within the ratio of the moments
-        step, now, states = STEP / norm(w) if any(w) else Decimal(1), Decimal(0), []
+        now, states = Decimal(0), []
         for goal in (Decimal(int(t)).scaleb(-9) for t in t_ns):
-            while now != goal:
-                h = max(min(goal - now, step), -step)
-                qs, ws = series(m, inverse(m), q, w)
-                q, w, now = horner(qs, h), horner(ws, h), now + h
+            q, w = moved(m, q, w, goal - now)
+            now = goal
             states.append(Reference(q, w))
         return states
 

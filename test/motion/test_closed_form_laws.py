@@ -152,6 +152,50 @@ def test_the_unit_of_time_does_not_matter(name: str):
     assert_same(State.trusted(slow.attitude_xyzw, slow.body_rate * 8.0), motion.at(times), 1e-15)
 
 
+MOMENTS = st.tuples(*[st.floats(0.5, 1.0)] * 3)
+COMPONENTS = st.tuples(*[st.floats(-3.0, 3.0).filter(lambda x: x == 0.0 or abs(x) > 1e-3)] * 3)
+STAMPS = st.integers(-(10**16), 10**16)
+ORDERS = st.sampled_from([[0.5, 0.5, 0.5, 0.5], [0.5, 0.5, 0.5, -0.5], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+
+
+@settings(max_examples=60, deadline=None)
+@given(MOMENTS, COMPONENTS, STAMPS, st.integers(-300, 300))
+def test_going_on_from_any_state_on_the_way_is_the_same_motion(moments, rate, s: int, hundredths: int):
+    """Motion by s and then t is motion by s + t, but for what the rounding of the state on the way becomes.
+
+    A change of ω by ε at the start makes at most ε exp(Λt) after t, as ω′ = f(ω) with |∂f/∂ω| ≤ Λ = 2|ω|max
+    (each |Iᵢ − Iⱼ|/Iₖ is at most 1), and turns the attitude by no more than ∫ε exp(Λt)dt.
+    """
+    body, start = RigidBody(list(moments)), State(quaternion.normalize(TILTED), list(rate))
+    t, motion = hundredths * SECOND // 100, ClosedForm(body, start)
+    onward, whole = ClosedForm(body, motion.at(s)).at(t), motion.at(s + t)
+    fastest = float(np.sqrt(2.0 * body.kinetic_energy(start) / body.principal_moments[0]))
+    growth = np.exp(2.0 * fastest * abs(t) * 1e-9)
+    bound = 4e-15 * (1.0 + growth)
+    assert np.abs(onward.body_rate - whole.body_rate).max() <= bound * fastest
+    assert np.abs(onward.attitude_xyzw - whole.attitude_xyzw).max() <= bound
+
+
+@settings(max_examples=60, deadline=None)
+@given(MOMENTS, COMPONENTS, STAMPS, ORDERS, st.integers(-60, 60), st.integers(-3, 3))
+def test_time_axes_and_units_do_not_matter_to_any_motion(moments, rate, t_ns: int, turn, power: int, scale: int):
+    body, start = RigidBody(list(moments)), State(quaternion.normalize(TILTED), list(rate))
+    states = ClosedForm(body, start).at(8 * t_ns)
+    mirrored = ClosedForm(body, State(start.attitude_xyzw, -start.body_rate)).at(-8 * t_ns)
+    assert_same(State.trusted(mirrored.attitude_xyzw, -mirrored.body_rate), states, 2e-15)
+    heavy = ClosedForm(RigidBody(body.inertia * 2.0**power), start).at(8 * t_ns)
+    assert_same(heavy, states, 2e-15)
+    faster = State(start.attitude_xyzw, start.body_rate * 2.0**scale)
+    seen = ClosedForm(body, faster).at(8 * t_ns // 2**scale if scale >= 0 else 8 * t_ns * 2**-scale)
+    assert_same(State.trusted(seen.attitude_xyzw, seen.body_rate / 2.0**scale), states, 2e-15)
+    matrix = np.rint(so3.exp(quaternion.log(turn)))
+    attitude = quaternion.multiply(start.attitude_xyzw, quaternion.conjugate(turn))
+    named = ClosedForm(RigidBody(matrix @ body.inertia @ matrix.T), State(attitude, matrix @ start.body_rate)).at(
+        8 * t_ns
+    )
+    assert_same(State.trusted(quaternion.multiply(named.attitude_xyzw, turn), named.body_rate @ matrix), states, 2e-15)
+
+
 def test_a_world_turned_beforehand_turns_every_attitude():
     body, start, motion = made("products")
     world = quaternion.normalize([0.3, 0.2, -0.9, 0.1])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from closed_form_reference import attitude_error, rate_error, reference
+from closed_form_far_reference import course_of, decimal, digits_for, far_reference, far_time
+from closed_form_reference import attitude_error, multiply, rate_error, reference
+from mpmath import mp, mpf
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 
@@ -55,6 +57,19 @@ def across_the_separatrix():
                 yield RATIONAL, [rate[0] * side, *rate[1:]]
 
 
+def beside_the_separatrix():
+    """1 − m of about 1e-6 to 1e-30 on each side: with FLAT, l² = 2H I₂ where |ω₁| = √3 |ω₃|."""
+    for size in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15):
+        for rate in ([size, 1.0, 0.2 * size], [-0.2 * size, -1.0, size]):
+            yield FLAT, rate
+
+
+def flat():
+    for inertia in (FLAT, [0.3, 0.7, 1.0], [0.5, 1.0, 0.5]):
+        for rate in ([0.3, 0.5, 1.1], [1.1, -0.5, 0.2], [1e-6, 1e-7, 1.0]):
+            yield inertia, rate
+
+
 def steady():
     for rate in ([0.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.3], [2.0, 0.0, 0.0]):
         yield ASYMMETRIC, rate
@@ -95,6 +110,8 @@ REGIMES = [
     nearly_symmetric,
     symmetric,
     across_the_separatrix,
+    beside_the_separatrix,
+    flat,
     steady,
     scaled,
     with_products,
@@ -123,6 +140,64 @@ def test_each_regime_is_the_solution_of_the_equations_of_motion(regime):
 def test_each_regime_is_the_solution_of_the_equations_of_motion_for_many_turns(regime):
     for i, (inertia, rate) in enumerate(regime()):
         check(inertia, rate, ATTITUDES[i % 3], (-1) ** (i // 2), [1e-9, 0.3, 8.0, 25.0])
+
+
+def check_far(inertia, rate, attitude, sign: int) -> None:
+    """At |ω|t of 1e10 rad, in some 1e7 s: 1024 times as fast a motion has exactly the same shape."""
+    body = RigidBody(inertia)
+    factor = 1024.0 if np.max(np.abs(rate)) < 100.0 else 1.0
+    start = State(attitude / np.linalg.norm(attitude), factor * np.array(rate))
+    t_ns = sign * far_time(body.inertia, start.body_rate, 1e10, 2.5)
+    exact = far_reference(body.inertia, start.attitude_xyzw, start.body_rate, t_ns)
+    state = ClosedForm(body, start).at(t_ns)
+    assert attitude_error(exact.attitude_xyzw, state.attitude_xyzw) < ATTITUDE_BOUND, (inertia, rate, t_ns)
+    assert rate_error(exact.body_rate, state.body_rate) < RATE_BOUND, (inertia, rate, t_ns)
+
+
+FAR_REGIMES = [regime for regime in REGIMES if regime is not steady]
+
+
+@pytest.mark.parametrize("regime", FAR_REGIMES)
+def test_each_regime_is_right_after_ten_thousand_million_radians(regime):
+    cases = [case for case in regime() if is_quick(*case)]
+    for i, (inertia, rate) in enumerate(cases[:: 1 if len(cases) < 12 else 3]):
+        check_far(inertia, rate, ATTITUDES[i % 3], (-1) ** i)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("regime", FAR_REGIMES)
+def test_every_case_of_each_regime_is_right_after_ten_thousand_million_radians(regime):
+    for i, (inertia, rate) in enumerate(regime()):
+        check_far(inertia, rate, ATTITUDES[i % 3], (-1) ** (i // 2))
+
+
+def is_quick(inertia, rate) -> bool:
+    """Whether the reference takes no many digits and no many steps."""
+    body = RigidBody(inertia)
+    digits = digits_for(body.inertia, rate)
+    with mp.workdps(digits):
+        return digits < 400 and (course_of(body.inertia, rate).m1 != 0 or rate[1] == 3.0)
+
+
+@pytest.mark.parametrize(("inertia", "rate"), list(beside_the_separatrix()))
+def test_the_cases_beside_the_separatrix_are_as_near_to_it_as_they_say(inertia, rate):
+    body, size = RigidBody(inertia), float(np.sort(np.abs(rate))[1])
+    with mp.workdps(200):
+        assert 0.5 < course_of(body.inertia, rate).m1 / mpf(size) ** 2 < 3.0
+
+
+@pytest.mark.parametrize("t_ns", [10**16, -(10**16), 12345678901234567])
+def test_a_steady_rotation_is_right_after_ten_thousand_million_radians(t_ns: int):
+    for inertia, rate in steady():
+        body, start = RigidBody(inertia), State(ATTITUDES[2], np.array(rate) * 1000.0)
+        with mp.workdps(60):
+            axis, speed = [mpf(float(x)) for x in start.body_rate], mp.sqrt(sum(mpf(x) ** 2 for x in start.body_rate))
+            half = speed * t_ns / 10**9 / 2
+            turn = [*(x / (speed or 1) * mp.sin(half) for x in axis), mp.cos(half)]
+            exact = multiply([decimal(mpf(x)) for x in start.attitude_xyzw], [decimal(x) for x in turn])
+        state = ClosedForm(body, start).at(t_ns)
+        assert attitude_error(exact, state.attitude_xyzw) < ATTITUDE_BOUND
+        np.testing.assert_array_equal(state.body_rate, start.body_rate)
 
 
 @pytest.mark.slow

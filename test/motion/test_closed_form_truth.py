@@ -33,10 +33,3 @@ def test_times_that_are_not_integers_are_refused(t_ns):
     body, start, _ = CASES["asymmetric"]
     with pytest.raises(InputError, match="t_ns"):
         ClosedForm(body, start).at(t_ns)
-
-
-def test_a_start_of_many_instants_is_refused():
-    body, start, points = CASES["asymmetric"]
-    motion = ClosedForm(body, start)
-    with pytest.raises(InputError, match="give one"):
-        ClosedForm(body, motion.at([points[0].t_ns, points[1].t_ns]))

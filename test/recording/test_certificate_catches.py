@@ -11,7 +11,8 @@ from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, wi
 
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.batch import BatchEncoder, encode_string
+from lie_rigid_body.recording.batch import BatchEncoder
+from lie_rigid_body.recording.cdr import encode_string
 from lie_rigid_body.recording.certificate import Certificate, certify
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken

@@ -7,7 +7,8 @@ A table of contents, in the order of a computation
 - `polhode`, `herpolhode`: the constants of the body rate's path in the body, and of the momentum's turn;
 - `double_double`, `clock`: phases of up to 1e19 ns reduced without loss, batched;
 - `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions, batched;
-- `steady_motion`, `general_motion`, `closed_form`: the states;
+- `steady_motion`, `general_motion`: the states of one motion;
+- `columns`, `stack`, `ensemble`, `memory`, `closed_form`: of many at once, block by block;
 - `constants`, `description`: regime, period, precession and flips, for those who want to know them without the states.
 """
 

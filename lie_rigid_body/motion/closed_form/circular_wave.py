@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import Array
+from lie_rigid_body.motion.closed_form.double_double import Array, Number
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.theta import Cubic
 from lie_rigid_body.motion.closed_form.wave import Crest
@@ -22,7 +22,7 @@ class CircularWave:
     (E. T. Whittaker, G. N. Watson, A Course of Modern Analysis, sec. 22.74).
     """
 
-    nome: float
+    nome: Number
     sn: Cubic
     cn: Cubic
     dn: Cubic
@@ -53,7 +53,7 @@ class CircularWave:
         )
 
     def at(self, phase: Array) -> Crest:
-        """The functions at ζ in [−½π, ½π], shape (N,)."""
+        """The functions at ζ in [−½π, ½π], shape (..., N)."""
         s, c = np.sin(phase), np.cos(phase)
         z = 2.0 * self.nome * ((c - s) * (c + s))
         inverse = 1.0 / theta.values(self.denominator, z)

@@ -53,9 +53,9 @@ class Clock:
 
         Returns
         -------
-        phase : ndarray, shape (N,)
+        phase : ndarray, shape (..., N)
             Within a quarter period of 0.
-        parity : ndarray, shape (N,)
+        parity : ndarray, shape (..., N)
             +1 where the phase lies within a quarter period of a whole turn, else −1.
         """
         hi, lo = self.turns(time)

@@ -1,87 +1,82 @@
-"""The closed form as a motion: states at any times from a body and a start."""
+"""The closed form as a motion: states at any times from bodies and starts."""
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.closed_form import double_double
-from lie_rigid_body.motion.closed_form.exact import is_steady
-from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
-from lie_rigid_body.motion.closed_form.precision import working_precision
-from lie_rigid_body.motion.closed_form.principal_axes import digits_for
-from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
-from lie_rigid_body.motion.motion import nanoseconds, require_body_and_start
+from lie_rigid_body.motion.closed_form.ensemble import Ensemble
+from lie_rigid_body.motion.closed_form.memory import samples_at_once
+from lie_rigid_body.motion.motion import batch_shape, nanoseconds
 
-_BLOCK: Final = 8192
-"""Samples taken at once: their temporaries then stay in a processor's cache."""
+DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
+"""Bytes."""
 
 
 class ClosedForm:
-    """Torque-free motion by its exact solution in theta functions.
+    """Torque-free motion by its exact solution in theta functions, of one body or of an ensemble.
 
-    The constants of a motion are computed once, in decimal arithmetic of 64 digits or more; a state costs a fixed
+    The constants of a motion are computed once, in decimal arithmetic of 80 digits or more; a state costs a fixed
     number of elementwise operations, whatever the time. The errors do not grow with time: the body and the start are
     taken as exactly the given doubles, and phases are reduced in double-double.
 
     Parameters
     ----------
     body : RigidBody
+        One, or a batch.
     start : State
-        Of one instant: shapes (4,) and (3,).
+        Of one instant, or of one for each body. The batches broadcast; one of shape () goes with every other.
 
     Raises
     ------
     InputError
-        If the body is no RigidBody, or the start no State of one instant.
+        If the body is no RigidBody, the start no State, or their batches do not go together.
     """
 
-    __slots__ = ("_motion",)
+    __slots__ = ("_batch", "_ensemble")
 
     def __init__(self, body: RigidBody, start: State) -> None:
-        require_body_and_start(body, start)
-        self._motion = _motion(body.inertia.tolist(), start)
+        self._batch = batch_shape(body, start)
+        self._ensemble = Ensemble.of(
+            np.broadcast_to(body.inertia, (*self._batch, 3, 3)).reshape(-1, 3, 3),
+            np.broadcast_to(start.attitude_xyzw, (*self._batch, 4)).reshape(-1, 4),
+            np.broadcast_to(start.body_rate, (*self._batch, 3)).reshape(-1, 3),
+        )
 
-    def at(self, t_ns: ArrayLike) -> State:
+    def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
 
         The attitude is the continuous path on the unit quaternions that begins at the start's, whatever times are
-        asked for. A batch gives the bits of its rows.
+        asked for. Each body and time has the bits that it has alone.
 
         Parameters
         ----------
         t_ns : int or array_like of int, shape (N,)
             Nanoseconds since the start, of either sign, in any order.
+        memory_limit : int, optional
+            Bytes that the states and everything made on the way may take; 4 GiB unless given. The states take 56 of
+            them for each body and time.
 
         Returns
         -------
         State
-            Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
+            Of shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
+            the batch.
 
         Raises
         ------
         InputError
-            If the times are not integers, or not of at most one axis.
+            If the times are not integers, or not of at most one axis, or the states would take more memory than
+            allowed.
         """
         times = nanoseconds(t_ns)
-        flat = np.atleast_1d(times)
-        attitude, rate = np.empty((len(flat), 4)), np.empty((len(flat), 3))
-        for begin in range(0, len(flat), _BLOCK):
-            block = slice(begin, begin + _BLOCK)
-            states = self._motion.states(double_double.from_integers(flat[block]))
-            attitude[block], rate[block] = states.attitude_xyzw, states.body_rate
-        states = State.trusted(attitude, rate)
-        return states if times.ndim else states[0]
-
-
-def _motion(inertia: list[list[float]], start: State) -> SteadyMotion | GeneralMotion:
-    rate = start.body_rate.tolist()
-    with working_precision(digits_for([entry for row in inertia for entry in row])):
-        if is_steady(inertia, rate):
-            return SteadyMotion.of(start)
-        frame, polhode = frame_and_polhode(inertia, rate)
-        return GeneralMotion.of(frame, polhode, start.attitude_xyzw)
+        bodies = math.prod(self._batch)
+        block = samples_at_once(bodies, times.size, memory_limit)
+        attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
+        self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
+        shape = (*self._batch, *times.shape)
+        return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))

@@ -13,7 +13,7 @@ from lie_rigid_body.motion.closed_form.herpolhode import precession_rate
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.polhode import Polhode, frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
-from lie_rigid_body.motion.closed_form.principal_axes import digits_for
+from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
@@ -94,7 +94,7 @@ class MotionConstants:
         with working_precision(digits_for([entry for row in inertia for entry in row])):
             if is_steady(inertia, rate):
                 return cls("steady" if any(rate) else "rest", None)
-            frame, polhode = frame_and_polhode(inertia, rate)
+            frame, polhode = frame_and_polhode(principal_axes(inertia), inertia, rate)
             return cls(_regime(frame, polhode), _circulation(frame, polhode))
 
 

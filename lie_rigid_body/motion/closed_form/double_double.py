@@ -11,12 +11,15 @@ T. J. Dekker, "A floating-point technique for extending the available precision"
 from __future__ import annotations
 
 from decimal import Decimal
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+Number: TypeAlias = float | Array
+"""A constant of one motion; of many motions in a `Stack`, their column of shape (B, 1)."""
 
 _SPLITTER: Final = 134217729.0  # 2²⁷ + 1
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from decimal import Decimal, getcontext
 
-from lie_rigid_body.motion.closed_form.precision import PI
+from lie_rigid_body.motion.closed_form.precision import PI, root
 
 
 def _round_off() -> Decimal:
@@ -20,7 +20,7 @@ def _round_off() -> Decimal:
 
 
 def symmetric_first(x: Decimal, y: Decimal, z: Decimal) -> Decimal:
-    """Carlson's R_F(x, y, z), by duplication (Carlson 1995, algorithm of sec. 2; DLMF 19.36.1 to fifth order).
+    """Carlson's R_F(x, y, z), by duplication (Carlson 1995, algorithm of sec. 2; DLMF 19.36.1).
 
     Parameters
     ----------
@@ -29,8 +29,9 @@ def symmetric_first(x: Decimal, y: Decimal, z: Decimal) -> Decimal:
     """
     mean = (x + y + z) / 3
     spread = max(abs(mean - x), abs(mean - y), abs(mean - z))
-    # the neglected sixth order of the series is below round-off once spread⁶ is
-    while spread**6 > _round_off() * mean**6:
+    # the neglected eighth order of the series is below round-off once spread⁸ is
+    round_off = _round_off()
+    while spread**8 > round_off * mean**8:
         rx, ry, rz = x.sqrt(), y.sqrt(), z.sqrt()
         shift = rx * (ry + rz) + ry * rz
         x, y, z = (x + shift) / 4, (y + shift) / 4, (z + shift) / 4
@@ -38,14 +39,18 @@ def symmetric_first(x: Decimal, y: Decimal, z: Decimal) -> Decimal:
     dx, dy = 1 - x / mean, 1 - y / mean
     dz = -dx - dy
     e2, e3 = dx * dy - dz * dz, dx * dy * dz
-    return (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / mean.sqrt()
+    linear = e3 / 14 - e2 / 10
+    square = e2 * e2 / 24 - 3 * e2 * e3 / 44 + 3 * e3 * e3 / 104
+    cube = e2 * e2 * e3 / 16 - 5 * e2**3 / 208
+    return (1 + linear + square + cube) / mean.sqrt()
 
 
 def complete_first(m1: Decimal) -> Decimal:
     """K by the arithmetic-geometric mean (DLMF 19.8.5), for m1 in (0, 1]."""
-    a, g = Decimal(1), m1.sqrt()
-    while abs(a - g) ** 2 > _round_off() * a * a:
-        a, g = (a + g) / 2, (a * g).sqrt()
+    a, g = Decimal(1), root(m1)
+    round_off = _round_off()
+    while (a - g) ** 2 > round_off * a * a:
+        a, g = (a + g) / 2, root(a * g)
     return PI / (a + g)
 
 
@@ -60,12 +65,13 @@ def mean_third(n1: Decimal, m1: Decimal) -> Decimal:
     n1, m1 : Decimal
         1 − n and 1 − m, both in (0, 1].
     """
-    a, g, p = Decimal(1), m1.sqrt(), n1.sqrt()
+    a, g, p = Decimal(1), root(m1), root(n1)
     term = total = Decimal(1)
-    while abs(term) > _round_off() * total:
+    round_off = _round_off()
+    while abs(term) > round_off * total:
         square, product = p * p, a * g
         term *= (square - product) / (square + product) / 2
         total += term
         p = (square + product) / (2 * p)
-        a, g = (a + g) / 2, product.sqrt()
+        a, g = (a + g) / 2, root(product)
     return n1 + (1 - n1) * total / 2

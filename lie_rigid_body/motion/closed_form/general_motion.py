@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
@@ -12,7 +13,9 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
-from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble
+from lie_rigid_body.motion.closed_form.columns import IDENTITY, Quadruple, Triple, columns_of
+from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble, Number
+from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first
 from lie_rigid_body.motion.closed_form.herpolhode import mean_rate
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.periods import Periods
@@ -35,63 +38,69 @@ class GeneralMotion:
     polhode_clock, half_turn_clock : Clock
         The phase of u, and half of ψ's mean growth.
     wave : Wave
-    rate_amplitudes, direction_amplitudes : ndarray, shape (3,)
+    rate_amplitudes, direction_amplitudes : 3 numbers
         Of ω in rad/s, the second with its sign, and of n.
-    slopes : tuple of 2 float
+    slopes : 2 numbers
         N₁ and N₂, in proportion.
-    sense : float
+    sense : number
         ±1, the sense of the frame.
-    axes : ndarray, shape (3, 3)
+    axes : 3 rows of 3 numbers
         Columns are the frame's axes in the body frame.
-    world : ndarray, shape (4,)
+    world : 4 numbers
         W.
-    frame : ndarray, shape (4,)
+    frame : 4 numbers
         conj(F).
     """
 
     polhode_clock: Clock | EndlessClock
     half_turn_clock: Clock
     wave: Wave
-    rate_amplitudes: Array
-    direction_amplitudes: Array
-    slopes: tuple[float, float]
-    sense: float
-    axes: Array
-    world: Array
-    frame: Array
+    rate_amplitudes: Triple
+    direction_amplitudes: Triple
+    slopes: tuple[Number, Number]
+    sense: Number
+    axes: tuple[Triple, Triple, Triple]
+    world: Quadruple = IDENTITY
+    frame: Quadruple = IDENTITY
 
     @classmethod
-    def of(cls, frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Array) -> GeneralMotion:
-        """The motion from an attitude (frame and polhode hold the rest of the start)."""
+    def of(cls, frame: PrincipalFrame, polhode: Polhode) -> GeneralMotion:
+        """The motion of the body rate, not yet placed in the world."""
         periods = Periods.of(polhode)
         clock, wave = _clock_and_wave(polhode, periods)
-        axes = np.array([[float(entry) for entry in axis] for axis in frame.axes]).T
-        signs = (1, frame.sense, 1)
         directions = [j * a / polhode.momentum for j, a in zip(frame.moments, polhode.amplitudes, strict=True)]
-        motion = cls(
+        widest = max(directions[:2])
+        rows = zip(*frame.axes, strict=True)
+        return cls(
             polhode_clock=clock,
             half_turn_clock=Clock.of(mean_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
             wave=wave,
-            rate_amplitudes=np.array([float(s * a) for s, a in zip(signs, polhode.amplitudes, strict=True)]),
-            direction_amplitudes=np.array([float(s * a) for s, a in zip(signs, directions, strict=True)]),
-            slopes=(float(directions[0] / max(directions[:2])), float(directions[1] / max(directions[:2]))),
+            rate_amplitudes=_signed(polhode.amplitudes, frame.sense),
+            direction_amplitudes=_signed(directions, frame.sense),
+            slopes=(float(directions[0] / widest), float(directions[1] / widest)),
             sense=float(frame.sense),
-            axes=axes,
-            world=np.array([0.0, 0.0, 0.0, 1.0]),
-            frame=quaternion.conjugate(quaternion.from_matrix(axes)),
+            axes=(_signed(next(rows)), _signed(next(rows)), _signed(next(rows))),
         )
-        unturned = motion.states(double_double.from_integers(np.zeros(1, dtype=np.int64))).attitude_xyzw[0]
-        return replace(motion, world=quaternion.multiply(attitude_xyzw, quaternion.conjugate(unturned)))
+
+    def placed(self, attitude_xyzw: Array) -> GeneralMotion:
+        """The motions from these attitudes, shape (B, 1, 4), where the numbers are columns of shape (B, 1)."""
+        axes = np.stack([np.stack(row, axis=-1) for row in self.axes], axis=-2)
+        framed = replace(self, frame=columns_of(quaternion.conjugate(quaternion.from_matrix(axes))))
+        unturned = framed.states(double_double.from_integers(np.zeros(1, dtype=np.int64))).attitude_xyzw
+        world = quaternion.multiply(attitude_xyzw, quaternion.conjugate(unturned))
+        return replace(framed, world=columns_of(world))
 
     def states(self, time: DoubleDouble) -> State:
-        """The states at these nanoseconds, shape (N,)."""
+        """The states at these nanoseconds; see `BodyMotion.states`."""
         phase, parity = self.polhode_clock.folded_phase(time)
         crest = self.wave.at(phase)
         half_turn, rest = self.half_turn_clock.phase(time)
         turn = half_turn + (rest + 0.5 * self.sense * self._libration(crest))
         shape = (parity * crest.cn, parity * crest.sn, crest.dn)
-        untilted = _turn_and_untilt(turn, *(a * f for a, f in zip(self.direction_amplitudes, shape, strict=True)))
-        attitude = quaternion.multiply(quaternion.multiply(self.world, untilted), self.frame)
+        n1, n2, n3 = (np.asarray(a * f) for a, f in zip(self.direction_amplitudes, shape, strict=True))
+        untilted = _turn_and_untilt(turn, n1, n2, n3)
+        world, frame = np.stack(self.world, axis=-1), np.stack(self.frame, axis=-1)
+        attitude = quaternion.multiply(quaternion.multiply(world, untilted), frame)
         rate = [a * f for a, f in zip(self.rate_amplitudes, shape, strict=True)]
         body_rate = np.stack([row[0] * rate[0] + row[1] * rate[1] + row[2] * rate[2] for row in self.axes], axis=-1)
         return State.trusted(quaternion.normalize(attitude), body_rate)
@@ -104,12 +113,17 @@ class GeneralMotion:
         return np.asarray(np.arctan2(sine, cosine) + crest.drift)
 
 
+def _signed(components: Sequence[Decimal], sense: int = 1) -> Triple:
+    """Each rounded once, the second with the sign of the sense."""
+    return float(components[0]), float(sense * components[1]), float(components[2])
+
+
 def _clock_and_wave(polhode: Polhode, periods: Periods) -> tuple[Clock | EndlessClock, Wave]:
     """The wave whose nome is at most exp(−π), and the clock of its phase."""
     if 2 * polhode.m1 >= 1:
         scale = PI / (2 * periods.real)
         return Clock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), CircularWave.of(periods)
-    scale = PI / (2 * periods.imaginary)
+    scale = PI / (2 * complete_first(polhode.m))
     if polhode.m1 == 0:
         return EndlessClock.of(scale * polhode.speed, scale * polhode.start), HyperbolicWave.of(periods)
     period = 4 * scale * periods.real
@@ -117,7 +131,7 @@ def _clock_and_wave(polhode: Polhode, periods: Periods) -> tuple[Clock | Endless
 
 
 def _turn_and_untilt(half_turn: Array, n1: Array, n2: Array, n3: Array) -> Array:
-    """exp(ψ e₃) ⊗ conj(b(n)) from ψ/2 and n, shape (N, 4), with b = (−n₂, n₁, 0, 1 + n₃)/√(2 + 2n₃)."""
+    """exp(ψ e₃) ⊗ conj(b(n)) from ψ/2 and n, shape (..., N, 4), with b = (−n₂, n₁, 0, 1 + n₃)/√(2 + 2n₃)."""
     s, c = np.sin(half_turn), np.cos(half_turn)
     scale = 1.0 / np.sqrt(2.0 + 2.0 * n3)
     upright = (1.0 + n3) * scale

@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import Array
+from lie_rigid_body.motion.closed_form.double_double import Array, Number
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.precision import PI
 from lie_rigid_body.motion.closed_form.theta import Cubic
@@ -24,14 +24,14 @@ class HyperbolicWave:
     −arg θ₁(β − iχ|q′) + χa/K with β = πa/2K′.
     """
 
-    quarter: float
+    quarter: Number
     sn: Cubic
     cn: Cubic
     dn: Cubic
     denominator: Cubic
     sine: Cubic
     cosine: Cubic
-    drift: float
+    drift: Number
 
     @classmethod
     def of(cls, periods: Periods) -> HyperbolicWave:
@@ -56,7 +56,7 @@ class HyperbolicWave:
         )
 
     def at(self, phase: Array) -> Crest:
-        """The functions at χ in [−X, X], shape (N,)."""
+        """The functions at χ in [−X, X], shape (..., N)."""
         size = np.abs(phase)
         decay = np.exp(-size)
         square = decay * decay

@@ -7,6 +7,7 @@ from decimal import Decimal
 
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first, symmetric_first
 from lie_rigid_body.motion.closed_form.polhode import Polhode
+from lie_rigid_body.motion.closed_form.precision import PHASE_DIGITS, working_precision
 
 _INFINITY = Decimal("Infinity")
 
@@ -21,9 +22,9 @@ class Periods:
         K; infinite on the separatrix.
     pole : Decimal
         a in (0, K′] with sc(a|m1) = 1/√−ν. At u = ±ia, 1 − ν sn²u has its zeros, where the unit momentum n has n₃ = ±1.
-        Infinite for a symmetric top.
+        Infinite for a symmetric top. To ``PHASE_DIGITS``.
     copole : Decimal
-        K′ − a, formed without the difference; sc(K′ − a|m1) = √(−ν/m).
+        K′ − a, formed without the difference; sc(K′ − a|m1) = √(−ν/m). To ``PHASE_DIGITS``.
     """
 
     real: Decimal
@@ -41,7 +42,7 @@ class Periods:
 
     @property
     def imaginary(self) -> Decimal:
-        """K′."""
+        """K′ to ``PHASE_DIGITS``."""
         return self.pole + self.copole
 
 
@@ -49,4 +50,5 @@ def _inverse_sc(inverse_square: Decimal, m: Decimal) -> Decimal:
     """The u > 0 with 1/sc²(u|1 − m) as given, from R_F(cs², ds², ns²) (DLMF 19.25.31)."""
     if inverse_square == 0 and m == 0:
         return _INFINITY
-    return symmetric_first(inverse_square, inverse_square + m, inverse_square + 1)
+    with working_precision(PHASE_DIGITS):
+        return symmetric_first(inverse_square, inverse_square + m, inverse_square + 1)

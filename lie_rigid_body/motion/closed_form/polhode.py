@@ -14,7 +14,8 @@ from decimal import Decimal
 
 from lie_rigid_body.motion.closed_form.elliptic_integrals import symmetric_first
 from lie_rigid_body.motion.closed_form.exact import separatrix_determinant
-from lie_rigid_body.motion.closed_form.principal_axes import Vector, principal_axes
+from lie_rigid_body.motion.closed_form.precision import PHASE_DIGITS, root, working_precision
+from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, Vector
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 
 
@@ -37,7 +38,7 @@ class Polhode:
     ratio : Decimal
         −ν/m > 0, finite where m = 0.
     start : Decimal
-        u₀, in [−K, K].
+        u₀, in [−K, K]. To ``PHASE_DIGITS``.
     """
 
     amplitudes: Vector
@@ -58,25 +59,35 @@ class Polhode:
         c1 = j2 * d21 * w2 * w2 + j3 * d31 * w3 * w3
         c3 = j1 * d31 * w1 * w1 + j2 * d32 * w2 * w2
         c2 = abs(determinant) / (c1 * c3)
-        amplitudes = ((c3 / (j1 * d31)).sqrt(), (c3 / (j2 * d32)).sqrt(), (c1 / (j3 * d31)).sqrt())
+        amplitudes = (root(c3 / (j1 * d31)), root(c3 / (j2 * d32)), root(c1 / (j3 * d31)))
         cn, sn, dn = w1 / amplitudes[0], frame.sense * w2 / amplitudes[1], w3 / amplitudes[2]
         return cls(
             amplitudes=amplitudes,
-            momentum=((j1 * w1) ** 2 + (j2 * w2) ** 2 + (j3 * w3) ** 2).sqrt(),
+            momentum=root((j1 * w1) ** 2 + (j2 * w2) ** 2 + (j3 * w3) ** 2),
             m=d21 * c3 / (d32 * c1),
             m1=d31 * c2 / (d32 * c1),
-            speed=(d32 * c1 / (j1 * j2 * j3)).sqrt(),
+            speed=root(d32 * c1 / (j1 * j2 * j3)),
             characteristic=j3 * d21 / (j1 * d32),
             ratio=j3 * c1 / (j1 * c3),
-            start=sn * symmetric_first(cn * cn, dn * dn, Decimal(1)),
+            start=_inverse_sn(sn, cn, dn),
         )
 
 
-def frame_and_polhode(inertia: list[list[float]], body_rate: list[float]) -> tuple[PrincipalFrame, Polhode]:
+def _inverse_sn(sn: Decimal, cn: Decimal, dn: Decimal) -> Decimal:
+    """The u in [−K, K] of these elliptic functions (DLMF 19.25.31)."""
+    with working_precision(PHASE_DIGITS):
+        return sn * symmetric_first(cn * cn, dn * dn, Decimal(1))
+
+
+def frame_and_polhode(
+    principal: PrincipalAxes, inertia: list[list[float]], body_rate: list[float]
+) -> tuple[PrincipalFrame, Polhode]:
     """The principal frame and the polhode of a motion that is not steady, to the precision in force.
 
     Parameters
     ----------
+    principal : PrincipalAxes
+        Those of the inertia.
     inertia : 3 rows of 3
         kg m², body frame.
     body_rate : 3 numbers
@@ -84,5 +95,5 @@ def frame_and_polhode(inertia: list[list[float]], body_rate: list[float]) -> tup
     """
     determinant = separatrix_determinant(inertia, body_rate)
     x, y, z = (Decimal(component) for component in body_rate)
-    frame = PrincipalFrame.of(principal_axes(inertia), (x, y, z), about_largest=determinant >= 0)
+    frame = PrincipalFrame.of(principal, (x, y, z), about_largest=determinant >= 0)
     return frame, Polhode.of(frame, determinant)

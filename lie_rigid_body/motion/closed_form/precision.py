@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import AbstractContextManager
 from decimal import (
     MAX_EMAX,
@@ -12,27 +13,41 @@ from decimal import (
     DivisionByZero,
     InvalidOperation,
     Overflow,
+    getcontext,
     localcontext,
 )
+from functools import lru_cache
 from typing import Final
 
 DIGITS: Final = 80
 """Decimal digits carried where nothing asks for more."""
+
+PHASE_DIGITS: Final = 28
+"""Digits of what is rounded to a double in the end, or is no rate that time multiplies."""
 
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")
 
 
 def working_precision(digits: int) -> AbstractContextManager[Context]:
     """A decimal context of this many digits, in force inside a ``with`` block."""
-    return localcontext(
-        Context(
-            prec=digits,
-            rounding=ROUND_HALF_EVEN,
-            Emin=MIN_EMIN,
-            Emax=MAX_EMAX,
-            traps=[DivisionByZero, InvalidOperation, Overflow],
-        )
+    return localcontext(_context(digits))
+
+
+@lru_cache(maxsize=16)
+def _context(digits: int) -> Context:
+    return Context(
+        prec=digits,
+        rounding=ROUND_HALF_EVEN,
+        Emin=MIN_EMIN,
+        Emax=MAX_EMAX,
+        traps=[DivisionByZero, InvalidOperation, Overflow],
     )
+
+
+def root(x: Decimal) -> Decimal:
+    """√x, cut off beyond the precision in force; integers are faster at it than `Decimal.sqrt`."""
+    exponent = x.adjusted() // 2 - getcontext().prec
+    return Decimal(math.isqrt(int(x.scaleb(-2 * exponent)))).scaleb(exponent)
 
 
 def dot(a: tuple[Decimal, ...], b: tuple[Decimal, ...]) -> Decimal:

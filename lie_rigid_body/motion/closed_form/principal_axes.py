@@ -9,7 +9,7 @@ from __future__ import annotations
 from decimal import Decimal, getcontext
 from typing import NamedTuple
 
-from lie_rigid_body.motion.closed_form.precision import DIGITS
+from lie_rigid_body.motion.closed_form.precision import DIGITS, root
 
 Vector = tuple[Decimal, Decimal, Decimal]
 
@@ -58,9 +58,9 @@ def principal_axes(inertia: list[list[float]]) -> PrincipalAxes:
 def _rotate(a: list[list[Decimal]], v: list[list[Decimal]], p: int, q: int) -> None:
     """One rotation in the plane of axes p and q that makes a[p][q] zero."""
     half_cotangent = (a[q][q] - a[p][p]) / (2 * a[p][q])
-    t = 1 / (abs(half_cotangent) + (half_cotangent * half_cotangent + 1).sqrt())
+    t = 1 / (abs(half_cotangent) + root(half_cotangent * half_cotangent + 1))
     t = -t if half_cotangent < 0 else t
-    c = 1 / (t * t + 1).sqrt()
+    c = 1 / root(t * t + 1)
     s, r = t * c, 3 - p - q
     a[p][p], a[q][q] = a[p][p] - t * a[p][q], a[q][q] + t * a[p][q]
     a[p][q] = a[q][p] = Decimal(0)

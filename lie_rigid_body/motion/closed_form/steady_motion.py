@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.closed_form.clock import Clock
+from lie_rigid_body.motion.closed_form.columns import IDENTITY, Quadruple, Triple, columns_of
 from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble
 from lie_rigid_body.motion.closed_form.precision import PI, dot
 
@@ -20,29 +22,38 @@ class SteadyMotion:
 
     Attributes
     ----------
-    start : State
-    axis : ndarray, shape (3,)
+    attitude : 4 numbers
+        q₀.
+    rate : 3 numbers
+        ω, rad/s, body frame.
+    axis : 3 numbers
         Unit vector along ω in the body frame, or 0 at rest.
     half_turn : Clock
         Half the rotation angle, modulo 2π, because the attitude is a path on the double cover.
     """
 
-    start: State
-    axis: Array
+    attitude: Quadruple
+    rate: Triple
+    axis: Triple
     half_turn: Clock
 
     @classmethod
-    def of(cls, start: State) -> SteadyMotion:
-        """The steady motion from a start."""
-        x, y, z = (Decimal(float(component)) for component in start.body_rate)
+    def of(cls, body_rate: Sequence[float]) -> SteadyMotion:
+        """The steady motion of a rate, from the identity."""
+        x, y, z = (Decimal(component) for component in body_rate)
         speed = dot((x, y, z), (x, y, z)).sqrt()
-        axis = np.array([float(component / speed) if speed else 0.0 for component in (x, y, z)])
-        return cls(start, axis, Clock.of(speed / 2, Decimal(0), 2 * PI))
+        a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
+        rate = (body_rate[0], body_rate[1], body_rate[2])
+        return cls(IDENTITY, rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
+
+    def placed(self, attitude_xyzw: Array) -> SteadyMotion:
+        """The motions from these attitudes, shape (B, 1, 4)."""
+        return replace(self, attitude=columns_of(attitude_xyzw))
 
     def states(self, time: DoubleDouble) -> State:
-        """The states at these nanoseconds, shape (N,)."""
+        """The states at these nanoseconds; see `BodyMotion.states`."""
         half = self.half_turn.phase(time).hi
         sine = np.sin(half)
         turn = np.stack([*(component * sine for component in self.axis), np.cos(half)], axis=-1)
-        attitude = quaternion.normalize(quaternion.multiply(self.start.attitude_xyzw, turn))
-        return State.trusted(attitude, np.tile(self.start.body_rate, (len(half), 1)))
+        attitude = quaternion.normalize(quaternion.multiply(np.stack(self.attitude, axis=-1), turn))
+        return State.trusted(attitude, np.stack([w + np.zeros_like(half) for w in self.rate], axis=-1))

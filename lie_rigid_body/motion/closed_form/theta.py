@@ -11,9 +11,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from lie_rigid_body.motion.closed_form.double_double import Array
+import numpy as np
 
-Cubic = tuple[float, float, float, float]
+from lie_rigid_body.motion.closed_form.double_double import Array, Number
+
+Cubic = tuple[Number, Number, Number, Number]
 """Coefficients from the constant up."""
 
 Weights = tuple[float, float, float, float]
@@ -70,16 +72,16 @@ def p4(q: float) -> Cubic:
     return even_cosines(q, -1.0)
 
 
-def scaled(p: Cubic, factor: float) -> Cubic:
+def scaled(p: Cubic, factor: Number) -> Cubic:
     """The polynomial times a number."""
     return p[0] * factor, p[1] * factor, p[2] * factor, p[3] * factor
 
 
-def value(p: Cubic, z: float) -> float:
+def value(p: Cubic, z: Number) -> Number:
     """The polynomial at one point."""
     return ((p[3] * z + p[2]) * z + p[1]) * z + p[0]
 
 
 def values(p: Cubic, z: Array) -> Array:
     """The polynomial at every point of an array."""
-    return ((p[3] * z + p[2]) * z + p[1]) * z + p[0]
+    return np.asarray(value(p, z))

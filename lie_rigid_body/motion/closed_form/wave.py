@@ -8,7 +8,7 @@ from lie_rigid_body.motion.closed_form.double_double import Array
 
 
 class Crest(NamedTuple):
-    """Values at the samples, each of shape (N,), for u in [−K, K].
+    """Values at the samples, each of shape (..., N), for u in [−K, K].
 
     Attributes
     ----------
@@ -32,5 +32,5 @@ class Wave(Protocol):
     """Elliptic functions of one parameter and one characteristic."""
 
     def at(self, phase: Array) -> Crest:
-        """The functions at these phases, shape (N,), each within a quarter period of 0."""
+        """The functions at these phases, shape (..., N), each within a quarter period of 0."""
         ...
