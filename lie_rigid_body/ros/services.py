@@ -65,7 +65,7 @@ def _answered(action: Callable[[], str]) -> Handler:
         try:
             response.message = action()
         except Exception as error:
-            response.success, response.message = False, str(error)
+            response.success, response.message = False, str(error) or type(error).__name__
         else:
             response.success = True
         return response

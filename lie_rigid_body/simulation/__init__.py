@@ -5,7 +5,7 @@ A table of contents
 - `sample_clock`: the stamps of samples, by their numbers;
 - `samples`: states at their stamps;
 - `segment`: a stretch of motion between two resets, and its text;
-- `track`: samples of one rate, computed ahead and handed out in order;
+- `track`, `relay`: samples of one rate, computed ahead and handed out in order, across resets;
 - `simulation`: the truth and the sensors side by side, across resets.
 """
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel
+from lie_rigid_body.simulation.relay import Relay
 from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
 from lie_rigid_body.simulation.segment import Segment
@@ -56,8 +57,8 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None) -> None:
-        self._imu: Track[ImuSamples] | None = None
-        self._magnetometer: Track[MagnetometerSamples] | None = None
+        self._imu: Relay[ImuSamples] | None = None
+        self._magnetometer: Relay[MagnetometerSamples] | None = None
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
@@ -67,9 +68,10 @@ class Simulation:
         truth = _truth(segment, clock)
         imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
         # only now: a scenario that is refused changes nothing
-        rest, more = _taken(self._imu, segment.start_ns - 1), _taken(self._magnetometer, segment.start_ns - 1)
-        self._imu = None if imu is None else _imu(segment, imu, rest)
-        self._magnetometer = None if magnetometer is None else _magnetometer(segment, magnetometer, more)
+        new_imu = None if imu is None else _imu(segment, imu)
+        new_magnetometer = None if magnetometer is None else _magnetometer(segment, magnetometer)
+        self._imu = _followed(self._imu, new_imu, segment.start_ns)
+        self._magnetometer = _followed(self._magnetometer, new_magnetometer, segment.start_ns)
         self._clock, self._segment, self._truth = clock, segment, truth
 
     @property
@@ -93,7 +95,7 @@ class Simulation:
         return min(track.stamp_ns(0) for track in self._tracks)
 
     @property
-    def _tracks(self) -> list[Track[Samples] | Track[ImuSamples] | Track[MagnetometerSamples]]:
+    def _tracks(self) -> list[Track[Samples] | Relay[ImuSamples] | Relay[MagnetometerSamples]]:
         return [track for track in (self._truth, self._imu, self._magnetometer) if track is not None]
 
     def take(self, count: int) -> Samples:
@@ -142,9 +144,17 @@ class Simulation:
         return self._segment
 
 
-def _taken(track: Track[R] | None, stamp_ns: int) -> R | None:
-    """What a track has up to a stamp."""
-    return None if track is None else track.take(track.count_until(stamp_ns))
+def _taken(relay: Relay[R] | None, stamp_ns: int) -> R | None:
+    """What a sensor has up to a stamp."""
+    return None if relay is None else relay.take(relay.count_until(stamp_ns))
+
+
+def _followed(relay: Relay[R] | None, track: Track[R] | None, start_ns: int) -> Relay[R] | None:
+    """A sensor's readings, which a new track carries on from a stamp; None if there are no more."""
+    if relay is None or track is None:
+        return None if track is None else Relay(track)
+    relay.hand_over(track, start_ns)
+    return relay
 
 
 def _look_ahead(scenario: Scenario) -> int:
@@ -161,7 +171,7 @@ def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
     )
 
 
-def _imu(segment: Segment, model: ImuModel, rest: ImuSamples | None) -> Track[ImuSamples]:
+def _imu(segment: Segment, model: ImuModel) -> Track[ImuSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
     clock = SampleClock(scenario.epoch_ns, model.rate)
     first = clock.count_until(start_ns - 1)
@@ -174,12 +184,10 @@ def _imu(segment: Segment, model: ImuModel, rest: ImuSamples | None) -> Track[Im
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return Track(clock, first, compute, _look_ahead(scenario), rest)
+    return Track(clock, first, compute, _look_ahead(scenario))
 
 
-def _magnetometer(
-    segment: Segment, model: MagnetometerModel, rest: MagnetometerSamples | None
-) -> Track[MagnetometerSamples]:
+def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[MagnetometerSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
     clock = SampleClock(scenario.epoch_ns, model.rate)
     motion, magnetometer = scenario.make_motion(), Magnetometer(model)
@@ -188,5 +196,4 @@ def _magnetometer(
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
         _look_ahead(scenario),
-        rest,
     )

@@ -50,8 +50,6 @@ class Track(Generic[R]):
         ``compute(stamps_ns)`` makes samples. Each stamp is asked for once, in rising order.
     look_ahead : int, optional
         Samples to compute at once when fewer are wanted.
-    ready : samples, optional
-        What comes before the first, such as the rest of an earlier track.
     """
 
     def __init__(
@@ -60,13 +58,12 @@ class Track(Generic[R]):
         first: int,
         compute: Callable[[Integers], R],
         look_ahead: int = 0,
-        ready: R | None = None,
     ) -> None:
         self._clock = clock
         self._next = first
         self._compute = compute
         self._look_ahead = look_ahead
-        self._ready = compute(np.empty(0, dtype=np.int64)) if ready is None else ready
+        self._ready = compute(np.empty(0, dtype=np.int64))
 
     @property
     def next_sample(self) -> int:
