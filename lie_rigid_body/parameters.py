@@ -16,6 +16,9 @@ Value: TypeAlias = float | int | str | bool | tuple[float, ...]
 MAX_EPOCH_NS: Final = (2**31 - 1) * 1_000_000_000
 """Stamps end in 2038, with the 32-bit seconds of builtin_interfaces/Time."""
 
+LONGEST_FRAME_NAME: Final = 255
+"""Every message carries one."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -152,8 +155,10 @@ def require_frame_name(name: str, value: str) -> None:
     Raises
     ------
     ParameterError
-        If it is empty, begins with a slash, or has spaces or unprintable characters.
+        If it is empty, too long, begins with a slash, or has spaces or unprintable characters.
     """
+    if len(value) > LONGEST_FRAME_NAME:
+        raise ParameterError(name, f"{value[:20]!r}... has {len(value)} characters: give at most {LONGEST_FRAME_NAME}")
     if not value or value.startswith("/") or any(c.isspace() or not c.isprintable() for c in value):
         raise ParameterError(
             name, f"{value!r} is not a frame name: give a word without spaces that does not begin with a slash"

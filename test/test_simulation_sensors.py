@@ -188,3 +188,16 @@ def test_a_bag_recorded_without_ros_holds_the_same_bytes(at_once: list[Message],
             if channel.topic != "/lie_rigid_body/scenario"
         ]
     assert found == [message for message in at_once if message[0] < EPOCH + 2 * NS]
+
+
+def test_a_reset_computes_nothing_ahead() -> None:
+    """Between samples of a day's distance an IMU has many millions of readings."""
+    scenario = Scenario.from_parameters({"rate": 1e-5, "imu_rate": 1e6, "motion": "closed_form"})
+    simulation = Simulation(scenario)
+    first = simulation.take_until(0, 1)
+    segment = simulation.reset(scenario)
+    assert segment.start_ns == 10**14
+    later = simulation.take_until(10**14, 100)
+    assert first.imu is not None
+    assert later.imu is not None
+    assert later.imu.stamps_ns.tolist() == [1000 * k for k in range(1, 101)]

@@ -101,4 +101,4 @@ def _flip_rows(flips: Flips) -> Iterator[Row]:
     if flips.sudden:
         yield "  between flips", f"the momentum comes within {near} of axis 2"
     else:
-        yield "  not suddenly", f"the momentum never comes nearer than {near} to axis 2"
+        yield "  not suddenly", f"the momentum comes within {near} of axis 2, and does not linger there"

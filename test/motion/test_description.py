@@ -139,7 +139,16 @@ def test_flips_are_the_sign_changes_of_the_intermediate_body_rate(name: str):
     away = angles(body.body_momentum(states), body.principal_axes[:, 1])
     nearest = np.minimum(away, math.pi - away).min()
     assert nearest == pytest.approx(flips.nearest_angle_rad, abs=1e-5)
-    assert flips.sudden == (nearest < math.radians(30.0))
+    assert flips.sudden == (nearest < math.radians(30.0) and circulation.separatrix_distance < 0.01)
+
+
+@pytest.mark.parametrize("middle", [1.0000001, 1.001])
+def test_even_circling_of_a_nearly_symmetric_top_is_no_flip(middle: float):
+    body, start = RigidBody([1.0, middle, 1.8]), State([0, 0, 0, 1], [0.01, 1.0, 0.01])
+    circulation = MotionConstants.of(body, start).circulation
+    assert circulation is not None
+    assert circulation.flips is not None
+    assert not circulation.flips.sudden
 
 
 @EVERY_PERIODIC

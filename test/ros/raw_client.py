@@ -28,7 +28,8 @@ TYPES = {
     "/clock": Clock,
 }
 LONGEST_LIFE = 150.0
-SILENCE = 0.7
+SILENCE = 3.5
+"""s; DDS asks after what was lost every 3 s."""
 DEPTH = 400_000
 """More than ever comes: a Python client is slower than the node."""
 

@@ -20,6 +20,8 @@ Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest",
 
 SUDDEN_RAD: Final = math.pi / 6.0
 """Where the momentum comes nearer than this to the intermediate axis, a body seems to spin steadily between flips."""
+LINGERING: Final = 0.01
+"""And if it lingers there, as for 1 − m below this; the even circling of a nearly symmetric top has no flips."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Flips:
         How near the momentum comes to the intermediate axis between two of them: near 0, the body spins about it
         for a while, and turns over suddenly.
     sudden : bool
-        Whether that is nearer than ``SUDDEN_RAD``: Dzhanibekov's effect.
+        Whether that is nearer than ``SUDDEN_RAD``, and 1 − m below ``LINGERING``: Dzhanibekov's effect.
     """
 
     interval_s: float
@@ -132,7 +134,7 @@ def _flips(polhode: Polhode, periods: Periods, nearest_angle: float) -> Flips:
         interval_s=float(interval / polhode.speed),
         first_s=float(first / polhode.speed),
         nearest_angle_rad=nearest_angle,
-        sudden=nearest_angle < SUDDEN_RAD,
+        sudden=nearest_angle < SUDDEN_RAD and float(polhode.m1) < LINGERING,
     )
 
 
