@@ -17,7 +17,7 @@ constraints=
 case $kind in
     live | any)
         if python=$(scripts/find-python.sh live); then
-            folder=.venv extras=ros,test,lint
+            folder=.venv extras=ros,fast,test,lint
         elif [ "$kind" = any ]; then
             exec scripts/environment.sh headless
         else
@@ -28,7 +28,7 @@ case $kind in
             echo "make: no Python 3.10 or newer with venv found: install one, or name one with PYTHON=/path/to/python3" >&2
             exit 1
         }
-        folder=.venv-headless extras=test,lint ;;
+        folder=.venv-headless extras=fast,test,lint ;;
     oldest)
         python=$(scripts/find-python.sh live) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
