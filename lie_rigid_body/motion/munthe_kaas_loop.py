@@ -16,18 +16,21 @@ STAGES: Final = 6
 before it, and its own."""
 
 SHORT_SQUARED: Final = 0.25
-"""On steps of at most ½ rad eight terms of the series leave less than 1e-17."""
+"""On steps of at most ½ rad eight terms of dexp⁻¹'s series, and six of the sine's, leave less than 1e-17."""
 
 LONG_SQUARED: Final = SERIES_LIMIT * SERIES_LIMIT
 C0, C1, C2, C3, C4, C5, C6, C7 = DEXPINV_QUADRATIC[:8]
 TERMS: Final = len(DEXPINV_QUADRATIC)
+S0, S1, S2, S3, S4, S5 = ((-0.25) ** k / (2.0 * math.factorial(2 * k + 1)) for k in range(6))
 
 
 @kernel
 def dexpinv_quadratic(s: float) -> float:
     """(1 − (θ/2) cot(θ/2))/θ² as a function of θ²; see `lie.series.dexpinv_quadratic`."""
     if s < SHORT_SQUARED:
-        return C0 + s * (C1 + s * (C2 + s * (C3 + s * (C4 + s * (C5 + s * (C6 + s * C7))))))
+        # by pairs: a processor does not wait for one after the other
+        t = s * s
+        return ((C0 + s * C1) + t * (C2 + s * C3)) + (t * t) * ((C4 + s * C5) + t * (C6 + s * C7))
     if s < LONG_SQUARED:
         value = 0.0
         for k in range(TERMS - 1, -1, -1):
@@ -38,30 +41,38 @@ def dexpinv_quadratic(s: float) -> float:
 
 
 @kernel
-def chart_field(point: Six, constants: Any) -> Six:
-    """The chart rate J_r(β)⁻¹ω and Euler's equations π̇ = π × ω, with ω = M⁻¹π."""
-    x, y, z, px, py, pz = point
+def field_at_centre(px: float, py: float, pz: float, constants: Any) -> Six:
+    """The rate ω = M⁻¹π, and Euler's equations π̇ = π × ω."""
     wx = constants[0] * px + constants[1] * py + constants[2] * pz
     wy = constants[1] * px + constants[3] * py + constants[4] * pz
     wz = constants[2] * px + constants[4] * py + constants[5] * pz
+    return wx, wy, wz, py * wz - pz * wy, pz * wx - px * wz, px * wy - py * wx
+
+
+@kernel
+def chart_field(point: Six, constants: Any) -> Six:
+    """The chart rate J_r(β)⁻¹ω, and Euler's equations."""
+    x, y, z, px, py, pz = point
+    wx, wy, wz, tx, ty, tz = field_at_centre(px, py, pz, constants)
     cx, cy, cz = y * wz - z * wy, z * wx - x * wz, x * wy - y * wx
     c = dexpinv_quadratic(x * x + y * y + z * z)
     return (
         wx + 0.5 * cx + c * (y * cz - z * cy),
         wy + 0.5 * cy + c * (z * cx - x * cz),
         wz + 0.5 * cz + c * (x * cy - y * cx),
-        py * wz - pz * wy,
-        pz * wx - px * wz,
-        px * wy - py * wx,
+        tx,
+        ty,
+        tz,
     )
 
 
 @kernel
 def increment(px: float, py: float, pz: float, h: float, constants: Any) -> Six:
     """What one Runge–Kutta step adds to the coordinates, which are 0, and to the momentum."""
-    k = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    a = b = c = d = e = f = 0.0
-    for stage in range(STAGES, len(constants), 2):
+    k = field_at_centre(px, py, pz, constants)
+    own = constants[STAGES + 1]
+    a, b, c, d, e, f = own * k[0], own * k[1], own * k[2], own * k[3], own * k[4], own * k[5]
+    for stage in range(STAGES + 2, len(constants), 2):
         before, own = h * constants[stage], constants[stage + 1]
         beta = before * k[0], before * k[1], before * k[2]
         k = chart_field((*beta, px + before * k[3], py + before * k[4], pz + before * k[5]), constants)
@@ -71,12 +82,22 @@ def increment(px: float, py: float, pz: float, h: float, constants: Any) -> Six:
 
 
 @kernel
+def half_angle(s: float) -> tuple[float, float]:
+    """The quotient sin(θ/2)/θ, and cos(θ/2), as functions of θ²."""
+    if s < SHORT_SQUARED:
+        t = s * s
+        ratio = ((S0 + s * S1) + t * (S2 + s * S3)) + (t * t) * (S4 + s * S5)
+        return ratio, math.sqrt(1.0 - s * ratio * ratio)
+    theta = math.sqrt(s)
+    return math.sin(0.5 * theta) / theta, math.cos(0.5 * theta)
+
+
+@kernel
 def recentred(x: float, y: float, z: float, w: float, step: Six) -> tuple[float, float, float, float]:
     """The quaternion of A₀ exp(hat(β)), brought to unit norm by one Newton step."""
     a, b, c = step[0], step[1], step[2]
-    theta = math.sqrt(a * a + b * b + c * c)
-    ratio = math.sin(0.5 * theta) / theta if theta > 0.0 else 0.5
-    a, b, c, d = ratio * a, ratio * b, ratio * c, math.cos(0.5 * theta)
+    ratio, d = half_angle(a * a + b * b + c * c)
+    a, b, c = ratio * a, ratio * b, ratio * c
     p, q = w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a
     r, s = w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c
     scale = 1.5 - 0.5 * (p * p + q * q + r * r + s * s)

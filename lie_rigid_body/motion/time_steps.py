@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final, NoReturn
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +11,14 @@ from lie_rigid_body.errors import InputError
 
 Integers = NDArray[np.int64]
 
-_SLACK = 1e-9
-"""Of a step: what round-off may make of an interval that the largest step divides."""
+_SLACK: Final = 1e-9
+_SHRUNK: Final = 1.0 - 1e-15
+"""What round-off may make of an interval that the largest step divides, in steps and relative."""
+
+_MOST_STEPS: Final = 1e15
+"""In one call: a year's work."""
+
+_FASTEST: Final = 1e280
 
 
 class TimeSteps:
@@ -23,7 +31,7 @@ class TimeSteps:
     """
 
     def __init__(self, max_step: float) -> None:
-        self._max_step = float(max_step)
+        self._steps_per_ns = min(1e-9 / max_step, _FASTEST)
         self._time_ns = 0
 
     def to(self, times_ns: Integers) -> tuple[Integers, Integers]:
@@ -42,28 +50,28 @@ class TimeSteps:
         Raises
         ------
         InputError
-            If a time lies before one already reached, or cannot be reached by as many steps as there are integers; the
-            times are then not reached.
+            If a time lies before one already reached, or impossibly many steps ahead; none is reached then.
         """
-        before = np.concatenate([[self._time_ns], times_ns[:-1]])
-        self._require_forward(times_ns, before)
+        before = np.empty_like(times_ns)
+        before[:1], before[1:] = self._time_ns, times_ns[:-1]
         spans = times_ns - before
-        with np.errstate(over="ignore"):
-            counts = np.ceil(1e-9 * spans / self._max_step - _SLACK)
-        if counts.sum() > np.iinfo(np.int64).max / 2:
+        if len(spans) == 0:
+            return spans, spans
+        if spans.min() < 0:
+            _refuse(times_ns, before)
+        counts = np.ceil(_SHRUNK * (spans * self._steps_per_ns) - _SLACK)
+        if counts.sum() > _MOST_STEPS:
             raise InputError(
-                f"steps of {self._max_step:g} s never lead to {int(times_ns[-1])} ns: raise max_step if it is what "
-                "limits them, or use ClosedForm"
+                f"{int(times_ns[-1])} ns lie too many steps of {1e-9 / self._steps_per_ns:.3g} s ahead: ask for an "
+                "earlier time, take longer steps if it is max_step that limits them, or use ClosedForm"
             )
-        if len(times_ns):
-            self._time_ns = int(times_ns[-1])
+        self._time_ns = int(times_ns[-1])
         return spans, np.maximum(counts, spans > 0).astype(np.int64)
 
-    def _require_forward(self, times_ns: Integers, before: Integers) -> None:
-        backward = np.flatnonzero(times_ns < before)
-        if len(backward):
-            i = backward[0]
-            raise InputError(
-                f"t_ns {int(times_ns[i])} lies before {int(before[i])}, which is already reached: give times that do "
-                "not decrease, or start a new motion"
-            )
+
+def _refuse(times_ns: Integers, before: Integers) -> NoReturn:
+    i = np.flatnonzero(times_ns < before)[0]
+    raise InputError(
+        f"t_ns {int(times_ns[i])} lies before {int(before[i])}, which is already reached: give times that do "
+        "not decrease, or start a new motion"
+    )

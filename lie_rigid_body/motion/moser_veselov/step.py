@@ -19,25 +19,32 @@ Four: TypeAlias = tuple[Pair, Pair, Pair, Pair]
 
 @kernel
 def increased(value: Pair, hi: float, lo: float) -> Pair:
-    """A value with an increment added, given as a double and what it lacks."""
+    """A value with an increment added, given as a double and a smaller one that it lacks."""
     total, error = two_sum(value[0], hi)
-    return fast_two_sum(total, value[1] + (error + lo))
+    return two_sum(total, value[1] + (error + lo))
 
 
 @kernel
 def moved_momentum(n: Three, step: Any, at: int) -> Three:
     """The momentum after a step, by the addition theorems of `step_constants`, whose results begin at a place."""
-    a, b, c = n[0][0], n[1][0], n[2][0]
-    bb, ab, bc, ca = b * b, a * b, b * c, c * a
-    k, k_lo = step[at + 12] * bb, step[at + 13] * bb
-    scale = 1.0 / (1.0 - k)
-    hi1, lo1 = a * (step[at] + k) + step[at + 6] * bc, a * (step[at + 1] + k_lo) + step[at + 7] * bc
-    hi2, lo2 = b * (step[at + 2] + k) + step[at + 8] * ca, b * (step[at + 3] + k_lo) + step[at + 9] * ca
-    hi3, lo3 = c * (step[at + 4] + k) + step[at + 10] * ab, c * (step[at + 5] + k_lo) + step[at + 11] * ab
+    (a, a_lo), (b, b_lo), (c, c_lo) = n
+    bc, ca, ab = b * c, c * a, a * b
+    # an axis about which the momentum circles leaves them constant, and what is left out would add up
+    bc_lo, ca_lo, ab_lo = b * c_lo + b_lo * c, c * a_lo + c_lo * a, a * b_lo + a_lo * b
+    k, k_lo = step[at + 12] * (b * b), step[at + 13] * (b * b)
+    # 1/D − 1; not 1/D, which is rounded upwards more often than not where it is near to 1
+    g = k / (1.0 - k)
+    s1, s2, s3 = step[at] + k, step[at + 2] + k, step[at + 4] + k
+    f1, f2, f3 = step[at + 6], step[at + 8], step[at + 10]
+    lo1 = (a * (step[at + 1] + k_lo) + s1 * a_lo) + (step[at + 7] * bc + f1 * bc_lo)
+    lo2 = (b * (step[at + 3] + k_lo) + s2 * b_lo) + (step[at + 9] * ca + f2 * ca_lo)
+    lo3 = (c * (step[at + 5] + k_lo) + s3 * c_lo) + (step[at + 11] * ab + f3 * ab_lo)
+    hi1, hi2, hi3 = f1 * bc, f2 * ca, f3 * ab
+    t1, t2, t3 = a * s1, b * s2, c * s3
     return (
-        increased(n[0], hi1 * scale, lo1 * scale),
-        increased(n[1], hi2 * scale, lo2 * scale),
-        increased(n[2], hi3 * scale, lo3 * scale),
+        increased(n[0], hi1, (t1 + g * (hi1 + t1)) + lo1 * (1.0 + g)),
+        increased(n[1], hi2, (t2 + g * (hi2 + t2)) + lo2 * (1.0 + g)),
+        increased(n[2], hi3, (t3 + g * (hi3 + t3)) + lo3 * (1.0 + g)),
     )
 
 
