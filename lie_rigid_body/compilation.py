@@ -85,8 +85,8 @@ class Loop:
         """Compile now, or load what was compiled before; whether numba is there to do it."""
         with _LOCK:
             if self._compiled is None and self._may_compile:
-                self._may_compile = find_spec("numba") is not None
-                self._compiled = _compiled(self._plain) if self._may_compile else None
+                self._compiled = _compiled(self._plain) if find_spec("numba") else None
+                self._may_compile = self._compiled is not None
         return self._compiled is not None
 
     def _wants_compiled(self, steps: int) -> bool:
@@ -95,9 +95,12 @@ class Loop:
         return self._work >= LONG_WORK and self._compiled is None and self._may_compile
 
 
-def _compiled(loop: Callable[..., None]) -> Callable[..., None]:
-    numba: Any = importlib.import_module("numba")
-    extending: Any = importlib.import_module("numba.extending")
+def _compiled(loop: Callable[..., None]) -> Callable[..., None] | None:
+    try:
+        numba: Any = importlib.import_module("numba")
+        extending: Any = importlib.import_module("numba.extending")
+    except ImportError:  # it refuses a NumPy that is newer than itself
+        return None
     while _PARTS:
         extending.register_jitable(_PARTS.pop(0))
     folder = _cache_folder(loop, numba.__version__)

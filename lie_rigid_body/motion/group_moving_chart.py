@@ -28,6 +28,10 @@ class GroupMovingChart:
     Ȧ = A ωᵃTᵃ, Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ (A. Lucas, arXiv 1111.1275); on SO(n) the free rigid body. Near the centre of each
     chart A = A₀ exp(βᵃTᵃ).
 
+    The Moser–Veselov steps of `MovingChart` are not offered here. Their explicit momentum step is an addition theorem
+    of elliptic functions, and their inertia can be preprocessed because two invariants fix the orbit: both are
+    particular to three dimensions. On SO(n) the algorithm asks for a Riccati equation at each step and is of order 2.
+
     Parameters
     ----------
     lagrangian : Lagrangian

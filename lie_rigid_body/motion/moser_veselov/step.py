@@ -1,8 +1,8 @@
-"""One Moser–Veselov step, with the state carried in double-double and its increments reckoned in doubles.
+"""One Moser–Veselov step of a state carried in double-double.
 
-An increment is a small part of the state, so its own rounding is a small part of the state's; what would repeat from
-step to step, the rounding of constants, is compensated by their lo parts. The errors that remain are as good as
-random.
+Increments of the momentum are products of doubles, so rounded to 1e-16 of themselves and 1e-18 of the momentum. What
+would repeat from step to step, the rounding of constants and of components that stay, is made up for by lo parts, so
+that the errors that remain are as good as random. The attitude's increments are all but exact.
 """
 
 from __future__ import annotations
@@ -62,27 +62,61 @@ def step_rotation(before: Three, after: Three, step: Any, at: int) -> tuple[Pair
     v1 = scaled_sum(before[0], after[0], step[at + 14], step[at + 15])
     v2 = scaled_sum(before[1], after[1], step[at + 16], step[at + 17])
     v3 = scaled_sum(before[2], after[2], step[at + 18], step[at + 19])
-    s = v1[0] * v1[0] + v2[0] * v2[0] + v3[0] * v3[0]
+    s, s_lo = sum_of_squares(v1, v2, v3)
     square = 0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)
     scalar = math.sqrt(square)
-    # 1/ρ₀ − 1
-    excess = s / (square * (scalar + square))
-    r1, r2, r3 = (
-        fast_two_sum(v1[0], v1[0] * excess),
-        fast_two_sum(v2[0], v2[0] * excess),
-        fast_two_sum(v3[0], v3[0] * excess),
-    )
-    return (r1[0], r1[1] + v1[1]), (r2[0], r2[1] + v2[1]), (r3[0], r3[1] + v3[1]), excess * scalar
+    # 1 − ρ₀² and 1 − ρ₀
+    t = s / square
+    less = t / (1.0 + scalar)
+    # 1/ρ₀ − 1 as ½s, which is exact, and what is left
+    rest = 0.5 * (s_lo + s * (3.0 * t + less - t * (less + t)) / (square * (scalar + square)))
+    half = 0.5 * s
+    return enlarged(v1, half, rest), enlarged(v2, half, rest), enlarged(v3, half, rest), less
+
+
+@kernel
+def sum_of_squares(a: Pair, b: Pair, c: Pair) -> Pair:
+    """The sum a² + b² + c², not normalised."""
+    p, p_lo = two_product(a[0], a[0])
+    q, q_lo = two_product(b[0], b[0])
+    r, r_lo = two_product(c[0], c[0])
+    total, e1 = two_sum(p, q)
+    total, e2 = two_sum(total, r)
+    return total, (e1 + e2) + (p_lo + q_lo + r_lo) + 2.0 * (a[0] * a[1] + b[0] * b[1] + c[0] * c[1])
+
+
+@kernel
+def enlarged(value: Pair, hi: float, lo: float) -> Pair:
+    """The value times 1 + hi + lo."""
+    product, error = two_product(value[0], hi)
+    total, rest = fast_two_sum(value[0], product)
+    return total, rest + (error + (value[1] + (value[0] * lo + value[1] * hi)))
 
 
 @kernel
 def turned(q: Four, r: tuple[Pair, Pair, Pair, float]) -> Four:
     """The attitude after the step, q ⊗ (ρ, ρ₀), as increments."""
-    x, y, z, w = q[0][0], q[1][0], q[2][0], q[3][0]
-    (a, a_lo), (b, b_lo), (c, c_lo), less = r
+    x, y, z, w = q
+    a, b, c, less = r
+    minus_x, minus_y, minus_z = (-x[0], -x[1]), (-y[0], -y[1]), (-z[0], -z[1])
     return (
-        increased(q[0], (w * a + (y * c - z * b)) - less * x, w * a_lo + (y * c_lo - z * b_lo)),
-        increased(q[1], (w * b + (z * a - x * c)) - less * y, w * b_lo + (z * a_lo - x * c_lo)),
-        increased(q[2], (w * c + (x * b - y * a)) - less * z, w * c_lo + (x * b_lo - y * a_lo)),
-        increased(q[3], -(x * a + y * b + z * c) - less * w, -(x * a_lo + y * b_lo + z * c_lo)),
+        with_products(x, w, a, y, c, minus_z, b, less),
+        with_products(y, w, b, z, a, minus_x, c, less),
+        with_products(z, w, c, x, b, minus_y, a, less),
+        with_products(w, minus_x, a, minus_y, b, minus_z, c, less),
     )
+
+
+@kernel
+def with_products(value: Pair, a: Pair, b: Pair, c: Pair, d: Pair, e: Pair, f: Pair, less: float) -> Pair:
+    """The value (1 − less) + ab + cd + ef."""
+    p, p_lo = two_product(a[0], b[0])
+    q, q_lo = two_product(c[0], d[0])
+    r, r_lo = two_product(e[0], f[0])
+    total, e1 = two_sum(value[0], p)
+    total, e2 = two_sum(total, q)
+    total, e3 = two_sum(total, r)
+    p_lo += a[0] * b[1] + a[1] * b[0]
+    q_lo += c[0] * d[1] + c[1] * d[0]
+    r_lo += e[0] * f[1] + e[1] * f[0]
+    return two_sum(total, ((value[1] - less * value[0]) + (e1 + e2 + e3)) + (p_lo + q_lo + r_lo))
