@@ -29,8 +29,9 @@ Integers = NDArray[np.int64]
 LONG_CALL: Final = 1_000
 """Steps: shorter calls do not count. Those of a live node are shorter, and it cannot wait for a compiler."""
 
-LONG_WORK: Final = 200_000
-"""Steps in long calls after which compiled code pays: some seconds of Python, while loading numba takes one."""
+LONG_WORK: Final = 500_000
+"""Steps in long calls after which compiled code pays: some seconds of Python, while numba loads in half of one and
+compiles in ten, once."""
 
 SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], float64[:,::1])"
 

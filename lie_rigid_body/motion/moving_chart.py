@@ -94,7 +94,8 @@ class MovingChart:
     the momentum, the last two being those of reading a state in doubles. The attitude's error grows like a random
     walk.
 
-    ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with it.
+    ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with
+    it.
 
     Where numba is installed long integrations run compiled, to the same bits.
 
@@ -104,7 +105,7 @@ class MovingChart:
     start : State
         State at time 0, of one instant.
     method : str, optional
-        Stepper: ``rkmk1``, ``rkmk2`` or ``rkmk4``, or ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
+        Stepper: ``rkmk1``, ``rkmk2``, ``rkmk4``, ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
         (default). The number is the order.
     max_step : float, optional
         Largest step, s. Between two requested times the steps are equal and no longer than this, and with ``dmv``

@@ -171,7 +171,8 @@ def exact_step(frame: SpinningFrame, momentum: list, x: mpf) -> tuple[list, list
             m[j].append(torque[j] / (n + 1))
         for j in range(4):
             q[j].append(turn[j] / (2 * (n + 1)))
-    return [mp.polyval(v[::-1], x) for v in m], [mp.polyval(v[::-1], x) for v in q]
+    powers = [x**n for n in range(61)]
+    return [mp.fdot(v, powers) for v in m], [mp.fdot(v, powers) for v in q]
 
 
 @pytest.mark.parametrize("terms", [1, 3, 5, 10])
