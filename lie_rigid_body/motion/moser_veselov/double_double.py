@@ -64,8 +64,10 @@ def subtract(a: Pair, b: Pair) -> Pair:
 @kernel
 def multiply(a: Pair, b: Pair) -> Pair:
     """The product a·b, to 2⁻¹⁰² of itself."""
-    hi, lo = two_product(a[0], b[0])
-    return fast_two_sum(hi, lo + (a[0] * b[1] + a[1] * b[0]))
+    first, error = two_product(a[0], b[0])
+    rest = error + (a[0] * b[1] + a[1] * b[0])
+    hi = first + rest
+    return hi, rest - (hi - first)
 
 
 @kernel

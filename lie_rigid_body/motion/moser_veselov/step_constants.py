@@ -27,6 +27,7 @@ from lie_rigid_body.motion.moser_veselov.double_double import (
     multiply,
     square_root,
     subtract,
+    two_product,
 )
 
 COEFFICIENTS: Final = 30
@@ -37,6 +38,9 @@ STRIDE: Final = 4
 
 NEWTON_STEPS: Final = 6
 """From the order-2 guess at a turn of ¼ rad, to the last bit of a double."""
+
+CONVERGED: Final = 1e-9
+"""A relative correction whose square is below round-off."""
 
 
 @kernel
@@ -62,17 +66,18 @@ def step_constants(x: Pair, constants: Any) -> Any:
     beta = multiply(x, series(square, constants, BETA))
     d1, d2, d3 = add(alpha, multiply(beta, e1)), add(alpha, multiply(beta, e2)), add(alpha, multiply(beta, e3))
     half = half_step(beta, d1, d3, constants)
-    chi, delta = complement(half, p), complement(half, q)
     both = multiply(half, half)
+    chi, delta = complement(both, p), complement(both, q)
     # duplication: S(x) = 2 T χ δ/(1 − T⁴PQ)
     below = subtract((1.0, 0.0), multiply(multiply(both, p), multiply(both, q)))
     s = divide(multiply(multiply((2.0 * half[0], 2.0 * half[1]), chi), delta), below)
-    chi, delta = complement(s, p), complement(s, q)
+    both = multiply(s, s)
+    chi, delta = complement(both, p), complement(both, q)
     e32, e13, e21 = subtract(e3, e2), subtract(e1, e3), subtract(e2, e1)
     one = (1.0, 0.0)
     c1, c2, c3 = subtract(chi, one), subtract(multiply(chi, delta), one), subtract(delta, one)
     a1, a2, a3 = multiply(multiply(s, delta), e32), multiply(s, e13), multiply(multiply(s, chi), e21)
-    k = multiply(multiply(s, e32), multiply(s, e21))
+    k = multiply(both, multiply(e32, e21))
     return (
         c1[0], c1[1], c2[0], c2[1], c3[0], c3[1], a1[0], a1[1], a2[0], a2[1], a3[0], a3[1], k[0], k[1],
         0.5 * d1[0], 0.5 * d1[1], 0.5 * d2[0], 0.5 * d2[1], 0.5 * d3[0], 0.5 * d3[1],
@@ -92,9 +97,9 @@ def series(square: Pair, constants: Any, first: int) -> Pair:
 
 
 @kernel
-def complement(s: Pair, p: Pair) -> Pair:
-    """√(1 − S²P)."""
-    return square_root(subtract((1.0, 0.0), multiply(multiply(s, s), p)))
+def complement(square: Pair, p: Pair) -> Pair:
+    """√(1 − S²P), from S²."""
+    return square_root(subtract((1.0, 0.0), multiply(square, p)))
 
 
 @kernel
@@ -102,10 +107,14 @@ def half_step(beta: Pair, d1: Pair, d3: Pair, constants: Any) -> Pair:
     """The root T of T ρ₀² = β χ δ: by Newton's method in doubles, and one step more in double-double."""
     t = beta[0]
     for _ in range(NEWTON_STEPS):
-        t = t - residual(t, beta[0], d1[0], d3[0], constants) / slope(t, beta[0], d1[0], d3[0], constants)
+        less = residual(t, beta[0], d1[0], d3[0], constants) / slope(t, beta[0], d1[0], d3[0], constants)
+        t = t - less
+        if abs(less) <= CONVERGED * t:
+            break
     p, q = (constants[8], constants[9]), (constants[10], constants[11])
     m1, m3 = (constants[12], constants[13]), (constants[14], constants[15])
-    chi, delta = complement((t, 0.0), p), complement((t, 0.0), q)
+    both = two_product(t, t)
+    chi, delta = complement(both, p), complement(both, q)
     v1, v3 = multiply(d1, chi), multiply(d3, delta)
     s = add(multiply(multiply(v1, v1), m1), multiply(multiply(v3, v3), m3))
     root = square_root(subtract((1.0, 0.0), (4.0 * s[0], 4.0 * s[1])))
