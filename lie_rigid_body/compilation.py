@@ -14,7 +14,7 @@ import inspect
 import os
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -33,7 +33,10 @@ LONG_WORK: Final = 500_000
 """Steps in long calls after which compiled code pays: some seconds of Python, while numba loads in half of one and
 compiles in ten, once."""
 
-SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], float64[:,::1])"
+AT_ONCE: Final = 1_000_000
+"""Steps of compiled code between two looks at signals, which it does not notice."""
+
+SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 
 _PARTS: Final[list[Callable[..., Any]]] = []
 _LOCK: Final = threading.Lock()
@@ -51,8 +54,9 @@ class Loop:
     Parameters
     ----------
     plain : callable
-        Takes ``state`` (a list or array of float, changed in place), ``constants`` (floats), ``spans`` and ``counts``
-        (integers, one a sample) and ``out`` (an array with one row a sample).
+        Takes ``state`` (a list or array of float, changed in place), ``constants`` (floats), ``spans``, ``counts`` and
+        ``takes`` (integers, one a sample: ns, the steps in them, and how many of these to take) and ``out`` (an array
+        with one row a sample).
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:
@@ -76,10 +80,12 @@ class Loop:
         if self._wants_compiled(int(counts.sum())):
             self.compile()
         if self._compiled is None:
-            self._plain(state, constants, spans.tolist(), counts.tolist(), out)
+            steps = counts.tolist()
+            self._plain(state, constants, spans.tolist(), steps, steps, out)
             return
-        moved = np.array(state)
-        self._compiled(moved, np.array(constants), spans, counts, out)
+        moved, fixed = np.array(state), np.array(constants)
+        for some, takes in _pieces(counts):
+            self._compiled(moved, fixed, spans[some], counts[some], takes, out[some])
         state[:] = moved.tolist()
 
     def compile(self) -> bool:
@@ -94,6 +100,20 @@ class Loop:
         if self._compiled is None and self._may_compile and steps >= LONG_CALL:
             self._work += steps
         return self._work >= LONG_WORK and self._compiled is None and self._may_compile
+
+
+def _pieces(counts: Integers) -> Iterator[tuple[slice, Integers]]:
+    """Samples and the steps to take in them, so that each piece is short; a sample of many steps is many pieces."""
+    ends, begin = np.cumsum(counts), 0
+    while begin < len(counts):
+        reached = ends[begin] - counts[begin]
+        end = max(begin + 1, int(np.searchsorted(ends, reached + AT_ONCE, side="right")))
+        takes = counts[begin:end]
+        while takes[0] > AT_ONCE:
+            yield slice(begin, end), np.array([AT_ONCE])
+            takes = takes - AT_ONCE
+        yield slice(begin, end), takes
+        begin = end
 
 
 def _compiled(loop: Callable[..., None]) -> Callable[..., None] | None:

@@ -118,11 +118,11 @@ def take_munthe_kaas_steps(state: Any, constants: Any, h: float, count: int) -> 
     state[0], state[1], state[2], state[3], state[4], state[5], state[6] = x, y, z, w, px, py, pz
 
 
-def advance(state: Any, constants: Any, spans: Any, counts: Any, out: Any) -> None:
+def advance(state: Any, constants: Any, spans: Any, counts: Any, takes: Any, out: Any) -> None:
     """Steps through the samples, each given back as the state, x … w and the body momentum; see `compilation.Loop`."""
     for i in range(len(spans)):
         if counts[i] > 0 and not math.isnan(state[0]):
-            take_munthe_kaas_steps(state, constants, 1e-9 * spans[i] / counts[i], counts[i])
+            take_munthe_kaas_steps(state, constants, 1e-9 * spans[i] / counts[i], takes[i])
         for j in range(len(state)):
             out[i, j] = state[j]
 

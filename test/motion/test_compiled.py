@@ -9,7 +9,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from lie_rigid_body import MovingChart, RigidBody, State
+from lie_rigid_body import MovingChart, RigidBody, State, compilation
 from lie_rigid_body.compilation import LONG_CALL, LONG_WORK, Loop
 from lie_rigid_body.motion import METHODS, munthe_kaas_loop
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
@@ -43,6 +43,18 @@ def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypa
             plain = states(body, method, times, max_step)
         assert all(module.LOOP.compile() for module in MODULES)
         np.testing.assert_array_equal(states(body, method, times, max_step), plain)
+
+
+@needs_numba
+def test_short_pieces_are_the_whole(monkeypatch):
+    """Compiled code comes back now and then to look at signals, also in the middle of a sample."""
+    times = 10_000_000 * np.array([3, 3, 500, 501, 1700, 1701, 2300])
+    assert all(module.LOOP.compile() for module in MODULES)
+    for method in ("dmv20", "rkmk4"):
+        whole = states(BODIES["products"], method, times, 0.01)
+        with monkeypatch.context() as patch:
+            patch.setattr(compilation, "AT_ONCE", 100)
+            np.testing.assert_array_equal(states(BODIES["products"], method, times, 0.01), whole)
 
 
 def test_without_numba_everything_runs_in_python(monkeypatch):

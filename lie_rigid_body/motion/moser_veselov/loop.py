@@ -80,12 +80,12 @@ def take_steps(state: Any, constants: Any, count: int) -> None:
     state[DONE] = done
 
 
-def advance(state: Any, constants: Any, spans: Any, counts: Any, out: Any) -> None:
+def advance(state: Any, constants: Any, spans: Any, counts: Any, takes: Any, out: Any) -> None:
     """Steps through the samples, each given back as x … w and the body rate; see `compilation.Loop`."""
     for i in range(len(spans)):
         if counts[i] > 0:
             prepare(state, constants, spans[i], counts[i])
-            take_steps(state, constants, counts[i])
+            take_steps(state, constants, takes[i])
         for j in range(4):
             out[i, j] = state[ATTITUDE + 2 * j]
         for j in range(3):
