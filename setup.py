@@ -48,6 +48,8 @@ EXTRAS = {
         f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
     ],
+    # Long integrations run compiled, to the same bits. It comes after each release of Python and NumPy with some delay.
+    "fast": ["numba>=0.58"],
     "test": [
         "ahrs",
         "allantools",

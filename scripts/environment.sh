@@ -23,7 +23,7 @@ constraints= never_compiled=
 case $kind in
     live | any)
         if python=$(scripts/find-python.sh live); then
-            folder=.venv extras=ros,test,lint
+            folder=.venv extras=ros,fast,test,lint
         elif [ "$kind" = any ]; then
             exec scripts/environment.sh headless
         else
@@ -31,7 +31,7 @@ case $kind in
         fi ;;
     headless)
         python=$(scripts/find-python.sh headless) || no_python
-        folder=.venv-headless extras=test,lint ;;
+        folder=.venv-headless extras=fast,test,lint ;;
     oldest)
         python=$(scripts/find-python.sh live) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;

@@ -13,13 +13,15 @@ SOURCES = Path(__file__).parent.parent / PACKAGE
 
 # What each room may import of the package besides itself and `errors`. A room is a folder or a module of the package,
 # and its own __init__ is the room "".
-SCENARIO = {"lie", "mechanics", "motion", "parameters", "parameter_table", "sensors", "shipped", "scenario"}
+SCENARIO = {"lie", "mechanics", "compilation", "motion"}
+SCENARIO |= {"parameters", "parameter_table", "sensors", "shipped", "scenario"}
 EDGE = {"console", "interruption", "parameter_file"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "lie": set(),
     "mechanics": {"lie"},
-    "motion": {"lie", "mechanics"},
+    "compilation": set(),
+    "motion": {"lie", "mechanics", "compilation"},
     "parameters": set(),
     "sensors": {"lie", "mechanics", "parameters"},
     "shipped": set(),

@@ -14,7 +14,7 @@ Centre = TypeVar("Centre")
 STEPS_BETWEEN_RESTORATIONS: Final = 100
 """Products of elements leave the group by round-off alone, slowly; the nearest element may cost many products."""
 
-_GOOD_WAY: Final = 0.01
+GOOD_WAY: Final = 0.01
 
 
 class Chart(Protocol[Centre]):
@@ -127,7 +127,7 @@ class ChartIntegrator(Generic[Centre]):
 
     @staticmethod
     def _advised(h: float, way: float) -> float:
-        return min(h / 10.0, _GOOD_WAY * h / way) if way else h / 10.0
+        return min(h / 10.0, GOOD_WAY * h / way) if way else h / 10.0
 
     def _step(self, h: float) -> None:
         d, end = self._chart.dimension, self._end(h)

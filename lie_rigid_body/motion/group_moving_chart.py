@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,12 @@ from lie_rigid_body.mechanics.lagrangian import Lagrangian
 from lie_rigid_body.motion.chart_integrator import ChartIntegrator
 from lie_rigid_body.motion.group_chart import GroupChart
 from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD, METHODS, require_stepper
+from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
+from lie_rigid_body.motion.stepper import RungeKuttaStepper
+from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
+
+GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
+"""The steppers that serve every group, by their public names."""
 
 
 class GroupMovingChart:
@@ -23,6 +28,10 @@ class GroupMovingChart:
 
     Ȧ = A ωᵃTᵃ, Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ (A. Lucas, arXiv 1111.1275); on SO(n) the free rigid body. Near the centre of each
     chart A = A₀ exp(βᵃTᵃ).
+
+    The Moser–Veselov steps of `MovingChart` are not offered here. Their explicit momentum step is an addition theorem
+    of elliptic functions, and their inertia can be preprocessed because two invariants fix the orbit: both are
+    particular to three dimensions. On SO(n) the algorithm asks for a Riccati equation at each step and is of order 2.
 
     Parameters
     ----------
@@ -32,7 +41,7 @@ class GroupMovingChart:
         Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that nothing
         rules out; see `MatrixLieGroup.from_generators`.
     method : str, optional
-        Stepper; see `MovingChart`.
+        Stepper: ``rkmk1``, ``rkmk2`` or ``rkmk4`` (default).
     max_step : float, optional
         Largest step, s.
 
@@ -49,14 +58,14 @@ class GroupMovingChart:
         lagrangian: Lagrangian,
         start: GroupState,
         *,
-        method: str = DEFAULT_METHOD,
+        method: str = CLASSICAL.name,
         max_step: float = DEFAULT_MAX_STEP,
     ) -> None:
-        require_stepper(method, max_step)
+        require_stepper(method, max_step, GROUP_METHODS)
         element, rate = _require_start(lagrangian.group, start)
         self._lagrangian = lagrangian
         self._integrator: ChartIntegrator[NDArray[Any]] = ChartIntegrator(
-            METHODS[method], GroupChart(lagrangian), element, lagrangian.momenta(rate).tolist(), max_step
+            GROUP_METHODS[method], GroupChart(lagrangian), element, lagrangian.momenta(rate).tolist(), max_step
         )
 
     def at(self, t_ns: ArrayLike) -> GroupState:

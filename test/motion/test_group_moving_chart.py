@@ -18,7 +18,7 @@ from lie_rigid_body.mechanics import (
     spatial_momentum,
     unitary_casimirs,
 )
-from lie_rigid_body.motion import METHODS, GroupMovingChart
+from lie_rigid_body.motion import GROUP_METHODS, GroupMovingChart
 
 GROUPS = {"SO(4)": SO(4), "SO(5)": SO(5), "SO(6)": SO(6), "SU(2)": SU(2), "SU(3)": SU(3)}
 TURN_PER_STEP = 2e-3
@@ -113,7 +113,7 @@ def test_so3_is_the_rotation_chart_written_generically(inertia):
     rigid = RigidBody(inertia)
     start = State([0.5, -0.5, 0.5, 0.5], [3.0, 0.5, -0.9])
     times = np.arange(0, 2_000_000_000, 50_000_000)
-    rotations = MovingChart(rigid, start, max_step=0.01).at(times)
+    rotations = MovingChart(rigid, start, method="rkmk4", max_step=0.01).at(times)
     general = GroupMovingChart(
         Lagrangian(SO(3), rigid.inertia),
         GroupState(quaternion.to_matrix(start.attitude_xyzw), start.body_rate),
@@ -123,7 +123,7 @@ def test_so3_is_the_rotation_chart_written_generically(inertia):
     np.testing.assert_allclose(general.element, quaternion.to_matrix(rotations.attitude_xyzw), rtol=0, atol=2e-14)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", GROUP_METHODS)
 def test_order_on_so4_against_scipy(method):
     """The reference integrates the matrix and the momentum as plain numbers, at 1e-13."""
     lagrangian, start, _ = body(SO(4))
@@ -139,7 +139,7 @@ def test_order_on_so4_against_scipy(method):
     ends = [GroupMovingChart(lagrangian, start, method=method, max_step=h).at(10**9) for h in steps]
     errors = [np.abs(end.element.ravel() - exact[:16]).max() for end in ends]
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert abs(slope - METHODS[method].order) < 0.3
+    assert abs(slope - GROUP_METHODS[method].order) < 0.3
 
 
 @pytest.mark.parametrize("group", [SO(4), SU(3), product(SU(2), U1())], ids=lambda g: g.name)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from lie_rigid_body import RigidBody
+from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
 from lie_rigid_body.ros.announcement import Names, announcement, commands, shape
 from lie_rigid_body.scenario import Scenario
 
@@ -33,7 +34,15 @@ def test_names_numbers_and_files_are_told() -> None:
         {"inertia": [1, 2, 2.5], "rate": 250, "stamped_twist": False, "world_frame": "map"}
     )
     text = announcement(scenario, NAMES, "/tmp/a.mcap")
-    for word in ("1 2 2.5 kg m²", "250 times", "domain 42", "rkmk4", "in map", " Twist in", "records /tmp/a.mcap"):
+    for word in (
+        "1 2 2.5 kg m²",
+        "250 times",
+        "domain 42",
+        DEFAULT_METHOD,
+        "in map",
+        " Twist in",
+        "records /tmp/a.mcap",
+    ):
         assert word in text
     for name in (NAMES.node, NAMES.pose, NAMES.twist, NAMES.scenario, NAMES.reset):
         assert name in text
@@ -43,7 +52,7 @@ def test_no_bag_is_told_of_where_there_is_none() -> None:
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     text = announcement(scenario, NAMES, "")
     assert "records" not in text
-    assert "rkmk4" not in text
+    assert DEFAULT_METHOD not in text
 
 
 @pytest.mark.parametrize("ros2", ["/opt/ros/bin/ros2", None])

@@ -1,7 +1,8 @@
 """What one step of the declared stepper costs on the motion at hand.
 
 At the real step the error of one step may lie below round-off. So it is measured at a larger one, where a body turns
-by at most ``PROBE_TURN``, from many states along the exact motion, against the Taylor flow, and scaled by its order.
+by at most ``PROBE_TURN``, or by what the stepper allows itself at most, from many states along the exact motion,
+against the Taylor flow, and scaled by its order.
 """
 
 from __future__ import annotations
@@ -15,8 +16,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import MovingChart
-from lie_rigid_body.motion.stepper import RungeKuttaStepper
+from lie_rigid_body.motion import Method, MovingChart
 from lie_rigid_body.recording.certificate.flow import flow
 
 Array = NDArray[np.float64]
@@ -29,6 +29,9 @@ LONGEST_SPAN_NS: Final = 1e18
 
 SAFETY: Final = 4.0
 """For states between those tried, and for the terms of higher order."""
+
+
+_FEWER_STATES: Final = 16
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class StepError:
     energy: float = 0.0
 
 
-def step_error(body: RigidBody, states: State, stepper: RungeKuttaStepper, fastest: float, step: float) -> StepError:
+def step_error(body: RigidBody, states: State, stepper: Method, fastest: float, step: float) -> StepError:
     """The errors of a stepper's steps of a given length.
 
     Parameters
@@ -61,7 +64,7 @@ def step_error(body: RigidBody, states: State, stepper: RungeKuttaStepper, faste
     body : RigidBody
     states : State
         Along the motion, of shapes (N, 4) and (N, 3).
-    stepper : RungeKuttaStepper
+    stepper : Method
     fastest : float
         Bound Ω of the body rate, rad/s.
     step : float
@@ -73,7 +76,12 @@ def step_error(body: RigidBody, states: State, stepper: RungeKuttaStepper, faste
     """
     if fastest == 0.0:
         return StepError()
-    span_ns = round(min(1e9 * PROBE_TURN / fastest, LONGEST_SPAN_NS))
+    probe = PROBE_TURN
+    if stepper.largest_turn < math.inf:
+        # preprocessed for the motion, it errs much the same along it; each state costs the preprocessing
+        probe, states = stepper.largest_turn, states[::_FEWER_STATES]
+        step = min(step, stepper.largest_turn / fastest)
+    span_ns = round(min(1e9 * probe / fastest, LONGEST_SPAN_NS))
     if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
         worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)
         return StepError(worst, worst, 2.0 * worst, 2.0 * worst)

@@ -1,0 +1,5 @@
+"""The discrete Moser–Veselov stepper: one step keeps the energy and the spatial momentum, whatever its length."""
+
+from lie_rigid_body.motion.moser_veselov.integrator import LARGEST_TURN, MoserVeselovIntegrator
+
+__all__ = ["LARGEST_TURN", "MoserVeselovIntegrator"]

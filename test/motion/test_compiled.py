@@ -1,0 +1,99 @@
+"""Compiled and plain code give the same bits, and numba is left alone until it pays."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import MovingChart, RigidBody, State, compilation
+from lie_rigid_body.compilation import LONG_CALL, LONG_WORK, Loop
+from lie_rigid_body.motion import METHODS, munthe_kaas_loop
+from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
+
+MODULES = (moser_veselov_loop, munthe_kaas_loop)
+BODIES = {
+    "principal": RigidBody([0.6, 0.8, 1.0]),
+    "products": RigidBody([1.0, 0.1, -0.05, 1.4, 0.2, 1.9]),
+    "symmetric": RigidBody([1.0, 1.0, 2.0]),
+}
+needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
+
+
+def states(body: RigidBody, method: str, times: np.ndarray, max_step: float) -> np.ndarray:
+    start = State([0.5, -0.5, 0.5, 0.5], [3.0, 0.5, -0.9])
+    found = MovingChart(body, start, method=method, max_step=max_step).at(times)
+    return np.concatenate([found.attitude_xyzw, found.body_rate], axis=1)
+
+
+@needs_numba
+@pytest.mark.parametrize("max_step", [0.001, 0.01, 0.3, 0.9])
+@pytest.mark.parametrize("method", METHODS)
+def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypatch):
+    count = 60 if max_step < 0.1 else 4  # or the low orders run away
+    times = np.cumsum(np.random.default_rng(3).integers(0, int(3e9 * max_step), size=count))
+    for body in BODIES.values():
+        with monkeypatch.context() as patch:
+            for module in MODULES:
+                patch.setattr(module.LOOP, "_compiled", None)
+                patch.setattr(module.LOOP, "_may_compile", False)
+            plain = states(body, method, times, max_step)
+        assert all(module.LOOP.compile() for module in MODULES)
+        np.testing.assert_array_equal(states(body, method, times, max_step), plain)
+
+
+@needs_numba
+def test_short_pieces_are_the_whole(monkeypatch):
+    """Compiled code comes back now and then to look at signals, also in the middle of a sample."""
+    times = 10_000_000 * np.array([3, 3, 500, 501, 1700, 1701, 2300])
+    assert all(module.LOOP.compile() for module in MODULES)
+    for method in ("dmv20", "rkmk4"):
+        whole = states(BODIES["products"], method, times, 0.01)
+        with monkeypatch.context() as patch:
+            patch.setattr(compilation, "AT_ONCE", 100)
+            np.testing.assert_array_equal(states(BODIES["products"], method, times, 0.01), whole)
+
+
+def test_without_numba_everything_runs_in_python(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    loop = Loop(moser_veselov_loop.advance)
+    assert not loop.compile()
+
+
+def test_numba_that_does_not_load_is_done_without(monkeypatch, tmp_path):
+    """As when its NumPy is too new."""
+    (tmp_path / "numba.py").write_text("raise ImportError('Numba needs NumPy 2.0 or less')")
+    for name in [name for name in sys.modules if name.partition(".")[0] == "numba"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.syspath_prepend(tmp_path)
+    assert not Loop(moser_veselov_loop.advance).compile()
+
+
+def done(loop: Loop, steps: int) -> None:
+    state, constants = [0.5, -0.5, 0.5, 0.5, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]
+    loop.run(state, constants, np.array([1000]), np.array([steps]), np.empty((1, 7)))
+
+
+def test_only_much_work_in_long_calls_loads_the_compiler(monkeypatch):
+    loop = Loop(munthe_kaas_loop.advance)
+    asked = []
+    monkeypatch.setattr(loop, "compile", lambda: asked.append(loop) or False)
+    for _ in range(2 * LONG_WORK // LONG_CALL):
+        monkeypatch.setattr(loop, "_plain", lambda *_: None)
+        done(loop, LONG_CALL - 1)
+    assert not asked  # a live node never waits for it
+    done(loop, LONG_WORK - 1)
+    assert not asked
+    done(loop, LONG_CALL)
+    assert asked
+
+
+def test_nothing_is_compiled_or_imported_at_the_start():
+    code = (
+        "import sys; from lie_rigid_body import MovingChart, RigidBody, State; "
+        "MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0])).at(10**9); assert 'numba' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,197 @@
+"""The Moser–Veselov stepper: what it keeps, for how long, and its parts against multiprecision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, loop
+from lie_rigid_body.motion.moser_veselov.preprocessing import preprocessed_inertia
+from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from reference import attitude_error, rate_error, truth_cases
+
+CASES = truth_cases()
+BODY = RigidBody([0.6, 0.8, 1.0])
+START = State([0, 0, 0, 1], [1.8 / 0.6, 0.4 / 0.8, -0.9])
+STEP_NS = 10_000_000
+SOME_STEPS = 30_000
+"""As many as plain Python takes in half a second."""
+
+
+def angles(found: State, exact: State) -> np.ndarray:
+    turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
+    return so3.norm(quaternion.log(turned))
+
+
+def random_bodies(count: int) -> list[tuple[RigidBody, State]]:
+    """Bodies with and without products of inertia, some flat, with moments and rates of many sizes."""
+    rng = np.random.default_rng(11)
+    found = []
+    for k in range(count):
+        a, b, c = 10.0 ** rng.uniform(-4, 0, 3) * [k % 4 > 0, 1, 1]
+        axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        tensor = axes @ np.diag([b + c, a + c, a + b]) @ axes.T
+        body = RigidBody(0.5 * (tensor + tensor.T)) if k % 2 else RigidBody([b + c, a + c, a + b])
+        attitude = rng.normal(size=4)
+        rate = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 0, 3)
+        found.append((body, State(attitude / np.linalg.norm(attitude), rate)))
+    return found
+
+
+def run(steps: int, samples: int) -> tuple[np.ndarray, State, State]:
+    """Step numbers spread evenly in their logarithm, the states there, and the true ones."""
+    numbers = np.unique(np.geomspace(steps / 1e4, steps, samples).astype(np.int64))
+    times = STEP_NS * numbers
+    return numbers, MovingChart(BODY, START, max_step=1e-9 * STEP_NS).at(times), ClosedForm(BODY, START).at(times)
+
+
+def require_invariants(states: State) -> None:
+    energy, momentum = BODY.kinetic_energy(START), BODY.angular_momentum(START)
+    assert np.abs(BODY.kinetic_energy(states) / energy - 1.0).max() <= 5e-16
+    assert so3.norm(BODY.angular_momentum(states) - momentum).max() <= 1.5e-15
+
+
+def test_energy_momentum_and_attitude_stay_true():
+    steps = 1_000_000 if loop.LOOP.compile() else SOME_STEPS
+    _, found, exact = run(steps, 100)
+    require_invariants(found)
+    assert angles(found, exact).max() < 5e-15
+    assert np.abs(found.body_rate - exact.body_rate).max() < 1e-14
+
+
+@pytest.mark.slow
+def test_over_many_steps_the_error_is_a_random_walk():
+    if not loop.LOOP.compile():
+        pytest.skip("10⁸ steps need numba")
+    numbers, found, exact = run(100_000_000, 400)
+    require_invariants(found)
+    errors = angles(found, exact)
+    assert errors.max() < 2e-13
+    # from where the walk shows above the rounding of a quaternion to doubles
+    walked = numbers > 300_000
+    slope = np.polyfit(np.log(numbers[walked]), np.log(errors[walked]), 1)[0]
+    assert 0.2 < slope < 0.8
+
+
+@pytest.mark.parametrize("turn", [LARGEST_TURN, 0.01])
+def test_every_body_and_motion_is_followed_to_round_off(turn):
+    for body, start in random_bodies(24):
+        with working_precision():
+            fastest = float(SpinningFrame.of(body, start).fastest)
+        times = (np.arange(1, 31) * 1e9 * turn / fastest).astype(np.int64)
+        found, exact = MovingChart(body, start, max_step=turn / fastest).at(times), ClosedForm(body, start).at(times)
+        assert angles(found, exact).max() < 3e-15
+        assert np.abs(found.body_rate - exact.body_rate).max() < 3e-15 * fastest
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_truth_is_kept_for_a_thousand_seconds(name):
+    case = CASES[name]
+    points = [p for p in case.points if p.t_ns <= 1_000_000_000_000]
+    states = MovingChart(case.body, case.start, max_step=0.02).at([p.t_ns for p in points])
+    for point, attitude, rate in zip(points, states.attitude_xyzw, states.body_rate, strict=True):
+        assert attitude_error(attitude, point.attitude_xyzw) < 1e-14
+        assert rate_error(rate, point.body_rate) < 1e-14
+
+
+@pytest.mark.parametrize("method", ["dmv2", "dmv4", "dmv10"])
+def test_low_orders_keep_the_invariants_as_well(method):
+    times = np.arange(1, 200) * 25_000_000
+    states = MovingChart(BODY, START, method=method, max_step=0.05).at(times)
+    require_invariants(states)
+
+
+@pytest.mark.parametrize(
+    ("moments", "rate"),
+    [
+        ([2.0, 2.0, 2.0], [0.3, 0.5, 1.1]),
+        ([1.0, 1.0, 2.0], [0.3, 0.5, 1.1]),
+        ([2.0, 1.0, 2.0], [0.3, 0.5, 1.1]),
+        ([1.0, 2.0, 3.0], [0.0, 1.0, 0.0]),
+        ([1.0, 2.0, 3.0], [1e-12, 1.0, 0.0]),
+        ([3.0, 1.0, 2.0], [0.0, 0.0, 1.0]),
+        ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0]),
+        ([1e-300, 2e-300, 3e-300], [0.1, 0.2, 0.3]),
+        ([1e300, 2e300, 2.5e300], [0.1, 0.2, 0.3]),
+        ([1.0, 1.0, 2e-14], [0.3, 0.5, 1.1]),
+        ([1.0, 2.0, 3.0], [1e-150, 2e-150, 3e-150]),
+    ],
+)
+def test_special_motions_and_scales(moments, rate):
+    body, start = RigidBody(moments), State([0.5, -0.5, 0.5, 0.5], rate)
+    times = 7 + 100_000_000 * np.arange(20)
+    found, exact = MovingChart(body, start, max_step=0.01).at(times), ClosedForm(body, start).at(times)
+    assert angles(found, exact).max() < 2e-15
+    assert np.abs(found.body_rate - exact.body_rate).max() <= 1e-15 * np.abs(exact.body_rate).max()
+
+
+def test_motion_runs_backwards_from_its_end():
+    """Time reversed: the rate's sign, and nothing else, changed."""
+    time = SOME_STEPS // 10 * STEP_NS
+    for body, start in random_bodies(6):
+        end = MovingChart(body, start, max_step=0.02).at(time)
+        back = MovingChart(body, State(end.attitude_xyzw, -end.body_rate), max_step=0.02).at(time)
+        # the end is rounded to doubles, and 30 s carry that rounding back
+        assert angles(back, start) < 1e-13
+        np.testing.assert_allclose(-back.body_rate, start.body_rate, rtol=0, atol=1e-13)
+
+
+def test_two_stretches_are_one_and_steps_of_any_length_agree():
+    """The group property of a flow."""
+    whole = MovingChart(BODY, START, max_step=0.01).at(20_000_000_000)
+    half = MovingChart(BODY, START, max_step=0.01).at(10_000_000_000)
+    again = MovingChart(BODY, half, max_step=0.07).at(10_000_000_000)
+    uneven = MovingChart(BODY, START, max_step=0.05).at([1, 12_345, 777_777_777, 3_141_592_653, 20_000_000_000])[-1]
+    assert angles(again, whole) < 1e-14
+    assert angles(uneven, whole) < 1e-15
+
+
+def exact_step(frame: SpinningFrame, momentum: list, x: mpf) -> tuple[list, list]:
+    """Momentum and quaternion after a time, by Taylor series of Euler's equations in the frame's units."""
+    e = [mpf(str(v)) for v in frame.inverse_moments]
+    m, q = [[v] for v in momentum], [[mpf(0)], [mpf(0)], [mpf(0)], [mpf(1)]]
+    for n in range(60):
+        w = [[e[j] * v for v in m[j]] for j in range(3)]
+
+        def term(a, b, n=n):
+            return sum(a[i] * b[n - i] for i in range(n + 1))
+
+        torque = [term(m[j - 2], w[j - 1]) - term(m[j - 1], w[j - 2]) for j in range(3)]
+        a, b, c, d = q
+        turn = [
+            term(d, w[0]) + term(b, w[2]) - term(c, w[1]),
+            term(d, w[1]) + term(c, w[0]) - term(a, w[2]),
+            term(d, w[2]) + term(a, w[1]) - term(b, w[0]),
+            -term(a, w[0]) - term(b, w[1]) - term(c, w[2]),
+        ]
+        for j in range(3):
+            m[j].append(torque[j] / (n + 1))
+        for j in range(4):
+            q[j].append(turn[j] / (2 * (n + 1)))
+    powers = [x**n for n in range(61)]
+    return [mp.fdot(v, powers) for v in m], [mp.fdot(v, powers) for v in q]
+
+
+@pytest.mark.parametrize("terms", [1, 3, 5, 10])
+def test_preprocessed_inertia_makes_the_algorithm_exact(terms):
+    """ρ₀ρⱼ = (α + βeⱼ) m̄ⱼ at every phase, but for a remainder of the next order in the step."""
+    with mp.workdps(50), working_precision():
+        for body, start in random_bodies(4):
+            frame = SpinningFrame.of(body, start)
+            alpha, beta = preprocessed_inertia(frame, terms)
+            momentum = [mpf(str(v)) for v in frame.momentum]
+            remainders = []
+            for x in (mpf(1) / 8, mpf(1) / 16):
+                after, q = exact_step(frame, momentum, x)
+                b = sum(mpf(str(c)) * x ** (2 * k + 1) for k, c in enumerate(beta))
+                a = sum(mpf(str(c)) * x ** (2 * k + 3) for k, c in enumerate(alpha[:-1]))
+                rest = [
+                    q[3] * q[j] - (a + b * mpf(str(frame.inverse_moments[j]))) * (momentum[j] + after[j]) / 2
+                    for j in range(3)
+                ]
+                remainders.append(mp.norm(rest))
+            order = mp.log(remainders[0] / remainders[1], 2)
+            assert abs(order - (2 * terms + 1)) < 0.3
