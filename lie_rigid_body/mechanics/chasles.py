@@ -8,6 +8,7 @@ Pattern Analysis and Machine Intelligence 13 (1991) 376-380, eqs. 38-43, with th
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,6 +21,8 @@ from lie_rigid_body.mechanics.array_input import real_array
 Array = NDArray[np.float64]
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+_THIN: Final = 1e-2
+"""Squared width by squared length, where a body may be a line with noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,21 +91,25 @@ def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None =
         If shapes do not match, numbers are not finite, weights are negative or all 0, or the rotation is not
         determined: the points span fewer than n−1 dimensions about their centre, or they are reflected and the mirror
         has no unique direction. Both are judged within round-off, where lengths enter squared: a body thinner than
-        about 1e-7 of its length is a line. More noise than that is taken for shape, and shows as a small
-        `Displacement.determinacy`.
+        about 1e-7 of its length is a line. Nor is it determined where noise is all the width of a thin body: where that
+        is below a tenth of its length, and the best orthogonal map, proper or not, misses the points by more.
     """
     x, y = _point_pairs(points, displaced)
     w = _fractions(weights, len(x))
     x_centre, y_centre = w @ x, w @ y
-    rotation, determinacy = _closest_rotation(_unit_spread(x, x_centre, w), _unit_spread(y, y_centre, w), x.shape[1])
+    body, world = _unit_spread(x, x_centre, w), _unit_spread(y, y_centre, w)
+    rotation, determinacy = _closest_rotation(body, world, x.shape[1])
     translation = y_centre - rotation @ x_centre
     # of centred points, so that a far origin adds no round-off
-    misses = (y - y_centre) - (x - x_centre) @ rotation.T
-    scale = float(np.abs(misses).max()) or 1.0
-    residual = scale * float(np.sqrt(w @ np.sum((misses / scale) ** 2, axis=1)))
+    residual = _root_mean_square((y - y_centre) - (x - x_centre) @ rotation.T, w)
     rotation.setflags(write=False)
     translation.setflags(write=False)
     return Displacement(rotation, translation, residual, determinacy)
+
+
+def _root_mean_square(misses: Array, fractions: Array) -> float:
+    scale = float(np.abs(misses).max()) or 1.0
+    return scale * float(np.sqrt(fractions @ np.sum((misses / scale) ** 2, axis=1)))
 
 
 def _point_pairs(points: ArrayLike, displaced: ArrayLike) -> tuple[Array, Array]:
@@ -151,11 +158,26 @@ def _closest_rotation(body: tuple[Array, float], world: tuple[Array, float], n: 
     rank = int(np.sum(sigma > limit))
     if rank < n - 1:
         raise InputError(_too_flat(rank, n))
+    if sigma[-2] < _THIN * sigma[0]:
+        _require_width(x, y, left @ right, float(sigma[-2]))
     gap = float(sigma[-2] + sign * sigma[-1])
     if not gap > limit:
         raise InputError(_no_mirror(sigma))
     left[:, -1] *= sign
     return left @ right, gap / float(sigma[0])
+
+
+def _require_width(x: Array, y: Array, orthogonal: Array, variance: float) -> None:
+    """Refuse points whose second least width is no more than what the best orthogonal map leaves: it is noise."""
+    # each set was scaled to unit size by itself; a common scale lets them be compared
+    scale = float(np.linalg.norm(y) / np.linalg.norm(x))
+    noise = float(np.linalg.norm(y - scale * x @ orthogonal.T)) / math.sqrt(scale)
+    width = math.sqrt(variance)
+    if noise > max(width, _ROUND_OFF):
+        raise InputError(
+            f"the rotation is not determined: the images miss the points by {noise / width:.3g} times the width of the "
+            "body, which may be noise alone: add points off their common subspace, or measure them better"
+        )
 
 
 def _too_flat(rank: int, n: int) -> str:

@@ -185,8 +185,9 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > _ROUND_OFF * eigenvalues[-1]:
         raise InputError(
-            f"M is not positive definite: its smallest eigenvalue is {eigenvalues[0]:.6g} where the largest is "
-            f"{eigenvalues[-1]:.6g}, and must be above 0 by more than round-off: give inertia about every axis"
+            f"M is not positive definite beyond round-off: its smallest eigenvalue is {eigenvalues[0]:.6g} where the "
+            f"largest is {eigenvalues[-1]:.6g}, and must be above {_ROUND_OFF:.2g} of that: give inertia about every "
+            "axis, or scale the generators so that inertias are alike"
         )
     return m
 

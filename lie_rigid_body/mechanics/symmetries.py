@@ -47,14 +47,18 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     InputError
         If M is not symmetric positive definite of size d.
     """
-    m = require_metric(metric, group.dimension)
+    m, f = require_metric(metric, group.dimension), group.structure_constants
+    # generators scaled to unit inertia: otherwise a badly scaled basis would hide what is not conserved
+    size = np.sqrt(np.diag(m))
+    m, f = m / np.outer(size, size), f * size / np.multiply.outer(size, size)[:, :, None]
     # [c, a, b]: the part of d/dt pᵃ with ωᶜωᵇ, symmetrised in c and b
-    change = group.structure_constants @ m
+    change = f @ m
     condition = change + np.swapaxes(change, 0, 2)
     rows = np.swapaxes(condition, 1, 2).reshape(-1, group.dimension)
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
-    scale = float(np.linalg.norm(m, 2)) * float(np.abs(group.structure_constants).max(initial=0.0))
-    return _canonical_basis(directions[sizes <= tolerance * scale])
+    scale = float(np.linalg.norm(m, 2)) * float(np.abs(f).max(initial=0.0))
+    conserved = directions[sizes <= tolerance * scale] / size
+    return _canonical_basis(np.linalg.qr(conserved.T)[0].T)
 
 
 def _canonical_basis(orthonormal: Array) -> Array:

@@ -49,7 +49,8 @@ class GroupChart:
         return [*self._chart_rate(coordinates, rate).tolist(), *force.tolist()]
 
     def recentred(self, centre: NDArray[Any], coordinates: Point) -> NDArray[Any]:
-        """The matrix A₀ exp(βᵃTᵃ)."""
+        """The matrix A₀ exp(βᵃTᵃ); refused where the chart ends, which a stepper with one stage does not look at."""
+        self._bound(self._ad(np.array(coordinates)))
         return np.asarray(centre @ self._group.exp(np.array(coordinates)))
 
     def restored(self, centre: NDArray[Any]) -> NDArray[Any]:
@@ -61,12 +62,17 @@ class GroupChart:
         d = self.dimension
         return np.asarray((x @ self._bracket).reshape(d, d))
 
-    def _chart_rate(self, coordinates: Array, rate: Array) -> Array:
-        """Σ Bₖ/k! (−ad_β)ᵏ ω, up to terms below round-off; β is a step's, far inside the radius 2π."""
-        ad = self._ad(coordinates)
+    def _bound(self, ad: Array) -> float:
+        """A bound of the norm of ad_β, which is refused where the chart ends."""
         bound = float(np.abs(ad).max()) * self.dimension
         if not bound < 2.0 * math.pi:
             _require_convergence(ad)
+        return bound
+
+    def _chart_rate(self, coordinates: Array, rate: Array) -> Array:
+        """Σ Bₖ/k! (−ad_β)ᵏ ω, up to terms below round-off; β is a step's, far inside the radius 2π."""
+        ad = self._ad(coordinates)
+        bound = self._bound(ad)
         power = ad @ rate
         total = rate + 0.5 * power
         power = ad @ power

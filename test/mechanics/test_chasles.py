@@ -271,3 +271,20 @@ def test_the_result_is_read_only():
     for array in (found.rotation, found.translation):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_noisy_line_determines_no_rotation(seed):
+    rng = np.random.default_rng(seed)
+    line = np.outer(rng.normal(size=9), [1.0, 2.0, 3.0])
+    once, again = (line + 1e-3 * rng.normal(size=line.shape) for _ in range(2))
+    with pytest.raises(InputError, match="may be noise alone"):
+        chasles(once, again)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_noisy_plane_determines_one(seed):
+    rng = np.random.default_rng(seed)
+    plane = rng.normal(size=(9, 3)) * [1.0, 0.1, 0.0]
+    once, again = (plane + 1e-3 * rng.normal(size=plane.shape) for _ in range(2))
+    np.testing.assert_allclose(chasles(once, again).rotation, np.eye(3), atol=0.1)

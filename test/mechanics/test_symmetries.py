@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.lie import SO
+from lie_rigid_body.lie import SO, MatrixLieGroup
 from lie_rigid_body.mechanics import Lagrangian, conserved_momenta, metric_at
 
 seeds = st.integers(0, 2**32 - 1)
@@ -141,3 +141,11 @@ def test_the_tolerance_is_asymmetry_relative_to_the_metric():
 def test_what_is_no_metric_is_refused():
     with pytest.raises(InputError, match=r"M has shape \(3, 3\), the group needs \(6, 6\)"):
         conserved_momenta(SO(4), np.eye(3))
+
+
+@pytest.mark.parametrize("stretch", [1e-6, 1e-3, 1.0, 1e3, 1e6])
+@pytest.mark.parametrize(("moments", "count"), [((1.0, 2.0, 1.8), 0), ((1.0, 1.0, 1.8), 1), ((2.0, 2.0, 2.0), 3)])
+def test_what_is_conserved_does_not_depend_on_the_scale_of_a_generator(stretch, moments, count):
+    scales = np.array([1.0, 1.0, stretch])
+    group = MatrixLieGroup.from_generators(scales[:, None, None] * SO(3).generators)
+    assert len(conserved_momenta(group, np.diag(scales * moments * scales))) == count

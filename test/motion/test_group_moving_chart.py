@@ -293,3 +293,11 @@ def test_rotation_vector_of_so3_agrees():
     """The chart coordinates of the generic group are rotation vectors."""
     x = np.array([0.3, -0.2, 0.5])
     np.testing.assert_allclose(SO(3).exp(x), so3.exp(x), rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("method", ["rkmk1", "rkmk2", "rkmk4"])
+def test_every_stepper_refuses_to_leave_its_chart(method):
+    body = Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0]))
+    motion = GroupMovingChart(body, GroupState(np.eye(3), np.full(3, 10.0)), method=method, max_step=0.2)
+    with pytest.raises(InputError, match="lower max_step"):
+        motion.at(10**9)
