@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -39,6 +40,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypa
         with monkeypatch.context() as patch:
             for module in MODULES:
                 patch.setattr(module.LOOP, "_compiled", None)
+                patch.setattr(module.LOOP, "_compiler", None)
                 patch.setattr(module.LOOP, "_may_compile", False)
             plain = states(body, method, times, max_step)
         assert all(module.LOOP.compile() for module in MODULES)
@@ -72,23 +74,68 @@ def test_numba_that_does_not_load_is_done_without(monkeypatch, tmp_path):
     assert not Loop(moser_veselov_loop.advance).compile()
 
 
-def done(loop: Loop, steps: int) -> None:
-    state, constants = [0.5, -0.5, 0.5, 0.5, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]
-    loop.run(state, constants, np.array([1000]), np.array([steps]), np.empty((1, 7)))
+STATE = [0.5, -0.5, 0.5, 0.5, 0.0, 0.0, 1.0]
 
 
-def test_only_much_work_in_long_calls_loads_the_compiler(monkeypatch):
-    loop = Loop(munthe_kaas_loop.advance)
-    asked = []
-    monkeypatch.setattr(loop, "compile", lambda: asked.append(loop) or False)
+def done(loop: Loop, steps: int) -> np.ndarray:
+    state, constants = list(STATE), [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]
+    out = np.empty((1, 7))
+    loop.run(state, constants, np.array([1000]), np.array([steps]), out)
+    return out
+
+
+def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
+    loop, asked = Loop(munthe_kaas_loop.advance), []
+    monkeypatch.setattr(compilation._Compiler, "of", asked.append)
+    monkeypatch.setattr(loop, "_plain", lambda *_: None)
     for _ in range(2 * LONG_WORK // LONG_CALL):
-        monkeypatch.setattr(loop, "_plain", lambda *_: None)
         done(loop, LONG_CALL - 1)
     assert not asked  # a live node never waits for it
     done(loop, LONG_WORK - 1)
     assert not asked
     done(loop, LONG_CALL)
     assert asked
+
+
+@needs_numba
+def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, tmp_path):
+    """From one piece of a sample to the next, and the result is that of Python alone."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    plain, steps = Loop(munthe_kaas_loop.advance), 30_000
+    monkeypatch.setattr(compilation, "WHILE_COMPILING", 100)
+    expected = done(plain, steps)
+    monkeypatch.setattr(compilation, "LONG_WORK", 1)
+    loop = Loop(munthe_kaas_loop.advance)
+    np.testing.assert_array_equal(done(loop, steps), expected)
+    assert loop._compiled is None
+    process = loop._compiler._process
+    assert process.wait(60) == 0
+    np.testing.assert_array_equal(done(loop, steps), expected)
+    assert loop._compiled is not None
+    another = Loop(munthe_kaas_loop.advance)
+    np.testing.assert_array_equal(done(another, steps), expected)
+    assert another._compiled is not None  # at once, from the cache
+
+
+@needs_numba
+def test_the_compiling_process_ends_with_the_work(tmp_path):
+    code = (
+        "from lie_rigid_body.motion.munthe_kaas_loop import advance; from lie_rigid_body import compilation as c; "
+        "print(c._Compiler.of(advance)._process.pid)"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(found.stdout), 0)
+
+
+@needs_numba
+def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    compiler = compilation._Compiler.of(munthe_kaas_loop.advance)
+    assert compiler is not None
+    compiler._process.kill()
+    assert compiler.result() is None
 
 
 def test_nothing_is_compiled_or_imported_at_the_start():
