@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from closed_form_far_reference import far_reference
+from closed_form_far_reference import course_of, far_reference
 from closed_form_reference import attitude_error, rate_error
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from mpmath import mp
 from random_motions import ANGLES, RATES, SECOND_MOMENTS, TURNS, body_of, difference, fastest, growth, turned_body, unit
 
 from lie_rigid_body import ClosedForm, RigidBody, State
@@ -66,3 +67,30 @@ def test_the_frame_of_the_body_and_the_unit_of_inertia_do_not_matter(
     back = State.trusted(quaternion.multiply(seen.attitude_xyzw, turn), seen.body_rate @ matrix)
     rounding = 2e-15 * float(body.principal_moments[2] / body.principal_moments[0])
     assert difference(back, ClosedForm(body, start).at(t_ns)) <= rounding * (1.0 + growth(angle))
+
+
+def half_way() -> float:
+    """The largest rate about the first axis, rad/s, with 1 − m ≥ ½: beyond it the motion takes the hyperbolic waves."""
+    low, high = 0.0, 1.0
+    while np.nextafter(low, high) < high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if 2 * complement(middle) >= 1 else (low, middle)
+    return low
+
+
+def complement(rate: float) -> mp.mpf:
+    """1 − m"""
+    with mp.workdps(60):
+        return course_of(np.diag([1.0, 2.0, 3.0]), [rate, 1.0, 0.7]).m1
+
+
+@pytest.mark.parametrize("t_ns", [10**9, -(10**16)])
+def test_both_kinds_of_waves_are_right_where_one_takes_over_from_the_other(t_ns: int):
+    body, switch = RigidBody([1.0, 2.0, 3.0]), half_way()
+    assert 2 * complement(switch) >= 1 > 2 * complement(np.nextafter(switch, 1.0))
+    for rate in (switch, np.nextafter(switch, 1.0), switch - 1e-9, switch + 1e-9, switch - 1e-3, switch + 1e-3):
+        start = State([0.5, 0.5, -0.5, 0.5], [rate, 1.0, 0.7])
+        exact = far_reference(body.inertia, start.attitude_xyzw, start.body_rate, t_ns)
+        state = ClosedForm(body, start).at(t_ns)
+        assert attitude_error(exact.attitude_xyzw, state.attitude_xyzw) < ATTITUDE_BOUND
+        assert rate_error(exact.body_rate, state.body_rate) < RATE_BOUND

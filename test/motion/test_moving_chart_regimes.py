@@ -1,4 +1,4 @@
-"""The Moser–Veselov steps in every regime, up to the largest step they take, and at every time of the reference file."""
+"""The Moser–Veselov steps in every regime, up to their largest length, and at every time of the reference file."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ def test_what_is_right_is_left_alone(angle: float, axis: int):
 @EVERY_AXIS
 @MOMENTUM_ANGLE
 def test_a_momentum_near_an_axis_keeps_its_digits(angle: float, axis: int):
-    """Components across the axis to 1e-16 of themselves: about the middle one they grow to a flip, with their errors."""
+    """Components across it to 1e-16 of themselves: about the middle axis they grow to a flip, with their errors."""
     n, _, constants = made(angle, axis)
     with mp.workdps(60):
         for off in nearby(n):
