@@ -17,7 +17,8 @@ UNDERFLOW = math.sqrt(series.SMALLEST_SQUARE)
 
 SWITCHES = [UNDERFLOW, 0.5, series.SERIES_LIMIT]
 BESIDE = [np.nextafter(switch, side * 9.0) for switch in SWITCHES for side in (0.0, 1.0)]
-ANGLES = np.array([*BESIDE, *SWITCHES, *np.geomspace(1e-300, 1e-20, 9), *np.geomspace(1e-19, 3.14, 60)])
+TINY = [*np.geomspace(1e-300, 1e-20, 9), *np.geomspace(3e-163, 3e-146, 9)]
+ANGLES = np.array([*BESIDE, *SWITCHES, *TINY, *np.geomspace(1e-19, 0.3, 60), *np.linspace(0.3, 3.14, 60)])
 ULP = 2.3e-16
 
 
@@ -141,9 +142,11 @@ def test_the_exponential_of_matrices_is_right_where_halving_begins(size: float):
         assert max(abs(mpf(float(found[i, j])) - truth[i, j]) for i in range(3) for j in range(3)) < 4e-15
 
 
-@pytest.mark.parametrize("size", [*beside(logarithm.NEAR), 1e-9, 1e-3, 1.0])
-def test_the_logarithm_of_matrices_is_right_where_roots_begin(size: float):
-    a = np.eye(3) + size / np.linalg.norm(GENERATOR) * GENERATOR
+@pytest.mark.parametrize("size", [*beside(logarithm.NEAR), 1e-9, 1e-3, 0.9])
+@pytest.mark.parametrize("direction", [GENERATOR, np.diag([-1.0, 0.0, 0.0]), np.ones((3, 3))])
+def test_the_logarithm_of_matrices_is_right_where_roots_begin(direction: np.ndarray, size: float):
+    """The series converges the slowest where a matrix shrinks one direction alone."""
+    a = np.eye(3) + size / np.linalg.norm(direction) * direction
     truth = mp.logm(mp.matrix(a.tolist()))
     found = logarithm.each(a[np.newaxis], logarithm.principal)[0]
     assert max(abs(mpf(float(found[i, j])) - truth[i, j]) for i in range(3) for j in range(3)) < 4e-15 * size
