@@ -41,11 +41,10 @@ def random_bodies(count: int) -> list[tuple[RigidBody, State]]:
     return found
 
 
-def run(steps: int, samples: int) -> tuple[np.ndarray, State, State]:
-    """Step numbers spread evenly in their logarithm, the states there, and the true ones."""
-    numbers = np.unique(np.geomspace(steps / 1e4, steps, samples).astype(np.int64))
-    times = STEP_NS * numbers
-    return numbers, MovingChart(BODY, START, max_step=1e-9 * STEP_NS).at(times), ClosedForm(BODY, START).at(times)
+def run(steps: int, samples: int) -> tuple[State, State]:
+    """States after numbers of steps spread evenly in their logarithm, and the true ones."""
+    times = STEP_NS * np.unique(np.geomspace(steps / 1e4, steps, samples).astype(np.int64))
+    return MovingChart(BODY, START, max_step=1e-9 * STEP_NS).at(times), ClosedForm(BODY, START).at(times)
 
 
 def require_invariants(states: State) -> None:
@@ -56,24 +55,20 @@ def require_invariants(states: State) -> None:
 
 def test_energy_momentum_and_attitude_stay_true():
     steps = 1_000_000 if loop.LOOP.compile() else SOME_STEPS
-    _, found, exact = run(steps, 100)
+    found, exact = run(steps, 100)
     require_invariants(found)
     assert angles(found, exact).max() < 5e-15
     assert np.abs(found.body_rate - exact.body_rate).max() < 1e-14
 
 
 @pytest.mark.slow
-def test_over_many_steps_the_error_is_a_random_walk():
+def test_a_hundred_million_steps_stay_true():
+    """How the errors grow is in `test_drift`: here they hardly show above the rounding of a quaternion to doubles."""
     if not loop.LOOP.compile():
         pytest.skip("10⁸ steps need numba")
-    numbers, found, exact = run(100_000_000, 400)
+    found, exact = run(100_000_000, 400)
     require_invariants(found)
-    errors = angles(found, exact)
-    assert errors.max() < 2e-13
-    # from where the walk shows above the rounding of a quaternion to doubles
-    walked = numbers > 300_000
-    slope = np.polyfit(np.log(numbers[walked]), np.log(errors[walked]), 1)[0]
-    assert 0.2 < slope < 0.8
+    assert angles(found, exact).max() < 1e-13
 
 
 @pytest.mark.parametrize("turn", [LARGEST_TURN, 0.01])

@@ -1,0 +1,69 @@
+"""What is not needed is not loaded: numba, which takes half a second, belongs to long work alone."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+
+LOADED = "import json, sys; json.dump(sorted({name.partition('.')[0] for name in sys.modules}), sys.stderr)"
+EVERY_MODULE = """
+import importlib, pkgutil, lie_rigid_body
+for module in pkgutil.walk_packages(lie_rigid_body.__path__, 'lie_rigid_body.'):
+    if not module.name.startswith('lie_rigid_body.ros') and not module.name.endswith('__main__'):
+        importlib.import_module(module.name)
+"""
+NOT_NEEDED_FOR_HELP = {"numba", "llvmlite", "numpy", "scipy", "matplotlib"}
+VERBS = ["record", "check", "plot", "scenarios", "explain"]
+
+
+def loaded(code: str) -> set[str]:
+    """The packages that a process has loaded at its end."""
+    done = subprocess.run([sys.executable, "-c", code + LOADED], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stderr))
+
+
+def test_no_module_of_the_package_loads_numba():
+    assert not loaded(EVERY_MODULE) & {"numba", "llvmlite"}
+
+
+def test_help_loads_nothing_heavy():
+    code = "from lie_rigid_body.__main__ import main\nassert main(['--help']) == 0\n"
+    assert not loaded(code) & NOT_NEEDED_FOR_HELP
+
+
+def test_help_of_a_verb_loads_no_numba():
+    calls = "".join(f"main(['{verb}', '--help'])\n" for verb in VERBS)
+    code = f"from lie_rigid_body.__main__ import main\n{calls}"
+    assert not loaded(code) & {"numba", "llvmlite"}
+
+
+def test_constructing_a_motion_and_taking_some_steps_loads_no_numba():
+    code = """
+from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
+body, start = RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0.1])
+ClosedForm(body, start).at(range(1000))
+for method in ('dmv20', 'rkmk4'):
+    MovingChart(body, start, method=method).at(10**9)
+"""
+    assert not loaded(code) & {"numba", "llvmlite"}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
+def test_what_was_compiled_is_loaded_by_the_next_process(tmp_path, monkeypatch):
+    """Compiling takes seconds; loading from the cache changes no file of it."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    code = """
+from lie_rigid_body.motion import munthe_kaas_loop
+from lie_rigid_body.motion.moser_veselov import loop
+assert loop.LOOP.compile() and munthe_kaas_loop.LOOP.compile()
+"""
+    assert "numba" in loaded(code)
+    files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")}
+    assert len(files) >= 4
+    loaded(code)
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")} == files

@@ -1,0 +1,104 @@
+"""The constants of a Moser–Veselov step, by Newton's method and series, against Jacobi's functions of many digits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from lie_rigid_body import MovingChart, RigidBody, State
+from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
+from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from lie_rigid_body.motion.moser_veselov.step_constants import step_constants
+
+MOTIONS = {
+    "about the smallest": ([0.6, 0.8, 1.0], [3.0, 0.5, -0.9]),
+    "about the largest": ([0.6, 0.8, 1.0], [0.3, 0.5, 1.1]),
+    "flat": ([1.0, 2.0, 3.0], [1.1, -0.5, 0.2]),
+    "beside the separatrix": ([1.0, 2.0, 3.0], [1e-9, 1.0, 2e-9]),
+    "nearly symmetric": ([1.0, 1.0 + 1e-12, 1.7], [0.5, 0.7, 1.1]),
+    "beside a sphere": ([1.0, 1.0 + 1e-15, 1.0 + 3e-15], [0.5, 0.7, 1.1]),
+    "products": ([1.0, 0.1, -0.05, 1.4, 0.2, 1.9], [0.4, -1.2, 0.7]),
+    "beside an axis": ([0.6, 0.8, 1.0], [1e-100, 2e-100, 1.0]),
+}
+STEPS = [LARGEST_TURN, 0.1, 1e-2, 1e-4, 1e-8, 1e-20, 1e-100]
+"""rad at the largest rate; below 1e-4 or so the first guess is the root, and Newton's method ends at once."""
+
+
+def pairs(values) -> list[mpf]:
+    return [mpf(hi) + mpf(lo) for hi, lo in zip(values[::2], values[1::2], strict=True)]
+
+
+def exact_constants(frame: SpinningFrame, x: float) -> list[mpf]:
+    """The same seven by S = sn(λx)/λ with λ² the larger of P and Q, and m the ratio of the smaller to it."""
+    e1, e2, e3 = (mpf(str(e)) for e in frame.inverse_moments)
+    m1, m3 = mpf(str(frame.m1)), mpf(str(frame.m3))
+    # e₁ − 2H and 2H − e₃, where nothing cancels
+    p, q = (e2 - e3) * (e1 - e3) * m3, (e1 - e2) * (e1 - e3) * m1
+    larger, smaller = max(p, q), min(p, q)
+    if larger == 0:
+        s, one, other = mpf(x), mpf(1), mpf(1)
+    else:
+        u, m = mp.sqrt(larger) * x, smaller / larger
+        s = mp.ellipfun("sn", u, m=m) / mp.sqrt(larger)
+        one, other = mp.ellipfun("dn", u, m=m), mp.ellipfun("cn", u, m=m)
+    chi, delta = (one, other) if q >= p else (other, one)
+    sums = [s * delta * (e3 - e2), s * (e1 - e3), s * chi * (e2 - e1)]
+    return [chi - 1, chi * delta - 1, delta - 1, *sums, s**2 * (e3 - e2) * (e2 - e1)]
+
+
+@pytest.mark.parametrize("turn", STEPS)
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_step_of_the_momentum_is_the_exact_one(name: str, turn: float):
+    """An error is the same in each of 1e8 steps, and adds up: only what the series has beyond x² is in doubles."""
+    inertia, rate = MOTIONS[name]
+    body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
+    constants = MovingChart(body, start)._integrator._constants
+    with working_precision():
+        frame = SpinningFrame.of(body, start)
+    with mp.workdps(60 if turn > 1e-30 else 260):
+        exact = exact_constants(frame, turn)
+        found = pairs(step_constants((turn, 0.0), constants))[:7]
+        relative = mpf("1e-17") * mpf(turn) ** 4 + mpf("1e-30")
+        for value, truth in zip(found[3:], exact[3:], strict=True):
+            assert abs(value - truth) <= relative * abs(truth) + mpf("1e-31") * turn
+        for value, truth in zip(found[:3], exact[:3], strict=True):
+            assert abs(value - truth) <= relative * abs(truth) + mpf("1e-31")
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e-6])
+def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
+    """The addition theorems against Taylor series of Euler's equations, at the largest step and at shorter ones."""
+    for inertia, rate in MOTIONS.values():
+        body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
+        constants = MovingChart(body, start)._integrator._constants
+        with working_precision(), mp.workdps(50):
+            frame = SpinningFrame.of(body, start)
+            e = [mpf(str(v)) for v in frame.inverse_moments]
+            m = [[mpf(str(v))] for v in frame.momentum]
+            for n in range(40):
+                w = [[e[j] * v for v in m[j]] for j in range(3)]
+                rates = [
+                    sum(m[j - 2][i] * w[j - 1][n - i] - m[j - 1][i] * w[j - 2][n - i] for i in range(n + 1))
+                    for j in range(3)
+                ]
+                for j in range(3):
+                    m[j].append(rates[j] / (n + 1))
+            x = LARGEST_TURN * scale
+            c1, c2, c3, a1, a2, a3, k = pairs(step_constants((x, 0.0), constants))[:7]
+            n1, n2, n3 = (series[0] for series in m)
+            below = 1 - k * n2 * n2
+            after = [
+                ((1 + c1) * n1 + a1 * n2 * n3) / below,
+                ((1 + c2) * n2 + a2 * n3 * n1) / below,
+                ((1 + c3) * n3 + a3 * n1 * n2) / below,
+            ]
+            for value, series in zip(after, m, strict=True):
+                assert abs(value - mp.fdot(series, [mpf(x) ** i for i in range(41)])) < 1e-17 * x**5 + 1e-31
+
+
+def test_no_step_is_no_step():
+    constants = MovingChart(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))._integrator._constants
+    tiny = np.array(step_constants((1e-300, 0.0), constants))
+    assert np.isfinite(tiny).all()
+    assert np.abs(tiny).max() < 1e-299
