@@ -102,7 +102,7 @@ class ChartIntegrator(Generic[Centre]):
 
     def _advance_to(self, t_ns: int) -> None:
         span = 1e-9 * (t_ns - self._time_ns)
-        steps = math.ceil(span / self._max_step - 1e-9)
+        steps = max(math.ceil(span / self._max_step - 1e-9), int(span > 0.0))
         for _ in range(steps):
             self._step(span / steps)
         self._time_ns = t_ns

@@ -24,11 +24,6 @@ LONG_STEP_NS, SHORT_STEP_NS = 70_000_000, 10_000_000
 """Of 0.22 rad, near the largest, whose errors soon show, and of the 0.03 rad that the limits are given for."""
 
 
-LINEAR = pytest.mark.xfail(
-    strict=True, reason="1 − ρ₀ lacks the lo parts of the step's constants, which are the same in every step"
-)
-
-
 class Drift(NamedTuple):
     """Errors of one state: the angle about the momentum, rad, and the time by which the momentum is ahead, s."""
 
@@ -86,13 +81,11 @@ def test_momentum_drifts_along_its_orbit_like_a_random_walk(exponents: np.ndarra
     assert 0.3 < exponents[1] < 0.7
 
 
-@LINEAR
 def test_the_angle_about_the_momentum_drifts_like_a_random_walk(exponents: np.ndarray):
     assert 0.3 < exponents[0] < 0.7
 
 
 @pytest.mark.slow
-@LINEAR
 def test_ten_million_steps_drift_like_a_random_walk():
     if not loop.LOOP.compile():
         pytest.skip("1e7 steps need numba")

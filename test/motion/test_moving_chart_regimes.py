@@ -46,7 +46,6 @@ def test_a_spin_about_the_middle_axis_flips_on_time(size: float):
     require_flips(size)
 
 
-@pytest.mark.xfail(strict=True, reason="restoring the energy moves a momentum this near to an axis by too much")
 @pytest.mark.parametrize("size", [1e-10, 1e-12, 1e-16, 1e-30])
 def test_a_spin_all_but_on_the_middle_axis_flips_on_time(size: float):
     require_flips(size)

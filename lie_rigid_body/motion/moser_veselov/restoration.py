@@ -12,7 +12,7 @@ from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.moser_veselov.double_double import Pair, add, multiply, subtract
 from lie_rigid_body.motion.moser_veselov.step import Four, Three, increased
 
-STEADY: Final = 1e-24
+STEADY: Final = 1e-16
 """Square of the angle between momentum and rate below which the length of the momentum determines the energy."""
 
 

@@ -66,7 +66,7 @@ def step_rotation(before: Three, after: Three, step: Any, at: int) -> tuple[Pair
     square = 0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)
     scalar = math.sqrt(square)
     # 1 − ρ₀² and 1 − ρ₀
-    t = s / square
+    t = (s + s_lo) / square
     less = t / (1.0 + scalar)
     # 1/ρ₀ − 1 as ½s, which is exact, and what is left
     rest = 0.5 * (s_lo + s * (3.0 * t + less - t * (less + t)) / (square * (scalar + square)))
