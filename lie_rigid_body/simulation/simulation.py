@@ -23,6 +23,9 @@ Integers = NDArray[np.int64]
 LOOK_AHEAD: Final = 64
 """Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
 
+STEPS_AHEAD: Final = 64
+"""Steps of the moving chart taken at once when fewer are wanted, about a millisecond of work."""
+
 
 @dataclass(frozen=True)
 class Taken:
@@ -157,8 +160,10 @@ def _followed(relay: Relay[R] | None, track: Track[R] | None, start_ns: int) -> 
     return relay
 
 
-def _look_ahead(scenario: Scenario) -> int:
-    return LOOK_AHEAD if scenario.motion == "closed_form" else 0
+def _look_ahead(scenario: Scenario, rate: float) -> int:
+    if scenario.motion == "closed_form":
+        return LOOK_AHEAD
+    return min(LOOK_AHEAD, int(STEPS_AHEAD * min(1.0, rate * scenario.max_step)))
 
 
 def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
@@ -167,7 +172,7 @@ def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
         clock,
         segment.first_sample,
         lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
-        _look_ahead(segment.scenario),
+        _look_ahead(segment.scenario, segment.scenario.rate),
     )
 
 
@@ -184,7 +189,7 @@ def _imu(segment: Segment, model: ImuModel) -> Track[ImuSamples]:
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return Track(clock, first, compute, _look_ahead(scenario))
+    return Track(clock, first, compute, _look_ahead(scenario, model.rate))
 
 
 def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[MagnetometerSamples]:
@@ -195,5 +200,5 @@ def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[Magnetome
         clock,
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
-        _look_ahead(scenario),
+        _look_ahead(scenario, model.rate),
     )
