@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.memory import samples_at_once
 from lie_rigid_body.motion.motion import batch_shape, nanoseconds
@@ -42,9 +43,9 @@ class ClosedForm:
     def __init__(self, body: RigidBody, start: State) -> None:
         self._batch = batch_shape(body, start)
         self._ensemble = Ensemble.of(
-            np.broadcast_to(body.inertia, (*self._batch, 3, 3)).reshape(-1, 3, 3),
-            np.broadcast_to(start.attitude_xyzw, (*self._batch, 4)).reshape(-1, 4),
-            np.broadcast_to(start.body_rate, (*self._batch, 3)).reshape(-1, 3),
+            _flat(body.inertia, self._batch, (3, 3)),
+            _flat(start.attitude_xyzw, self._batch, (4,)),
+            _flat(start.body_rate, self._batch, (3,)),
         )
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
@@ -80,3 +81,10 @@ class ClosedForm:
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
         shape = (*self._batch, *times.shape)
         return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))
+
+
+def _flat(values: Array, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
+    """The values for each of a batch, along one leading axis."""
+    if values.shape == (*batch, *shape):
+        return values.reshape(-1, *shape)
+    return np.broadcast_to(values, (*batch, *shape)).reshape(-1, *shape)
