@@ -1,7 +1,7 @@
 """Ordinary motions: those whose constants come out right in double-double, without 80 decimal digits.
 
 A body turns ordinarily if its inertia is diagonal, sizes are such that no product overflows or underflows, and the
-motion keeps away from the separatrix: 1 − m ≥ 2⁻¹⁰. Then nothing cancels but l² − 2HJ₂, by a factor of at most 2¹⁰, and
+motion keeps away from the separatrix: 1 − m ≥ 2⁻¹⁰. Then nothing cancels but l² − 2HJ₂, by a factor of at most 2¹¹, and
 every iteration takes a number of steps that is known beforehand. Each body is judged by its own numbers, in plain
 doubles, so that it is judged the same alone and in any ensemble.
 """
@@ -62,8 +62,7 @@ def judged(j: Triple, w: Triple, sense: Number) -> tuple[Verdict, Verdict, Any]:
     (j1, j2, j3), (w1, w2, w3) = j, w
     d21, d31, d32 = sense * (j2 - j1), sense * (j3 - j1), sense * (j3 - j2)
     q1, q2, q3 = j1 * (w1 * w1), j2 * (w2 * w2), j3 * (w3 * w3)
-    far, near = d32 * q3, d21 * q1
-    c1, c2, c3 = d21 * q2 + d31 * q3, far - near, d31 * q1 + d32 * q2
+    c1, c2, c3 = d21 * q2 + d31 * q3, d32 * q3 - d21 * q1, d31 * q1 + d32 * q2
     whole, complement = d32 * c1, d31 * c2
     one, swollen = j1 * d32, j1 * d32 + j3 * d21
     # squares of (1 − ν)/√m1 and of 1, times the same
@@ -71,7 +70,7 @@ def judged(j: Triple, w: Triple, sense: Number) -> tuple[Verdict, Verdict, Any]:
     steps: Any = 3
     for ratio in _SUM_RATIOS:
         steps = steps + (spread > ratio * ratio * unit)
-    fits = (c3 > 0.0) & (c2 > NEAREST * (far + near)) & (complement >= NEAREST * whole)
+    fits = (c3 > 0.0) & (whole > 0.0) & (complement >= NEAREST * whole)
     return fits & (spread < _LARGEST_RATIO**2 * unit) & _is_of_ordinary_size(j, w), 2.0 * complement < whole, steps
 
 
