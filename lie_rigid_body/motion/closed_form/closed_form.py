@@ -12,6 +12,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.memory import samples_at_once
+from lie_rigid_body.motion.closed_form.ordinary_motions import Starts
 from lie_rigid_body.motion.motion import batch_shape, nanoseconds
 
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
@@ -42,11 +43,14 @@ class ClosedForm:
 
     def __init__(self, body: RigidBody, start: State) -> None:
         self._batch = batch_shape(body, start)
-        self._ensemble = Ensemble.of(
+        starts = Starts(
             _flat(body.inertia, self._batch, (3, 3)),
+            _flat(body.principal_moments, self._batch, (3,)),
+            _flat(body.principal_axes, self._batch, (3, 3)),
             _flat(start.attitude_xyzw, self._batch, (4,)),
             _flat(start.body_rate, self._batch, (3,)),
         )
+        self._ensemble = Ensemble.of(starts)
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
