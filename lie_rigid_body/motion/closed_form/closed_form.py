@@ -22,9 +22,10 @@ DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 class ClosedForm:
     """Torque-free motion by its exact solution in theta functions, of one body or of an ensemble.
 
-    The constants of a motion are computed once, in decimal arithmetic of 80 digits or more; a state costs a fixed
-    number of elementwise operations, whatever the time. The errors do not grow with time: the body and the start are
-    taken as exactly the given doubles, and phases are reduced in double-double.
+    The constants of a motion are computed once: of most in double-double, of those near a separatrix or of extreme
+    sizes in decimal arithmetic of 50 digits or more. A state costs a fixed number of elementwise operations, whatever
+    the time. The errors do not grow with time: the body and the start are taken as exactly the given doubles, and
+    phases are reduced in double-double.
 
     Parameters
     ----------
