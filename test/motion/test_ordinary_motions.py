@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -16,13 +15,10 @@ from mpmath import mp, mpf
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
-from lie_rigid_body.motion.closed_form import pairs
-from lie_rigid_body.motion.closed_form.arctangent import arctangent
 from lie_rigid_body.motion.closed_form.columns import numbers
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_one
-from lie_rigid_body.motion.closed_form.pairs import Pair
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
@@ -278,54 +274,3 @@ def test_states_are_right_after_ten_thousand_million_radians(m1: float, ends: tu
     state = ClosedForm(body, start).at(t_ns)
     assert attitude_error(truth.attitude_xyzw, state.attitude_xyzw) < 2e-15
     assert rate_error(truth.body_rate, state.body_rate) < 1e-15
-
-
-def fraction(pair: Pair) -> Fraction:
-    return Fraction(float(pair[0])) + Fraction(float(pair[1]))
-
-
-PARTS = st.floats(1e-12, 1e12)
-LOWS = st.floats(-0.5, 0.5)
-
-
-@settings(max_examples=200, deadline=None)
-@given(PARTS, LOWS, PARTS, LOWS, st.booleans())
-def test_arithmetic_of_pairs(a: float, rest: float, b: float, other: float, negative: bool):
-    b = -b if negative else b
-    x, y = (a, a * rest * 2.0**-53), (b, b * other * 2.0**-53)
-    p, q, ulp = fraction(x), fraction(y), Fraction(2) ** -100
-    for operation, truth, size in (
-        (pairs.add, p + q, max(abs(p), abs(q)) * 2),
-        (pairs.subtract, p - q, max(abs(p), abs(q)) * 2),
-        (pairs.multiply, p * q, abs(p * q)),
-        (pairs.divide, p / q, abs(p / q)),
-    ):
-        result = operation(x, y)
-        assert abs(fraction(result) - truth) <= size * ulp
-        assert_same_in_arrays(result, operation(in_array(x), in_array(y)))
-    root = pairs.square_root(x)
-    assert abs(fraction(root) ** 2 - p) <= 2 * p * ulp
-    assert_same_in_arrays(root, pairs.square_root(in_array(x)))
-
-
-def in_array(pair: Pair) -> Pair:
-    return np.full(9, pair[0]), np.full(9, pair[1])
-
-
-def assert_same_in_arrays(pair: Pair, many: Pair) -> None:
-    for part, column in zip(pair, many, strict=True):
-        np.testing.assert_array_equal(column, np.full(9, part))
-
-
-def test_the_root_of_nothing_is_nothing():
-    assert pairs.square_root((0.0, 0.0)) == (0.0, 0.0)
-
-
-@settings(max_examples=100, deadline=None)
-@given(st.floats(0.0, 1.0) | st.integers(0, 64).map(lambda k: k / 64.0), LOWS)
-def test_arctangent_of_a_pair(x: float, rest: float):
-    tangent = (x, x * rest * 2.0**-53)
-    angle = arctangent(tangent)
-    with mp.workdps(50):
-        assert abs(exact(angle) - mp.atan(exact(tangent))) <= mpf(2) ** -66
-    assert_same_in_arrays(angle, arctangent(in_array(tangent)))

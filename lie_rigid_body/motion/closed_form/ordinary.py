@@ -7,8 +7,8 @@ steps that is known beforehand. The rates that time multiplies come out to 2‚Åª‚
 by all but a little: see `coupled_frame`. Each body is judged by its own numbers, in plain doubles, so that it is judged
 the same alone and in any ensemble.
 
-One arithmetic serves both, for the bits must be the same: decimals of 40 digits would be about as fast for one body,
-but ten times slower for many, as they cannot be taken as arrays.
+One arithmetic serves both, for the bits must be the same. By the cost of each operation, decimals of 40 digits would be
+about as fast for one body, but several times slower for many, as they cannot be taken as arrays.
 """
 
 from __future__ import annotations
