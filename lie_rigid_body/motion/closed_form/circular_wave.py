@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.motion.closed_form import theta
 from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.theta import Cubic
 from lie_rigid_body.motion.closed_form.wave import Crest
@@ -34,14 +35,26 @@ class CircularWave:
     def of(cls, periods: Periods) -> CircularWave:
         """The wave of a polhode's periods."""
         decay, codecay = (math.exp(-math.pi * float(x / periods.real)) for x in (periods.pole, periods.copole))
-        q = decay * codecay
+        return cls.of_nome(decay * codecay, decay, codecay, -math.expm1(-math.pi * float(periods.pole / periods.real)))
+
+    @classmethod
+    def of_nome(cls, q: Number, decay: Number, codecay: Number, fall: Number) -> CircularWave:
+        """The wave of a nome, of e^(−2α), of q e^(2α) and of 1 − e^(−2α)."""
         p1, p2, p3, p4 = theta.p1(q), theta.p2(q), theta.p3(q), theta.p4(q)
         unity = theta.value(p4, 2.0 * q)
         # e^(−(2n+1)α) times twice the hyperbolic cosine and sine of (2n+1)α, times the powers of q left over
-        two_alpha = math.pi * float(periods.pole / periods.real)
-        growths = [math.expm1(-(2 * n + 1) * two_alpha) for n in range(4)]
-        w0, w1, w2, w3 = (codecay**n * (2.0 + growth) for n, growth in enumerate(growths))
-        v0, v1, v2, v3 = (-(codecay**n) * growth for n, growth in enumerate(growths))
+        third, square = decay * decay * decay, codecay * codecay
+        fifth, seventh = third * decay * decay, third * third * decay
+        w0, w1, w2, w3 = (
+            1.0 + decay,
+            codecay * (1.0 + third),
+            square * (1.0 + fifth),
+            square * codecay * (1.0 + seventh),
+        )
+        more = decay * decay
+        v1 = codecay * fall * (1.0 + decay + more)
+        v2 = square * fall * (1.0 + decay + more * (1.0 + decay + more))
+        v3 = square * codecay * (1.0 - seventh)
         return cls(
             nome=q,
             sn=theta.scaled(p1, theta.value(p4, -2.0 * q) / theta.value(p1, -2.0 * q)),
@@ -49,8 +62,14 @@ class CircularWave:
             dn=theta.scaled(p3, unity / theta.value(p3, 2.0 * q)),
             denominator=p4,
             sine=theta.odd_sines(q, (w0, w1, w2, w3)),
-            cosine=theta.odd_cosines(q, (v0, v1, v2, v3)),
+            cosine=theta.odd_cosines(q, (fall, v1, v2, v3)),
         )
+
+    def begin(self, phase: Number) -> tuple[Number, Number, Number]:
+        """Sine, cosine and drift of the libration at one ζ; see `Crest`."""
+        s, c = each(math.sin, phase), each(math.cos, phase)
+        z = 2.0 * self.nome * ((c - s) * (c + s))
+        return s * theta.value(self.sine, z), c * theta.value(self.cosine, z), 0.0
 
     def at(self, phase: Array) -> Crest:
         """The functions at ζ in [−½π, ½π], shape (..., N)."""

@@ -11,8 +11,8 @@ from decimal import Decimal
 
 import numpy as np
 
-from lie_rigid_body.motion.closed_form import double_double
-from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble
+from lie_rigid_body.motion.closed_form import double_double, pairs
+from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble, Number
 
 _SECONDS = Decimal("1e-9")
 
@@ -39,6 +39,10 @@ class Clock:
         turns = _SECONDS * rate / period, start / period
         rate_turns, start_turns = (double_double.from_decimal(x - x.to_integral_value()) for x in turns)
         return cls(rate_turns, start_turns, double_double.from_decimal(period))
+
+    def begin(self) -> Number:
+        """The phase at the start."""
+        return pairs.multiply(self.start, self.period)[0]
 
     def turns(self, time: DoubleDouble) -> DoubleDouble:
         """The phase at these nanoseconds since the start, in turns in [−½, ½]."""
@@ -75,6 +79,10 @@ class EndlessClock:
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
         """A clock from a rate in units per second and a start in the same units."""
         return cls(double_double.from_decimal(_SECONDS * rate), double_double.from_decimal(start))
+
+    def begin(self) -> Number:
+        """The phase at the start."""
+        return self.start.hi
 
     def folded_phase(self, time: DoubleDouble) -> tuple[Array, Array]:
         """The phase, and parity +1; see `Clock.folded_phase`."""

@@ -16,8 +16,6 @@ from lie_rigid_body.motion.closed_form.double_double import Array, Number
 Triple = tuple[Number, Number, Number]
 Quadruple = tuple[Number, Number, Number, Number]
 
-IDENTITY: Final[Quadruple] = (0.0, 0.0, 0.0, 1.0)
-
 _NUMBER: Final = (float, np.ndarray)
 
 _Form = TypeVar("_Form")
@@ -25,9 +23,25 @@ _Form = TypeVar("_Form")
 
 def numbers(form: object) -> list[Number]:
     """The numbers in a nest of dataclasses and tuples, in order."""
-    if isinstance(form, _NUMBER):
-        return [cast(Number, form)]
-    return [number for part in _parts(form) for number in numbers(part)]
+    gathered: list[Number] = []
+    _gather(form, gathered)
+    return gathered
+
+
+def _gather(form: object, gathered: list[Number]) -> None:
+    for part in _parts(form):
+        if isinstance(part, _NUMBER):
+            gathered.append(cast(Number, part))
+        else:
+            _gather(part, gathered)
+
+
+def table(form: object, count: int) -> Array:
+    """The numbers of so many motions, shape (numbers, count)."""
+    entries = numbers(form)
+    if count == 1:
+        return np.array(entries, dtype=np.float64).reshape(-1, 1)
+    return np.stack([np.broadcast_to(entry, count) for entry in entries])
 
 
 def filled(form: _Form, columns: Iterator[Array]) -> _Form:
@@ -37,12 +51,6 @@ def filled(form: _Form, columns: Iterator[Array]) -> _Form:
     made = tuple(filled(part, columns) for part in _parts(form))
     kind: Any = type(form)
     return cast(_Form, made if kind is tuple else kind(*made))
-
-
-def columns_of(components: Array) -> Quadruple:
-    """The four components on the last axis, each of shape (B, 1)."""
-    x, y, z, w = (components[..., i] for i in range(4))
-    return x, y, z, w
 
 
 def _parts(form: Any) -> Iterable[object]:

@@ -11,7 +11,7 @@ T. J. Dekker, "A floating-point technique for extending the available precision"
 from __future__ import annotations
 
 from decimal import Decimal
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,13 @@ class DoubleDouble(NamedTuple):
 def from_decimal(value: Decimal) -> DoubleDouble:
     """A decimal number, rounded to a scalar double-double."""
     hi = float(value)
-    return DoubleDouble(np.asarray(hi), np.asarray(float(value - Decimal(hi))))
+    return of_parts((hi, float(value - Decimal(hi))))
+
+
+def of_parts(parts: tuple[Number, Number]) -> DoubleDouble:
+    """The double-double of these parts, both scalars or both columns."""
+    hi, lo = parts
+    return DoubleDouble(cast(Array, hi), cast(Array, lo))
 
 
 def from_integers(values: NDArray[np.int64]) -> DoubleDouble:

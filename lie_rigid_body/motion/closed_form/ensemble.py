@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.motion.closed_form import double_double
-from lie_rigid_body.motion.closed_form.columns import numbers
+from lie_rigid_body.motion.closed_form.columns import table
 from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
+from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_motions
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, digits_for, principal_axes
@@ -21,12 +22,12 @@ from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 
 
 @dataclass
-class _Rows:
-    """Numbers of motions of one kind, while they are gathered."""
+class _Gathered:
+    """Motions of one kind, while they are gathered."""
 
     form: BodyMotion
-    members: list[int] = field(default_factory=list)
-    rows: list[Array] = field(default_factory=list)
+    members: list[NDArray[np.intp]] = field(default_factory=list)
+    tables: list[Array] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,16 @@ class Ensemble:
     stacks: tuple[Stack, ...]
 
     @classmethod
-    def of(cls, inertia: Array, attitude_xyzw: Array, body_rate: Array) -> Ensemble:
-        """The motions of bodies from their starts, shapes (B, 3, 3), (B, 4) and (B, 3)."""
-        kinds: dict[tuple[type, ...], _Rows] = {}
-        for motion, members in _motions(inertia, body_rate):
-            gathered = kinds.setdefault(_kind(motion), _Rows(motion))
-            gathered.members += members
-            gathered.rows += [np.array([float(number) for number in numbers(motion)])] * len(members)
-        return cls(tuple(Stack.of(g.members, g.form, g.rows, attitude_xyzw[g.members]) for g in kinds.values()))
+    def of(cls, starts: Starts) -> Ensemble:
+        """The motions of bodies from their starts."""
+        kinds: dict[tuple[type, ...], _Gathered] = {}
+        for motion, members in _motions(starts):
+            gathered = kinds.setdefault(_kind(motion), _Gathered(motion))
+            gathered.members.append(members)
+            gathered.tables.append(table(motion, len(members)))
+        return cls(
+            tuple(Stack(np.concatenate(g.members), g.form, np.concatenate(g.tables, axis=1)) for g in kinds.values())
+        )
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
         """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), this many samples at once."""
@@ -67,21 +70,31 @@ def _kind(motion: SteadyMotion | GeneralMotion) -> tuple[type, ...]:
     return GeneralMotion, type(motion.polhode_clock), type(motion.wave)
 
 
-def _motions(inertia: Array, body_rate: Array) -> Iterator[tuple[SteadyMotion | GeneralMotion, list[int]]]:
-    """Each distinct motion, not yet placed in the world, and which of the ensemble have it."""
-    for body in _alike(inertia):
-        tensor = inertia[body[0]].tolist()
+def _motions(starts: Starts) -> Iterator[tuple[SteadyMotion | GeneralMotion, NDArray[np.intp]]]:
+    """Every motion, those that are computed together as one, and which of the ensemble they are."""
+    rest = np.ones(len(starts.inertia), dtype=np.bool_)
+    for ordinary, members in ordinary_motions(starts):
+        rest[members] = False
+        yield ordinary, members
+    others = np.flatnonzero(rest)
+    for body in _alike(starts.inertia[others]):
+        members = others[body]
+        tensor = starts.inertia[members[0]].tolist()
         with working_precision(digits_for([entry for row in tensor for entry in row])):
             principal = principal_axes(tensor)
-            for start in _alike(body_rate[body]):
-                rate = body_rate[body[start[0]]].tolist()
-                yield _motion(principal, tensor, rate), [body[i] for i in start]
+            for i in members:
+                yield (
+                    _motion(principal, tensor, starts.attitude_xyzw[i].tolist(), starts.body_rate[i].tolist()),
+                    np.array([i]),
+                )
 
 
-def _motion(principal: PrincipalAxes, inertia: list[list[float]], rate: list[float]) -> SteadyMotion | GeneralMotion:
+def _motion(
+    principal: PrincipalAxes, inertia: list[list[float]], attitude: list[float], rate: list[float]
+) -> SteadyMotion | GeneralMotion:
     if is_steady(inertia, rate):
-        return SteadyMotion.of(rate)
-    return GeneralMotion.of(*frame_and_polhode(principal, inertia, rate))
+        return SteadyMotion.of(rate, attitude)
+    return GeneralMotion.of(*frame_and_polhode(principal, inertia, rate), attitude)
 
 
 def _alike(values: Array) -> list[list[int]]:

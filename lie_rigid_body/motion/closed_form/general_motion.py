@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
+from functools import lru_cache
 
 import numpy as np
 
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
-from lie_rigid_body.motion.closed_form.columns import IDENTITY, Quadruple, Triple, columns_of
+from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble, Number
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first
 from lie_rigid_body.motion.closed_form.herpolhode import mean_rate
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.periods import Periods
+from lie_rigid_body.motion.closed_form.placement import Start, world
 from lie_rigid_body.motion.closed_form.polhode import Polhode
 from lie_rigid_body.motion.closed_form.precision import PI
+from lie_rigid_body.motion.closed_form.principal_axes import Vector
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 from lie_rigid_body.motion.closed_form.wave import Crest, Wave
 
@@ -60,35 +62,29 @@ class GeneralMotion:
     slopes: tuple[Number, Number]
     sense: Number
     axes: tuple[Triple, Triple, Triple]
-    world: Quadruple = IDENTITY
-    frame: Quadruple = IDENTITY
+    world: Quadruple
+    frame: Quadruple
 
     @classmethod
-    def of(cls, frame: PrincipalFrame, polhode: Polhode) -> GeneralMotion:
-        """The motion of the body rate, not yet placed in the world."""
-        periods = Periods.of(polhode)
+    def of(cls, frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Sequence[float]) -> GeneralMotion:
+        """The motion from a frame, its polhode and the attitude at the start."""
+        periods, sense = Periods.of(polhode), float(frame.sense)
         clock, wave = _clock_and_wave(polhode, periods)
         directions = [j * a / polhode.momentum for j, a in zip(frame.moments, polhode.amplitudes, strict=True)]
-        widest = max(directions[:2])
-        rows = zip(*frame.axes, strict=True)
+        axes, conjugate = _rows_and_quaternion(frame.axes)
+        x, y, z, w = attitude_xyzw
         return cls(
             polhode_clock=clock,
             half_turn_clock=Clock.of(mean_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
             wave=wave,
             rate_amplitudes=_signed(polhode.amplitudes, frame.sense),
             direction_amplitudes=_signed(directions, frame.sense),
-            slopes=(float(directions[0] / widest), float(directions[1] / widest)),
-            sense=float(frame.sense),
-            axes=(_signed(next(rows)), _signed(next(rows)), _signed(next(rows))),
+            slopes=_proportional(directions[0], directions[1]),
+            sense=sense,
+            axes=axes,
+            world=world(_start(frame, polhode, wave, clock), conjugate, (x, y, z, w), sense),
+            frame=conjugate,
         )
-
-    def placed(self, attitude_xyzw: Array) -> GeneralMotion:
-        """The motions from these attitudes, shape (B, 1, 4), where the numbers are columns of shape (B, 1)."""
-        axes = np.stack([np.stack(row, axis=-1) for row in self.axes], axis=-2)
-        framed = replace(self, frame=columns_of(quaternion.conjugate(quaternion.from_matrix(axes))))
-        unturned = framed.states(double_double.from_integers(np.zeros(1, dtype=np.int64))).attitude_xyzw
-        world = quaternion.multiply(attitude_xyzw, quaternion.conjugate(unturned))
-        return replace(framed, world=columns_of(world))
 
     def states(self, time: DoubleDouble) -> State:
         """The states at these nanoseconds; see `BodyMotion.states`."""
@@ -116,6 +112,25 @@ class GeneralMotion:
 def _signed(components: Sequence[Decimal], sense: int = 1) -> Triple:
     """Each rounded once, the second with the sign of the sense."""
     return float(components[0]), float(sense * components[1]), float(components[2])
+
+
+def _proportional(x: Decimal, y: Decimal) -> tuple[float, float]:
+    widest = max(abs(x), abs(y))
+    return float(x / widest), float(y / widest)
+
+
+def _start(frame: PrincipalFrame, polhode: Polhode, wave: Wave, clock: Clock | EndlessClock) -> Start:
+    direction = [j * w / polhode.momentum for j, w in zip(frame.moments, frame.rate, strict=True)]
+    across = _proportional(direction[0], frame.sense * direction[1])
+    return Start(wave, clock.begin(), _signed(direction), across)
+
+
+@lru_cache(maxsize=32)
+def _rows_and_quaternion(axes: tuple[Vector, Vector, Vector]) -> tuple[tuple[Triple, Triple, Triple], Quadruple]:
+    """The matrix of which these are the columns, and conj(F)."""
+    first, second, third = (_signed(row) for row in zip(*axes, strict=True))
+    x, y, z, w = quaternion.conjugate(quaternion.from_matrix(np.array([first, second, third]))).tolist()
+    return (first, second, third), (x, y, z, w)
 
 
 def _clock_and_wave(polhode: Polhode, periods: Periods) -> tuple[Clock | EndlessClock, Wave]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from lie_rigid_body.motion.closed_form import theta
 from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.precision import PI
 from lie_rigid_body.motion.closed_form.theta import Cubic
@@ -38,22 +39,38 @@ class HyperbolicWave:
         """The wave of a polhode's periods."""
         quarter = float(PI * periods.real / (2 * periods.imaginary))
         beta, cobeta = (float(PI * x / (2 * periods.imaginary)) for x in (periods.pole, periods.copole))
-        q = math.exp(-2.0 * quarter)
+        drift = 0.0 if periods.real == Decimal("Infinity") else float(periods.pole / periods.real)
+        return cls.of_nome(math.exp(-2.0 * quarter), quarter, math.sin(beta), math.sin(cobeta), drift)
+
+    @classmethod
+    def of_nome(cls, q: Number, quarter: Number, sine: Number, cosine: Number, drift: Number) -> HyperbolicWave:
+        """The wave of the nome q′ = exp(−2X), X, sin β, cos β and a/K."""
         p1, p2, p3, p4 = theta.p1(q), theta.p2(q), theta.p3(q), theta.p4(q)
         unity, crest = theta.value(p2, 2.0 * q), 1.0 + q * q
-        # cos (2n+1)β, from the complement of β
-        w0, w1, w2, w3 = ((-q) ** n * math.sin((2 * n + 1) * cobeta) for n in range(4))
-        v0, v1, v2, v3 = (q**n * math.sin((2 * n + 1) * beta) for n in range(4))
+        # qⁿ cos (2n+1)β and qⁿ sin (2n+1)β, by twice the cosine of 2β
+        double = 2.0 * (cosine - sine) * (cosine + sine)
+        c1, s1 = cosine * (double - 1.0), sine * (double + 1.0)
+        c2, s2 = double * c1 - cosine, double * s1 - sine
+        c3, s3 = double * c2 - c1, double * s2 - s1
+        q2, q3 = q * q, q * q * q
         return cls(
             quarter=quarter,
-            sn=theta.scaled(p1, theta.value(p2, crest) / theta.value(p1, crest) / math.tanh(quarter)),
+            sn=theta.scaled(p1, theta.value(p2, crest) / theta.value(p1, crest) * ((1.0 + q) / (1.0 - q))),
             cn=theta.scaled(p4, unity / theta.value(p4, 2.0 * q)),
             dn=theta.scaled(p3, unity / theta.value(p3, 2.0 * q)),
             denominator=p2,
-            sine=theta.odd_sines(q, (w0, w1, w2, w3)),
-            cosine=theta.odd_cosines(q, (v0, v1, v2, v3)),
-            drift=0.0 if periods.real == Decimal("Infinity") else float(periods.pole / periods.real),
+            sine=theta.odd_sines(q, (cosine, q * c1, q2 * c2, q3 * c3)),
+            cosine=theta.odd_cosines(q, (sine, q * s1, q2 * s2, q3 * s3)),
+            drift=drift,
         )
+
+    def begin(self, phase: Number) -> tuple[Number, Number, Number]:
+        """Sine, cosine and drift of the libration at one χ; see `Crest`."""
+        size = each(abs, phase)
+        square = each(math.exp, -2.0 * size)
+        z = each(math.exp, 2.0 * (size - self.quarter)) * (1.0 + square * square)
+        sine, cosine = each(math.tanh, phase) * theta.value(self.sine, z), theta.value(self.cosine, z)
+        return sine, cosine, self.drift * phase
 
     def at(self, phase: Array) -> Crest:
         """The functions at χ in [−X, X], shape (..., N)."""

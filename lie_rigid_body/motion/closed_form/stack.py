@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -11,16 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion.closed_form.columns import filled, numbers
+from lie_rigid_body.motion.closed_form.columns import filled
 from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble
 
 
 class BodyMotion(Protocol):
     """A nest of dataclasses and tuples of numbers, which its formulas take element by element."""
-
-    def placed(self, attitude_xyzw: Array) -> BodyMotion:
-        """The motions from these attitudes, shape (B, 1, 4), where the numbers are columns of shape (B, 1)."""
-        ...
 
     def states(self, time: DoubleDouble) -> State:
         """The states at these nanoseconds, shape (N,): (B, N, 4) and (B, N, 3), where the numbers are columns."""
@@ -44,13 +39,6 @@ class Stack:
     members: NDArray[np.intp]
     form: BodyMotion
     constants: Array
-
-    @classmethod
-    def of(cls, members: Sequence[int], form: BodyMotion, rows: Sequence[Array], attitude_xyzw: Array) -> Stack:
-        """The motions of these numbers, a row for each, from the start attitudes, shape (B, 4)."""
-        table = np.ascontiguousarray(np.array(rows).T)
-        placed = filled(form, iter(table[:, :, np.newaxis])).placed(attitude_xyzw[:, np.newaxis])
-        return cls(np.array(members, dtype=np.intp), form, np.stack([np.ravel(column) for column in numbers(placed)]))
 
     @cached_property
     def whole(self) -> BodyMotion:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
@@ -11,8 +11,8 @@ import numpy as np
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.columns import IDENTITY, Quadruple, Triple, columns_of
-from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble
+from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
+from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
 from lie_rigid_body.motion.closed_form.precision import PI, dot
 
 
@@ -38,17 +38,14 @@ class SteadyMotion:
     half_turn: Clock
 
     @classmethod
-    def of(cls, body_rate: Sequence[float]) -> SteadyMotion:
-        """The steady motion of a rate, from the identity."""
+    def of(cls, body_rate: Sequence[float], attitude_xyzw: Sequence[float]) -> SteadyMotion:
+        """The steady motion of a rate, from an attitude."""
         x, y, z = (Decimal(component) for component in body_rate)
         speed = dot((x, y, z), (x, y, z)).sqrt()
         a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
         rate = (body_rate[0], body_rate[1], body_rate[2])
-        return cls(IDENTITY, rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
-
-    def placed(self, attitude_xyzw: Array) -> SteadyMotion:
-        """The motions from these attitudes, shape (B, 1, 4)."""
-        return replace(self, attitude=columns_of(attitude_xyzw))
+        qx, qy, qz, qw = attitude_xyzw
+        return cls((qx, qy, qz, qw), rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
 
     def states(self, time: DoubleDouble) -> State:
         """The states at these nanoseconds; see `BodyMotion.states`."""

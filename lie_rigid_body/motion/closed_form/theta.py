@@ -9,8 +9,6 @@ q¹⁶ < 2e-22. The polynomials are (DLMF 20.2.1-20.2.4)
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from lie_rigid_body.motion.closed_form.double_double import Array, Number
@@ -18,56 +16,53 @@ from lie_rigid_body.motion.closed_form.double_double import Array, Number
 Cubic = tuple[Number, Number, Number, Number]
 """Coefficients from the constant up."""
 
-Weights = tuple[float, float, float, float]
 
-_UNIT: Final[Cubic] = (1.0, 0.0, 0.0, 0.0)
-
-
-def _combine(weights: Weights, rows: tuple[Cubic, Cubic, Cubic]) -> Cubic:
-    c0, c1, c2, c3 = (sum(w * row[k] for w, row in zip(weights, (_UNIT, *rows), strict=True)) for k in range(4))
-    return c0, c1, c2, c3
-
-
-def odd_sines(q: float, weights: Weights) -> Cubic:
+def odd_sines(q: Number, weights: Cubic) -> Cubic:
     """Σ (−1)ⁿ wₙ qⁿ² sin((2n+1)ζ)/sin ζ as a polynomial in z."""
-    first = (-q, -1.0, 0.0, 0.0)
-    second = (-(q**4), q**3, q**2, 0.0)
-    third = (q**9, 2.0 * q**8, -(q**7), -(q**6))
-    return _combine(weights, (first, second, third))
+    return _odd(q, q, weights)
 
 
-def odd_cosines(q: float, weights: Weights) -> Cubic:
+def odd_cosines(q: Number, weights: Cubic) -> Cubic:
     """Σ (−1)ⁿ wₙ qⁿ² cos((2n+1)ζ)/cos ζ as a polynomial in z."""
-    first = (q, -1.0, 0.0, 0.0)
-    second = (-(q**4), -(q**3), q**2, 0.0)
-    third = (-(q**9), 2.0 * q**8, q**7, -(q**6))
-    return _combine(weights, (first, second, third))
+    return _odd(q, -q, weights)
 
 
-def even_cosines(q: float, sign: float) -> Cubic:
+def _odd(q: Number, signed: Number, weights: Cubic) -> Cubic:
+    # products, not powers: they have the same bits for a float and for an array
+    w0, w1, w2, w3 = weights
+    q2 = q * q
+    q4, q6, cube = q2 * q2, q2 * q2 * q2, signed * q2
+    return (
+        w0 - signed * w1 - q4 * w2 + cube * q6 * w3,
+        cube * w2 - w1 + 2.0 * q4 * q4 * w3,
+        q2 * w2 - cube * q4 * w3,
+        -q6 * w3,
+    )
+
+
+def even_cosines(q: Number, sign: float) -> Cubic:
     """1 + 2 Σ signⁿ qⁿ² cos 2nζ as a polynomial in z."""
-    first = (0.0, 1.0, 0.0, 0.0)
-    second = (-2.0 * q**4, 0.0, q**2, 0.0)
-    third = (0.0, -3.0 * q**8, 0.0, q**6)
-    return _combine((1.0, sign, 1.0, sign), (first, second, third))
+    q2 = q * q
+    q4, q6 = q2 * q2, q2 * q2 * q2
+    return 1.0 - 2.0 * q4, sign * (1.0 - 3.0 * q4 * q4), q2, sign * q6
 
 
-def p1(q: float) -> Cubic:
+def p1(q: Number) -> Cubic:
     """P₁ of the module's docstring."""
-    return odd_sines(q, (1.0, q, q**2, q**3))
+    return odd_sines(q, (1.0, q, q * q, q * q * q))
 
 
-def p2(q: float) -> Cubic:
+def p2(q: Number) -> Cubic:
     """P₂ of the module's docstring."""
-    return odd_cosines(q, (1.0, -q, q**2, -(q**3)))
+    return odd_cosines(q, (1.0, -q, q * q, -q * q * q))
 
 
-def p3(q: float) -> Cubic:
+def p3(q: Number) -> Cubic:
     """P₃ of the module's docstring."""
     return even_cosines(q, 1.0)
 
 
-def p4(q: float) -> Cubic:
+def p4(q: Number) -> Cubic:
     """P₄ of the module's docstring."""
     return even_cosines(q, -1.0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from lie_rigid_body.motion.closed_form.double_double import Array
+from lie_rigid_body.motion.closed_form.double_double import Array, Number
 
 
 class Crest(NamedTuple):
@@ -30,6 +30,10 @@ class Crest(NamedTuple):
 
 class Wave(Protocol):
     """Elliptic functions of one parameter and one characteristic."""
+
+    def begin(self, phase: Number) -> tuple[Number, Number, Number]:
+        """The last three members of `Crest` at the phase of one start, or of each motion's start."""
+        ...
 
     def at(self, phase: Array) -> Crest:
         """The functions at these phases, shape (..., N), each within a quarter period of 0."""

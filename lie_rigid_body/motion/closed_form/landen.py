@@ -1,0 +1,164 @@
+"""Landen's transformation in pairs: means, mean turns and phases of ordinary motions, in a fixed number of steps.
+
+One step takes two numbers a ≥ b to their arithmetic and geometric means. All that is needed of them is their gap
+d = (a − b)/(a + b), which one step takes to e/(2 − e), e = 1 − √(1 − d²): about d²/4. It is carried in pairs as long as
+it is large, and in doubles from there.
+
+References
+----------
+NIST Digital Library of Mathematical Functions (DLMF), https://dlmf.nist.gov, sections 19.8 and 22.7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from lie_rigid_body.motion.closed_form.arctangent import arctangent
+from lie_rigid_body.motion.closed_form.double_double import Number, from_decimal
+from lie_rigid_body.motion.closed_form.pairs import (
+    ONE,
+    ZERO,
+    Pair,
+    add,
+    choose,
+    divide,
+    multiply,
+    root,
+    square_root,
+    subtract,
+    times,
+)
+from lie_rigid_body.motion.closed_form.precision import PI, working_precision
+
+_TWO: Final[Pair] = (2.0, 0.0)
+with working_precision(40):
+    _HALF_PI: Final = from_decimal(PI / 2)
+
+
+class Ladder(NamedTuple):
+    """The steps from two numbers to their arithmetic-geometric mean.
+
+    Attributes
+    ----------
+    gaps, shortfalls : list of Pair
+        d and e before each step. In all further steps both are below 1e-20.
+    factor : Pair
+        The arithmetic-geometric mean over ½(a + b).
+    """
+
+    gaps: list[Pair]
+    shortfalls: list[Pair]
+    factor: Pair
+
+    @classmethod
+    def of(cls, gap: Pair, steps: int) -> Ladder:
+        """The ladder from a first gap: this many steps in pairs, which leave a gap below 2e-5, and two in doubles."""
+        gaps, shortfalls, factor = [], [], ONE
+        for _ in range(steps):
+            e = subtract(ONE, square_root(subtract(ONE, multiply(gap, gap))))
+            rest = subtract(_TWO, e)
+            gaps.append(gap)
+            shortfalls.append(e)
+            factor = multiply(factor, times(rest, 0.5))
+            gap = divide(e, rest)
+        hi, lo = multiply(gap, gap)
+        factor = multiply(factor, subtract(ONE, (0.25 * hi, 0.25 * lo + 0.078125 * hi * hi)))
+        for _ in range(2):
+            square = gap[0] * gap[0]
+            shortfall = square * (0.5 + square * (0.125 + 0.0625 * square))
+            gaps.append((gap[0], 0.0))
+            shortfalls.append((shortfall, 0.0))
+            gap = shortfall / (2.0 - shortfall), 0.0
+        return cls(gaps, shortfalls, factor)
+
+
+def mean_sum(ratio: Pair, shortfalls: Sequence[Pair], steps: int) -> Pair:
+    """The sum ΣQ of DLMF 19.8.6 from the first ε of 19.8.7.
+
+    With p² = ab (1 + ε)/(1 − ε), one step takes ε to (ε² − e)/(2 − e − ε²).
+
+    Parameters
+    ----------
+    ratio : Pair
+        ε₀.
+    shortfalls : sequence of Pair
+        Those of the means.
+    steps : int
+        As many as are taken in pairs; two more are taken in doubles.
+    """
+    term = total = ONE
+    padded = [*shortfalls, *[ZERO] * steps]
+    for e in padded[:steps]:
+        term = times(multiply(term, ratio), 0.5)
+        total = add(total, term)
+        square = multiply(ratio, ratio)
+        ratio = divide(subtract(square, e), subtract(subtract(_TWO, e), square))
+    first = ratio[0]
+    second = _next(first, padded[steps][0])
+    third = _next(second, padded[steps + 1][0])
+    return add(total, (term[0] * (0.5 * first * (1.0 + 0.5 * second * (1.0 + 0.5 * third))), 0.0))
+
+
+def _next(ratio: Number, shortfall: Number) -> Number:
+    square = ratio * ratio
+    return (square - shortfall) / (2.0 - shortfall - square)
+
+
+def phase_squares(sine_square: Pair, cosine_square: Pair, gaps: Sequence[Pair], steps: int) -> tuple[Pair, Pair]:
+    """The squares of sine and cosine of πu/2K from sn²u and cn²u, all in proportion.
+
+    From one step to the next, u/K stays what it is and tan² changes by (dn + k′)/((1 + d)(1 + dn)), k′ = b/a (DLMF
+    22.7.2-22.7.4).
+
+    Parameters
+    ----------
+    sine_square, cosine_square : Pair
+        Not negative, not both 0.
+    gaps : sequence of Pair
+        Those of the means of 1 and k′.
+    steps : int
+        As many as are taken in pairs. The others are taken in doubles, for which the gap should be below 0.2.
+    """
+    s, c = sine_square, cosine_square
+    for d in gaps[:steps]:
+        k = divide(subtract(ONE, d), add(ONE, d))
+        dn = square_root(divide(add(c, multiply(multiply(k, k), s)), add(c, s)))
+        s = multiply(s, divide(add(dn, k), multiply(add(ONE, d), add(ONE, dn))))
+    # the part of tan² that is lost, for it is small
+    loss: Number = 0.0
+    for gap, _ in gaps[steps:]:
+        sine, ratio = s[0] * (1.0 - loss), (1.0 - gap) / (1.0 + gap)
+        delta = root((c[0] + ratio * ratio * sine) / (c[0] + sine))
+        part = gap * (2.0 + ratio + delta) / ((1.0 + gap) * (1.0 + delta))
+        loss = loss + part - loss * part
+    return add(s, (-s[0] * loss, 0.0)), c
+
+
+def angle(sine_square: Pair, cosine_square: Pair) -> Pair:
+    """The angle in [0, ½π] from the squares of its sine and its cosine, in proportion."""
+    steep = sine_square[0] > cosine_square[0]
+    ratio = divide(choose(steep, cosine_square, sine_square), choose(steep, sine_square, cosine_square))
+    slope = arctangent(square_root(ratio))
+    return choose(steep, subtract(_HALF_PI, slope), slope)
+
+
+def imaginary_phase(inverse_square: Pair, gaps: Sequence[Pair]) -> Number:
+    """1/sinh(πa/2K) from 1/sc²(a|m1), for a ≤ ½K′, in doubles: the same steps for an imaginary argument."""
+    square = inverse_square[0]
+    # the part by which it grows, for it is small
+    growth: Number = 0.0
+    for d, _ in gaps:
+        stretch = 1.0 + d
+        part = d + 2.0 * d / (square * (stretch + root(stretch * stretch + 4.0 * d / square)))
+        growth = growth + part + growth * part
+        square = square * ((1.0 + part) * (1.0 + part))
+    value = square_root(inverse_square)
+    return value[0] + (value[1] + value[0] * growth)
+
+
+def nome(gap: Number) -> Number:
+    """The nome exp(−πK′/K) from the first gap of the means of 1 and k′, at most 0.18 (DLMF 19.5.6)."""
+    half = 0.5 * gap / (1.0 + root(1.0 - gap * gap))
+    power = (half * half) * (half * half)
+    return half * (1.0 + power * (2.0 + power * (15.0 + 150.0 * power)))
