@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import textwrap
+from typing import Final
 
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.certificate import Certificate, Law, SegmentCertificate
 
-_COLUMNS = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
-"""80 columns."""
+_COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
+_WIDTH: Final = 80
+"""Of the table with a broken law, and of the sentences."""
 
 
 def as_table(bag: str, certificate: Certificate) -> str:
@@ -36,7 +39,7 @@ def as_table(bag: str, certificate: Certificate) -> str:
 def verdict(certificate: Certificate) -> str:
     """One sentence: certified to what accuracy, or what is broken."""
     if not certificate.passed:
-        return "\n".join(["NOT CERTIFIED", *(f"  - {message}" for message in certificate.messages)])
+        return "\n".join(["NOT CERTIFIED", *(_wrapped(message, "  - ") for message in certificate.messages)])
     lines = [
         f"CERTIFIED: attitude within {certificate.attitude_accuracy:.2g} rad of the exact motion "
         f"(limit {_loosest(certificate):.2g}),",
@@ -90,7 +93,8 @@ def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> 
     lines = [
         f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns",
-        f"  inertia {_numbers(scenario.inertia)} kg m², initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
+        f"  inertia {_numbers(scenario.inertia)} kg m²",
+        f"  initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
         f"  {motion}",
         "",
         _COLUMNS.format(
@@ -98,7 +102,7 @@ def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> 
         ).rstrip(),
     ]
     lines += [_row(law, certificate.time_s(law)) for law in certificate.laws]
-    return lines + [f"  note: {note}" for note in certificate.notes]
+    return lines + [_wrapped(note, " note: ") for note in certificate.notes]
 
 
 def _row(law: Law, time_s: float | None) -> str:
@@ -114,6 +118,10 @@ def _row(law: Law, time_s: float | None) -> str:
         time=time,
         verdict="holds" if law.holds else "BROKEN",
     )
+
+
+def _wrapped(sentence: str, mark: str) -> str:
+    return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark))
 
 
 def _numbers(values: tuple[float, ...]) -> str:

@@ -51,7 +51,7 @@ class SegmentCertificate:
 
     def time_s(self, law: Law) -> float | None:
         """Time of a law's worst sample since the segment's start, s, if it has one."""
-        return None if law.stamp_ns is None else 1e-9 * (law.stamp_ns - self.segment.start_ns)
+        return None if law.stamp_ns is None else (law.stamp_ns - self.segment.start_ns) / 1e9
 
 
 @dataclass(frozen=True)
