@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import Method
 from lie_rigid_body.motion.moser_veselov.preprocessing import preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
 from lie_rigid_body.recording.certificate.conditions import Conditions
@@ -40,6 +41,11 @@ PER_STEP: Final = 4.0
 
 _MORE_TERMS: Final = 4
 _DOUBLE_DOUBLE: Final = 2.0**-104
+
+
+def equal_steps(period: float, longest: float) -> float:
+    """The step when equal ones divide a period, s, none longer than allowed."""
+    return period / max(1.0, math.ceil(period / longest - 1e-9))
 
 
 class Drift(Protocol):
@@ -96,13 +102,17 @@ class MoserVeselovDrift:
     instability: float
 
     @classmethod
-    def of(cls, body: RigidBody, start: State, order: int, fastest: float, step: float) -> MoserVeselovDrift:
-        """Of a motion, by the series of its preprocessed inertia."""
+    def of(
+        cls, body: RigidBody, start: State, stepper: Method, fastest: float, period: float, max_step: float
+    ) -> MoserVeselovDrift:
+        """Of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
         with working_precision():
             frame = SpinningFrame.of(body, start)
-            terms = order // 2
+            terms = stepper.order // 2
             alpha, beta = (tuple(map(float, s)) for s in preprocessed_inertia(frame, terms + _MORE_TERMS))
-            fully = float(frame.fastest) * step
+            quickest = float(frame.fastest)
+            step = equal_steps(period, min(max_step, stepper.largest_turn / quickest) if quickest else max_step)
+            fully = quickest * step
             # ρ₀ρⱼ = (α + β eⱼ) nⱼ, of which abs(eⱼ nⱼ) ≤ 1, and a step turns by twice the vector ρ
             missing = sum(abs(c) * fully ** (3 + 2 * k) for k, c in enumerate(alpha) if k >= terms - 1)
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)

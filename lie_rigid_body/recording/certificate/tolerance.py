@@ -23,7 +23,14 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.certificate.conditions import Conditions
-from lie_rigid_body.recording.certificate.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.recording.certificate.drift import (
+    Drift,
+    MoserVeselovDrift,
+    MuntheKaasDrift,
+    NoDrift,
+    U,
+    equal_steps,
+)
 from lie_rigid_body.recording.certificate.flow import TURN_PER_SUBSTEP
 from lie_rigid_body.recording.certificate.propagation import Propagation
 from lie_rigid_body.recording.certificate.step_error import step_error
@@ -125,19 +132,14 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     if scenario.motion == "closed_form":
         return Tolerance(fastest, conditions, NoDrift(), propagation)
     method = METHODS[scenario.method]
+    period = 1.0 / scenario.rate
     if method.largest_turn < math.inf:
-        step = _step(scenario, method.largest_turn / fastest if fastest else math.inf)
-        drift = MoserVeselovDrift.of(body, start, method.order, fastest, step)
+        drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
         return Tolerance(fastest, conditions, drift, propagation)
-    step = _step(scenario, math.inf)
-    error = step_error(body, propagation.states, method, fastest, step)
+    step = equal_steps(period, scenario.max_step)
+    error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
     steps = MuntheKaasDrift(fastest, step, error, conditions, propagation)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
-
-
-def _step(scenario: Scenario, longest: float) -> float:
-    period = 1.0 / scenario.rate
-    return period / max(1.0, float(np.ceil(period / min(scenario.max_step, longest) - 1e-9)))
 
 
 def _fastest(body: RigidBody, start: State) -> float:
