@@ -93,12 +93,12 @@ def test_the_worst_sample_is_named_though_the_law_holds(honest):
 
 
 def test_round_off_of_the_best_stepper_is_a_random_walk():
-    """Over a million and a hundred million steps of 10 ms: some ten times what the stepper errs by."""
+    """Over a million and a hundred million steps of 10 ms: some twenty times what the stepper errs by."""
     scenario = Scenario.from_parameters({**FAST, "max_step": 0.01})
     limits = tolerance(scenario, 1e6)
     attitude = limits.attitude(np.array([1e-2, 1e4, 1e6]))
     assert attitude[0] < 6e-15
-    assert attitude[1] < 5e-14
+    assert attitude[1] < 8e-14
     assert attitude[2] < 1e-12
     assert limits.energy(np.array([1e6])).max() < 6e-15
     assert limits.world_momentum(np.array([1e6])).max() < 6e-15
@@ -117,12 +117,21 @@ def test_low_orders_err_in_phase_only(method):
     [
         {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [1e-9, 2.0, 3e-10], "rate": 2.0, "max_step": 0.01},
         {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [1e-12, 2.0, -1e-12], "rate": 2.0, "max_step": 0.05},
+        {"inertia": [1.0, 1.7, 3.0], "initial_body_rate": [1e-3, 2.0, -2e-3], "rate": 0.1, "max_step": 0.1},
         {"inertia": [6.2, 5.9, 1.98], "initial_body_rate": [1e-11, 1e-11, 6.1], "rate": 1.0, "method": "dmv6"},
         {"inertia": [1e-3, 1.0, 1.0], "initial_body_rate": [0.5, 2.0, 1.0], "method": "dmv4", "max_step": 0.01},
         {"inertia": [3e-13, 4e-13, 5e-13], "initial_body_rate": [40.0, 2.0, 17.0], "max_step": 0.01},
         {"inertia": [1.0, 1.0 + 2e-16, 1.5], "initial_body_rate": [1e-3, 2e-3, 1e-4], "rate": 1000.0},
     ],
-    ids=["separatrix", "nearest separatrix", "principal axis", "rod", "tiny and fast", "nearly symmetric"],
+    ids=[
+        "separatrix",
+        "nearest separatrix",
+        "long steps near the separatrix",
+        "principal axis",
+        "rod",
+        "tiny and fast",
+        "nearly symmetric",
+    ],
 )
 def test_difficult_motions_are_certified(parameters):
     parameters = {"max_step": 0.001, **parameters}
