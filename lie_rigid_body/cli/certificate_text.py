@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+import textwrap
+from typing import Final
 
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.certificate import Certificate, Law, SegmentCertificate
 
-_COLUMNS = "  {name:<36}{worst:>12}{limit:>12} {unit:<5}{where:<14}{verdict}"
+_COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
+_WIDTH: Final = 80
+"""Of the table with a broken law, and of the sentences."""
 
 
 def as_table(bag: str, certificate: Certificate) -> str:
@@ -28,19 +32,31 @@ def as_table(bag: str, certificate: Certificate) -> str:
     for i, segment in enumerate(certificate.segments, 1):
         lines += ["", *_segment_lines(i, len(certificate.segments), segment)]
     for law in certificate.whole:
-        lines.append(_row(law))
+        lines.append(_row(law, None))
     return "\n".join([*lines, "", verdict(certificate)])
 
 
 def verdict(certificate: Certificate) -> str:
     """One sentence: certified to what accuracy, or what is broken."""
     if not certificate.passed:
-        return "\n".join(["NOT CERTIFIED", *(f"  - {message}" for message in certificate.messages)])
-    return (
+        return "\n".join(["NOT CERTIFIED", *(_wrapped(message, "  - ") for message in certificate.messages)])
+    lines = [
         f"CERTIFIED: attitude within {certificate.attitude_accuracy:.2g} rad of the exact motion "
-        f"(limit {_loosest(certificate):.2g}), kinetic energy to "
-        f"{certificate.accuracy('kinetic energy'):.2g}, world momentum to {_momentum(certificate):.2g} (relative)"
-    )
+        f"(limit {_loosest(certificate):.2g}),",
+        f"kinetic energy to {certificate.accuracy('kinetic energy'):.2g}, "
+        f"world momentum to {_momentum(certificate):.2g} (relative).",
+        *_worst_sample(certificate),
+    ]
+    return "\n  ".join(lines)
+
+
+def _worst_sample(certificate: Certificate) -> list[str]:
+    number, segment = certificate.farthest
+    law = segment.law("closed form")
+    if law.sample is None or law.worst == 0.0:
+        return []
+    where = f" of segment {number}" if len(certificate.segments) > 1 else ""
+    return [f"Attitude is worst at sample {law.sample}{where}, {segment.time_s(law):.7g} s after the start."]
 
 
 def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
@@ -54,12 +70,19 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
             "kinetic_energy_relative": _number(certificate.accuracy("kinetic energy")),
             "world_momentum_relative": _number(_momentum(certificate)),
         }
+        | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
         else None,
         "messages": list(certificate.messages),
         "segments": [_segment_json(segment) for segment in certificate.segments],
-        "laws": [_law_json(law) for law in certificate.whole],
+        "laws": [_law_json(law, None) for law in certificate.whole],
     }
+
+
+def _worst_json(certificate: Certificate) -> dict[str, object]:
+    number, segment = certificate.farthest
+    law = segment.law("closed form")
+    return {"segment": number, "sample": law.sample, "stamp_ns": law.stamp_ns, "time_s": segment.time_s(law)}
 
 
 def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> list[str]:
@@ -70,21 +93,35 @@ def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> 
     lines = [
         f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns",
-        f"  inertia {_numbers(scenario.inertia)} kg m², initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
+        f"  inertia {_numbers(scenario.inertia)} kg m²",
+        f"  initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
         f"  {motion}",
         "",
-        _COLUMNS.format(name="law", worst="worst", limit="limit", unit="", where="sample", verdict=""),
+        _COLUMNS.format(
+            name="law", worst="worst", limit="limit", unit="", sample="sample", time="time, s", verdict=""
+        ).rstrip(),
     ]
-    lines += [_row(law) for law in certificate.laws]
-    return lines + [f"  note: {note}" for note in certificate.notes]
+    lines += [_row(law, certificate.time_s(law)) for law in certificate.laws]
+    return lines + [_wrapped(note, " note: ") for note in certificate.notes]
 
 
-def _row(law: Law) -> str:
-    where = "" if law.sample is None or law.worst == 0.0 else str(law.sample)
-    verdict = "holds" if law.holds else "BROKEN"
+def _row(law: Law, time_s: float | None) -> str:
+    sample, time = "", ""
+    if law.sample is not None and time_s is not None:
+        sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
     return _COLUMNS.format(
-        name=law.name, worst=f"{law.worst:.2g}", limit=f"{law.limit:.2g}", unit=law.unit, where=where, verdict=verdict
+        name=law.name,
+        worst=f"{law.worst:.2g}",
+        limit=f"{law.limit:.2g}",
+        unit=law.unit,
+        sample=sample,
+        time=time,
+        verdict="holds" if law.holds else "BROKEN",
     )
+
+
+def _wrapped(sentence: str, mark: str) -> str:
+    return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark))
 
 
 def _numbers(values: tuple[float, ...]) -> str:
@@ -107,12 +144,12 @@ def _segment_json(certificate: SegmentCertificate) -> dict[str, object]:
         "samples": certificate.samples,
         "passed": certificate.passed,
         "scenario": parameters,
-        "laws": [_law_json(law) for law in certificate.laws],
+        "laws": [_law_json(law, certificate.time_s(law)) for law in certificate.laws],
         "notes": list(certificate.notes),
     }
 
 
-def _law_json(law: Law) -> dict[str, object]:
+def _law_json(law: Law, time_s: float | None) -> dict[str, object]:
     return {
         "name": law.name,
         "unit": law.unit,
@@ -121,6 +158,7 @@ def _law_json(law: Law) -> dict[str, object]:
         "limit": _number(law.limit),
         "sample": law.sample,
         "stamp_ns": law.stamp_ns,
+        "time_s": time_s,
         "broken": law.broken,
         "checked": law.checked,
         "message": law.message,

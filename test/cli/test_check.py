@@ -62,13 +62,48 @@ def test_json_is_for_programs(bag, capsys):
     assert content["segments"][0]["scenario"]["inertia"] == [1.0, 2.0, 3.0]
 
 
+def test_the_worst_sample_of_each_law_is_named(bag, capsys):
+    assert main([str(bag), "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    laws = {law["name"]: law for law in content["segments"][0]["laws"]}
+    for name in ("kinetic energy", "world momentum x", "Euler's equations", "closed form"):
+        law = laws[name]
+        assert law["holds"]
+        assert law["stamp_ns"] == law["sample"] * 10_000_000
+        assert law["time_s"] == law["sample"] / 100
+    worst = laws["closed form"]
+    assert content["certified"]["attitude_worst"] == {
+        "segment": 1,
+        "sample": worst["sample"],
+        "stamp_ns": worst["stamp_ns"],
+        "time_s": worst["time_s"],
+    }
+    assert main([str(bag)]) == 0
+    out = capsys.readouterr().out
+    row = next(line.split() for line in out.splitlines() if line.startswith(" closed form"))
+    assert row[-3:] == [str(worst["sample"]), f"{worst['time_s']:.7g}", "holds"]
+    assert f"worst at sample {worst['sample']}, {worst['time_s']:.7g} s after the start" in out
+
+
+@pytest.mark.parametrize("parameters", [{}, {"method": "rkmk1", "rate": 0.03}])
+def test_the_table_fits_into_eighty_columns(tmp_path, capsys, parameters):
+    tensor = [1.012345, 0.123456, -0.0512345, 1.412345, 0.212345, 1.912345]
+    bag = write_bag(
+        tmp_path / "b.mcap", 40, inertia=tensor, max_step=0.01, epoch_ns=1_792_000_000_123_456_789, **parameters
+    )
+    main([str(bag)])
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines[1:])) <= 80
+
+
 def test_a_bag_that_breaks_a_law(tmp_path, capsys):
     bag = write_bag(tmp_path / "poor.mcap", method="rkmk1")
     assert main([str(bag)]) == 1
-    out = capsys.readouterr().out
+    out = " ".join(capsys.readouterr().out.split())
     assert "NOT CERTIFIED" in out
     assert "BROKEN" in out
     assert "exact solution" in out
+    assert "worst at 399" in out
     assert main([str(bag), "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert content["passed"] is False

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lie_rigid_body import BagError
+from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import PoseTrack, Recording, TwistTrack
 from lie_rigid_body.recording.certificate import certify
 from lie_rigid_body.scenario import Scenario
@@ -47,7 +48,7 @@ rates = st.tuples(*[st.floats(-2.0, 2.0)] * 3).filter(lambda w: np.linalg.norm(w
 
 
 @settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
-@given(semi_axes, rates, st.sampled_from(["rkmk1", "rkmk2", "rkmk4", "closed_form"]), st.floats(1e-4, 3e-2))
+@given(semi_axes, rates, st.sampled_from([*METHODS, "closed_form"]), st.floats(1e-4, 3e-2))
 def test_errors_of_honest_runs_stay_below_their_derived_limits(axes, rate, how, step):
     """The limits before capping must cover every stepper at every step, or an honest bag would be called a forgery."""
     a, b, c = (x * x for x in axes)

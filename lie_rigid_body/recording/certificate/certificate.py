@@ -49,6 +49,10 @@ class SegmentCertificate:
         """The law of that name."""
         return next(law for law in self.laws if law.name == name)
 
+    def time_s(self, law: Law) -> float | None:
+        """Time of a law's worst sample since the segment's start, s, if it has one."""
+        return None if law.stamp_ns is None else (law.stamp_ns - self.segment.start_ns) / 1e9
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -79,6 +83,11 @@ class Certificate:
     def accuracy(self, name: str) -> float:
         """The worst residual of a law over all segments."""
         return max((s.law(name).worst for s in self.segments), default=0.0)
+
+    @property
+    def farthest(self) -> tuple[int, SegmentCertificate]:
+        """Number, from 1, and certificate of the segment with the sample farthest from the closed form."""
+        return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
 
 
 def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Certificate:

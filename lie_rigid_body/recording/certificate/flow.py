@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LONGEST_TURN: Final = 32.0
 """rad: over intervals in which the body may turn farther the flow is not followed."""
 
-_TURN_PER_SUBSTEP: Final = 0.25
+TURN_PER_SUBSTEP: Final = 0.25
 _LEFT_OVER: Final = 1e-17
 _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
@@ -47,7 +47,7 @@ def flow(body: RigidBody, states: State, spans: Array, fastest: float) -> State:
         Attitudes on the continuous path from the given ones, so with the sign that continuity asks for.
     """
     turn = fastest * float(np.max(spans, initial=0.0))
-    substeps = max(1, math.ceil(turn / _TURN_PER_SUBSTEP))
+    substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
     terms = _terms(turn / substeps)
     attitude, momentum = states.attitude_xyzw.copy(), body.body_momentum(states)
     for first in range(0, len(spans), _BLOCK):

@@ -1,8 +1,8 @@
 """What one step of the declared stepper costs on the motion at hand.
 
 At the real step the error of one step may lie below round-off. So it is measured at a larger one, where a body turns
-by at most ``PROBE_TURN``, or by what the stepper allows itself at most, from many states along the exact motion,
-against the Taylor flow, and scaled by its order.
+by at most ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the
+error. It is measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
 """
 
 from __future__ import annotations
@@ -31,12 +31,9 @@ SAFETY: Final = 4.0
 """For states between those tried, and for the terms of higher order."""
 
 
-_FEWER_STATES: Final = 16
-
-
 @dataclass(frozen=True)
 class StepError:
-    """Truncation errors for each radian that Ωt counts; 0 for the closed form.
+    """Truncation errors for each radian that Ωt counts.
 
     Parameters
     ----------
@@ -56,7 +53,9 @@ class StepError:
     energy: float = 0.0
 
 
-def step_error(body: RigidBody, states: State, stepper: Method, fastest: float, step: float) -> StepError:
+def step_error(
+    body: RigidBody, states: State, stepper: Method, fastest: float, step: float, slenderness: float
+) -> StepError:
     """The errors of a stepper's steps of a given length.
 
     Parameters
@@ -69,6 +68,8 @@ def step_error(body: RigidBody, states: State, stepper: Method, fastest: float, 
         Bound Ω of the body rate, rad/s.
     step : float
         h, s.
+    slenderness : float
+        How many times larger a relative error of the momentum shows in the rate.
 
     Returns
     -------
@@ -76,11 +77,7 @@ def step_error(body: RigidBody, states: State, stepper: Method, fastest: float, 
     """
     if fastest == 0.0:
         return StepError()
-    probe = PROBE_TURN
-    if stepper.largest_turn < math.inf:
-        # preprocessed for the motion, it errs much the same along it; each state costs the preprocessing
-        probe, states = stepper.largest_turn, states[::_FEWER_STATES]
-        step = min(step, stepper.largest_turn / fastest)
+    probe = min(PROBE_TURN, max(fastest * step, PROBE_TURN / slenderness))
     span_ns = round(min(1e9 * probe / fastest, LONGEST_SPAN_NS))
     if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
         worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)

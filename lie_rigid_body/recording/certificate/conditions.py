@@ -1,0 +1,66 @@
+"""How many times larger a rounding of a rate or a momentum shows elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.inertia import apply_tensor
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Condition numbers along a motion, all at least 1.
+
+    A body given by its principal moments has the first three 1: there a momentum's component is as exact as the
+    rate's. Products of inertia cancel in Mω, the more the slenderer the body.
+
+    Parameters
+    ----------
+    momentum : float
+        Of reading the momentum off a rate, ‖abs(M) abs(ω)‖/‖Mω‖.
+    energy : float
+        Of reading the energy off a rate, from abs(ω)·abs(M) abs(ω)/2H and ‖ω‖‖Mω‖/2H.
+    inverse : float
+        Of computing a rate from a momentum, I₃/I₁.
+    energy_of_momentum, rate_of_momentum : float
+        Of an error of the momentum in any direction: ‖ω‖‖π‖/2H for the energy, ‖π‖/(I₁Ω) for the rate relative to Ω.
+    """
+
+    momentum: float = 1.0
+    energy: float = 1.0
+    inverse: float = 1.0
+    energy_of_momentum: float = 1.0
+    rate_of_momentum: float = 1.0
+
+    @classmethod
+    def of(cls, body: RigidBody, states: State, fastest: float) -> Conditions:
+        """Along the states of a motion whose rate is bounded by ``fastest``, rad/s."""
+        rates, momenta = states.body_rate, body.body_momentum(states)
+        speeds, sizes = so3.norm(rates), so3.norm(momenta)
+        twice_energy = 2.0 * body.kinetic_energy(states)
+        if fastest == 0.0 or twice_energy.min() == 0.0:
+            return cls()
+        smallest, _, largest = (float(moment) for moment in body.principal_moments)
+        by_rate = _largest(sizes / (smallest * fastest))
+        by_energy = _largest(speeds * sizes / twice_energy)
+        if np.count_nonzero(body.inertia) <= len(body.inertia):
+            return cls(energy_of_momentum=by_energy, rate_of_momentum=by_rate)
+        parts = apply_tensor(np.abs(body.inertia), np.abs(rates))
+        return cls(
+            _largest(so3.norm(parts) / sizes),
+            max(by_energy, _largest(np.sum(np.abs(rates) * parts, axis=-1) / twice_energy)),
+            largest / smallest,
+            by_energy,
+            by_rate,
+        )
+
+
+def _largest(values: Array) -> float:
+    return max(1.0, float(np.max(values)))

@@ -1,0 +1,71 @@
+"""What an error of the rate costs in attitude later: a property of the motion alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import ClosedForm
+
+Array = NDArray[np.float64]
+
+_PROBE: Final = 2.0**-30
+_TIMES: Final = 257
+
+
+@dataclass(frozen=True)
+class Propagation:
+    """The exact motion at some times, and what becomes of a small change of its start.
+
+    Parameters
+    ----------
+    times : ndarray, shape (K,)
+        s
+    states : State
+        Of shapes (K, 4) and (K, 3).
+    gains : ndarray, shape (K,)
+        G: the largest turn up to each time that changing the initial rate by Ω causes, for each unit of that change.
+    """
+
+    times: Array
+    states: State
+    gains: Array
+
+    @classmethod
+    def of(cls, body: RigidBody, start: State, duration: float, fastest: float) -> Propagation:
+        """Read off the closed form by differences.
+
+        Parameters
+        ----------
+        body : RigidBody
+        start : State
+        duration : float
+            s
+        fastest : float
+            Bound Ω of the body rate, rad/s.
+        """
+        t_ns = np.linspace(0.0, duration * 1e9, _TIMES).astype(np.int64)
+        states = ClosedForm(body, start).at(t_ns)
+        speed = float(so3.norm(start.body_rate))
+        gains = np.zeros(len(t_ns))
+        for axis in speed * np.vstack([np.eye(3), -np.eye(3)]):
+            disturbed = State.trusted(start.attitude_xyzw.copy(), start.body_rate + _PROBE * axis)
+            moved = ClosedForm(body, disturbed).at(t_ns).attitude_xyzw
+            turned = quaternion.multiply(quaternion.conjugate(states.attitude_xyzw), moved)
+            gains = np.maximum(gains, so3.norm(quaternion.log(turned)) / _PROBE)
+        scale = fastest / speed if speed > 0.0 else 1.0
+        times = np.asarray(1e-9 * t_ns, dtype=np.float64)
+        return cls(times, states, np.asarray(scale * np.maximum.accumulate(gains), dtype=np.float64))
+
+    def gain(self, t: Array) -> Array:
+        """G at times t, shape (N,)."""
+        return np.asarray(self.gains[np.minimum(np.searchsorted(self.times, t), len(self.gains) - 1)])
+
+    def growth(self, turns: Array) -> Array:
+        """Over an interval a disturbance grows no faster than exp of the angle turned, and no more than G allows."""
+        return np.asarray(np.minimum(np.exp(np.minimum(turns, 700.0)), 1.0 + self.gains[-1]))
