@@ -65,7 +65,15 @@ class Loop:
         self._work = 0
         self._may_compile = True
 
-    def run(self, state: list[float], constants: list[float], spans: Integers, counts: Integers, out: Array) -> None:
+    def run(
+        self,
+        state: list[float],
+        constants: list[float],
+        spans: Integers,
+        counts: Integers,
+        out: Array,
+        work: int | None = None,
+    ) -> None:
         """Advance the state, and fill a row of ``out`` for each sample.
 
         Parameters
@@ -76,8 +84,11 @@ class Loop:
         spans, counts : ndarray of int64, shape (N,)
             Time from the sample before, ns, and the number of steps in it.
         out : ndarray, shape (N, K)
+        work : int, optional
+            Steps that this call counts as when it is judged whether compiling pays, those of ``counts`` unless given:
+            of many calls that are one piece of work the first may count as all of them.
         """
-        if self._wants_compiled(int(counts.sum())):
+        if self._wants_compiled(int(counts.sum()) if work is None else work):
             self.compile()
         if self._compiled is None:
             steps = counts.tolist()
