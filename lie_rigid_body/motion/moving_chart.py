@@ -76,7 +76,8 @@ METHODS: Final = {
 DEFAULT_METHOD: Final = "dmv20"
 DEFAULT_MAX_STEP: Final = 0.001
 
-_FOOTPRINT: Final = Footprint(body=2048, time=8, sample=1024)
+_FOOTPRINT: Final = Footprint(body=1536, time=8, sample=320)
+"""By measurement 1400 of a body, which is its new state beside the old, and 250 of a sample."""
 
 
 class MovingChart:

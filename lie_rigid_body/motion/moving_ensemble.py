@@ -106,10 +106,10 @@ class MovingEnsemble:
             for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
-        # at the start the very numbers that were given
-        begun = np.searchsorted(t_ns, 0, side="right")
-        attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
-        body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
+        if self._reached_ns == 0:  # at the start the very numbers that were given
+            begun = np.searchsorted(t_ns, 0, side="right")
+            attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
+            body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
         self._states, self._reached_ns = moved, last_ns
 
     def _steps_through(self, k: int, last_ns: int) -> int:

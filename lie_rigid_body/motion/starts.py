@@ -44,7 +44,8 @@ class Starts:
         batch = batch_shape(body, start)
 
         def line(values: Array, *own: int) -> Array:
-            return np.broadcast_to(values, (*batch, *own)).reshape(-1, *own)
+            shape = (*batch, *own)
+            return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)
 
         tensors = line(body.inertia, 3, 3), line(body.inverse_inertia, 3, 3)
         return cls(batch, *tensors, line(start.attitude_xyzw, 4), line(start.body_rate, 3))

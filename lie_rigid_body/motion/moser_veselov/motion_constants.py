@@ -48,7 +48,7 @@ def motion_constants(frames: Sequence[SpinningFrame], order: int) -> list[Motion
     """Those of motions in their frames, for steps of an even order, in the decimal precision in force."""
     terms = order // 2
     exact = [Invariants.of(frame) for frame in frames]
-    rests = _in_doubles(exact, terms) if terms > _EXACT_TERMS else [([], [])] * len(frames)
+    rests = _in_doubles(exact, terms) if frames and terms > _EXACT_TERMS else [([], [])] * len(frames)
     return [
         MotionConstants(
             pairs(_of_frame(frame)),
