@@ -44,7 +44,7 @@ class Footprint:
     sample: int
 
 
-def samples_at_once(bodies: int, times: int, memory_limit: int, footprint: Footprint) -> int:
+def samples_within(bodies: int, times: int, memory_limit: int, footprint: Footprint) -> int:
     """The number of samples to compute at once, at least 1.
 
     Where the limit is narrow it is small, but never so small that the evaluation would crawl.

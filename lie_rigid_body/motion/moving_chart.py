@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, Footprint, samples_at_once
+from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, Footprint, samples_within
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
@@ -154,7 +154,7 @@ class MovingChart:
         """
         times = nanoseconds(t_ns)
         bodies = math.prod(self._batch)
-        block = samples_at_once(bodies, times.size, memory_limit, _FOOTPRINT)
+        block = samples_within(bodies, times.size, memory_limit, _FOOTPRINT)
         attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
         shape = (*self._batch, *times.shape)

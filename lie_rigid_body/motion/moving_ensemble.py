@@ -98,8 +98,7 @@ class MovingEnsemble:
         if len(t_ns) == 0:
             return
         require_order(t_ns, self._reached_ns)
-        last_ns = int(t_ns[-1])
-        work = sum(self._steps_through(k, last_ns) for k in range(len(self._states)))
+        work = sum(self._steps_through(k, t_ns) for k in range(len(self._states)))
         moved = []
         for k, state in enumerate(self._states):
             moved.append(list(state))
@@ -110,13 +109,14 @@ class MovingEnsemble:
             begun = np.searchsorted(t_ns, 0, side="right")
             attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
             body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
-        self._states, self._reached_ns = moved, last_ns
+        self._states, self._reached_ns = moved, int(t_ns[-1])
 
-    def _steps_through(self, k: int, last_ns: int) -> int:
+    def _steps_through(self, k: int, t_ns: Integers) -> int:
         """About how many steps a body has to take, or a refusal."""
+        last_ns = int(t_ns[-1])
         try:
             self._integrators[k].require_short_steps(self._states[k], last_ns - self._reached_ns)
-            return self._steps[k].through(last_ns, self._reached_ns)
+            return max(self._steps[k].through(last_ns, self._reached_ns), len(t_ns))
         except InputError as error:
             raise self._named(k, error) from None
 
