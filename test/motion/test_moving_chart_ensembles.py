@@ -77,7 +77,7 @@ def test_bodies_of_one_shape_and_rate_keep_their_attitudes():
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.floats(0.01, 1.0), st.floats(-9, 9))
+@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.floats(0.01, 1.0), st.floats(-7, 7))
 def test_ensembles_follow_the_closed_form(seed: int, count: int, turn: float, decades: float):
     """Through five turns of 1 rad of the fastest body, by steps of its own for each.
 
@@ -94,7 +94,7 @@ def test_ensembles_follow_the_closed_form(seed: int, count: int, turn: float, de
     start = State(attitudes(count), rates)
     # the largest rate that the momentum allows
     fastest = so3.norm(body.body_momentum(start)) / body.principal_moments[:, 0]
-    times = np.sort(random.integers(0, max(int(5e9 / fastest.max()), 2), size=4))
+    times = np.sort(random.integers(0, min(max(int(5e9 / fastest.max()), 2), 2**62), size=4))
     found = MovingChart(body, start, max_step=turn / float(fastest.max())).at(times)
     exact = ClosedForm(body, start).at(times)
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
