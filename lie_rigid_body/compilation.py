@@ -76,7 +76,15 @@ class Loop:
         self._work = 0
         self._may_compile = True
 
-    def run(self, state: list[float], constants: list[float], spans: Integers, counts: Integers, out: Array) -> None:
+    def run(
+        self,
+        state: list[float],
+        constants: list[float],
+        spans: Integers,
+        counts: Integers,
+        out: Array,
+        work: int | None = None,
+    ) -> None:
         """Advance the state, and fill a row of ``out`` for each sample.
 
         Parameters
@@ -87,8 +95,11 @@ class Loop:
         spans, counts : ndarray of int64, shape (N,)
             Time from the sample before, ns, and the number of steps in it.
         out : ndarray, shape (N, K)
+        work : int, optional
+            Steps that this call counts as when it is judged whether compiling pays, those of ``counts`` unless given:
+            of many calls that are one piece of work the first may count as all of them.
         """
-        self._note(int(counts.sum()))
+        self._note(int(counts.sum()) if work is None else work)
         rest = slice(0, len(counts)), counts
         for some, takes in self._pieces(counts) if self._compiled or self._compiler else (rest,):
             if self._compiler and self._compiler.done:

@@ -107,7 +107,9 @@ def wall_around_referee(module: str, target: str) -> bool:
 
 def side(module: str) -> str:
     name = module.removeprefix(MOTION).removeprefix(".").partition(".")[0]
-    return {"": "both", "motion": "contract", "closed_form": "closed form"}.get(name, "moving chart")
+    return {"": "both", "motion": "contract", "memory": "contract", "closed_form": "closed form"}.get(
+        name, "moving chart"
+    )
 
 
 WALLS = (wall_between_rooms, wall_around_ros, wall_around_mathematics, wall_around_referee)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
 
 import numpy as np
@@ -29,25 +28,6 @@ class Motion(Protocol):
             Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array; of an ensemble, after its axes.
         """
         ...
-
-
-def require_body_and_start(body: object, start: object) -> None:
-    """Refuse what is no single body, or no state of one instant.
-
-    Parameters
-    ----------
-    body, start : object
-
-    Raises
-    ------
-    InputError
-        Saying which, and what to give.
-    """
-    shape = batch_shape(body, start)
-    if shape:
-        raise InputError(
-            f"body and start hold {math.prod(shape)} bodies and states, of shape {shape}: give one of each"
-        )
 
 
 def batch_shape(body: object, start: object) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""A rotation carried by Runge–Kutta–Munthe-Kaas steps."""
+"""Rotations carried by Runge–Kutta–Munthe-Kaas steps."""
 
 from __future__ import annotations
 
@@ -8,73 +8,91 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.chart_integrator import GOOD_WAY
 from lie_rigid_body.motion.group_chart import LARGEST_TURN
 from lie_rigid_body.motion.munthe_kaas_loop import LOOP
+from lie_rigid_body.motion.starts import Starts
 from lie_rigid_body.motion.tableau import Tableau
-from lie_rigid_body.motion.time_steps import TimeSteps
 
 Array = NDArray[np.float64]
 
 
 class MuntheKaasIntegrator:
-    """The state of a motion that has come to some time.
+    """One motion.
 
     Parameters
     ----------
-    body : RigidBody
-    start : State
+    inverse_inertia : ndarray, shape (3, 3)
+    attitude_xyzw : ndarray, shape (4,)
+        At the start.
+    body_momentum : ndarray, shape (3,)
+        At the start.
     max_step : float
         Largest step, s.
-    tableau : Tableau
-        One in which each stage needs only the one before.
+    stages : list of float
+        See `munthe_kaas_loop`.
+
+    Attributes
+    ----------
+    start : list of float
+        The state at time 0: attitude and body momentum.
+    constants : list of float
+    largest_step : float
+        s
     """
 
-    def __init__(self, body: RigidBody, start: State, max_step: float, tableau: Tableau) -> None:
-        self._inverse = body.inverse_inertia
-        (a, b, c), (_, d, e), (_, _, f) = self._inverse.tolist()
-        self._constants = [a, b, c, d, e, f, *_stages(tableau)]
-        self._state: list[float] = [*start.attitude_xyzw.tolist(), *body.body_momentum(start).tolist()]
-        self._max_step = max_step
-        self._time = TimeSteps(max_step)
+    __slots__ = ("_inverse", "constants", "largest_step", "start")
 
-    def through(self, times_ns: NDArray[np.int64]) -> tuple[Array, Array]:
-        """Attitudes and body rates at times that do not decrease.
+    def __init__(
+        self, inverse_inertia: Array, attitude_xyzw: Array, body_momentum: Array, max_step: float, stages: list[float]
+    ) -> None:
+        self._inverse = inverse_inertia
+        (a, b, c), (_, d, e), (_, _, f) = inverse_inertia.tolist()
+        self.constants: list[float] = [a, b, c, d, e, f, *stages]
+        self.start: list[float] = [*attitude_xyzw.tolist(), *body_momentum.tolist()]
+        self.largest_step = max_step
 
-        Parameters
-        ----------
-        times_ns : ndarray of int64, shape (N,)
-
-        Returns
-        -------
-        attitude_xyzw : ndarray, shape (N, 4)
-        body_rate : ndarray, shape (N, 3)
+    def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
+        """Refuse steps at whose length the chart is not one to one, judged at the rate of a state.
 
         Raises
         ------
         InputError
-            If a time lies before one already reached; nothing is integrated then. If the steps lead to infinity.
         """
-        self._require_short_steps(times_ns)
-        spans, counts = self._time.to(times_ns)
-        out = np.empty((len(spans), len(self._state)))
-        LOOP.run(self._state, self._constants, spans, counts, out)
-        if math.isnan(self._state[0]):
-            raise InputError(f"a step of {self._max_step:g} s leads to infinity: lower max_step")
-        return out[:, :4], apply_tensor(self._inverse, out[:, 4:])
-
-    def _require_short_steps(self, times_ns: NDArray[np.int64]) -> None:
-        """Refuse steps at whose length the chart is not one to one, judged at the present rate."""
-        ahead_ns = int(times_ns[-1]) - self._time.reached_ns if len(times_ns) else 0
-        step = min(self._max_step, 1e-9 * ahead_ns)
-        way = step * math.hypot(*apply_tensor(self._inverse, np.array(self._state[4:])).tolist())
+        step = min(self.largest_step, 1e-9 * ahead_ns)
+        way = step * math.hypot(*apply_tensor(self._inverse, np.array(state[4:])).tolist())
         if way > LARGEST_TURN:
             raise InputError(
                 f"a step of {step:g} s goes {way:.3g} rad at the rate of its start, or more (limit {LARGEST_TURN:.3g} "
                 f"rad): lower max_step, to about {GOOD_WAY * step / way:.1g} s"
             )
+
+    def advance(
+        self, state: list[float], spans: NDArray[np.int64], counts: NDArray[np.int64], work: int
+    ) -> tuple[Array, Array]:
+        """Move a state, in place, through N samples; see `Integrator`.
+
+        Raises
+        ------
+        InputError
+            If the steps lead to infinity.
+        """
+        out = np.empty((len(spans), len(state)))
+        LOOP.run(state, self.constants, spans, counts, out, work)
+        if math.isnan(state[0]):
+            raise InputError(f"a step of {self.largest_step:g} s leads to infinity: lower max_step")
+        return out[:, :4], apply_tensor(self._inverse, out[:, 4:])
+
+
+def munthe_kaas_integrators(starts: Starts, max_step: float, tableau: Tableau) -> list[MuntheKaasIntegrator]:
+    """The motions of bodies from their starts, by a tableau in which each stage needs only the one before."""
+    stages = _stages(tableau)
+    momenta = apply_tensor(starts.inertia, starts.body_rate)
+    return [
+        MuntheKaasIntegrator(inverse, attitude, momentum, max_step, stages)
+        for inverse, attitude, momentum in zip(starts.inverse_inertia, starts.attitude_xyzw, momenta, strict=True)
+    ]
 
 
 def _stages(tableau: Tableau) -> list[float]:

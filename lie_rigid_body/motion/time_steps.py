@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final, NoReturn
+import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,22 +31,20 @@ class TimeSteps:
         s
     """
 
+    __slots__ = ("_steps_per_ns",)
+
     def __init__(self, max_step: float) -> None:
         self._steps_per_ns = min(1e-9 / max_step, _FASTEST)
-        self._time_ns = 0
 
-    @property
-    def reached_ns(self) -> int:
-        """The time already reached, ns."""
-        return self._time_ns
-
-    def to(self, times_ns: Integers) -> tuple[Integers, Integers]:
+    def to(self, times_ns: Integers, reached_ns: int = 0) -> tuple[Integers, Integers]:
         """The steps that lead to each time from the one before.
 
         Parameters
         ----------
         times_ns : ndarray of int64, shape (N,)
-            Nanoseconds since the start.
+            Nanoseconds since the start, in order.
+        reached_ns : int, optional
+            The time already reached.
 
         Returns
         -------
@@ -55,28 +54,52 @@ class TimeSteps:
         Raises
         ------
         InputError
-            If a time lies before one already reached, or impossibly many steps ahead; none is reached then.
+            If the last lies impossibly many steps ahead.
         """
-        before = np.empty_like(times_ns)
-        before[:1], before[1:] = self._time_ns, times_ns[:-1]
-        spans = times_ns - before
-        if len(spans) == 0:
-            return spans, spans
-        if spans.min() < 0:
-            _refuse(times_ns, before)
+        if len(times_ns) == 0:
+            return times_ns, times_ns
+        self.through(int(times_ns[-1]), reached_ns)
+        spans = times_ns.copy()
+        spans[0] -= reached_ns
+        spans[1:] -= times_ns[:-1]
         counts = np.ceil(_SHRUNK * (spans * self._steps_per_ns) - _SLACK)
-        if counts.sum() > _MOST_STEPS:
-            raise InputError(
-                f"{int(times_ns[-1])} ns lie too many steps of {1e-9 / self._steps_per_ns:.3g} s ahead: ask for an "
-                "earlier time, take longer steps if it is max_step that limits them, or use ClosedForm"
-            )
-        self._time_ns = int(times_ns[-1])
         return spans, np.maximum(counts, spans > 0).astype(np.int64)
 
+    def through(self, last_ns: int, reached_ns: int) -> int:
+        """About how many steps lead from a time already reached to a later one.
 
-def _refuse(times_ns: Integers, before: Integers) -> NoReturn:
-    i = np.flatnonzero(times_ns < before)[0]
-    raise InputError(
-        f"t_ns {int(times_ns[i])} lies before {int(before[i])}, which is already reached: give times that do "
-        "not decrease, or start a new motion"
-    )
+        Raises
+        ------
+        InputError
+            If they are impossibly many.
+        """
+        steps = (last_ns - reached_ns) * self._steps_per_ns
+        if steps > _MOST_STEPS:
+            raise InputError(
+                f"{last_ns} ns lie too many steps of {1e-9 / self._steps_per_ns:.3g} s ahead: ask for an earlier time, "
+                "take longer steps if it is max_step that limits them, or use ClosedForm"
+            )
+        return math.ceil(steps)
+
+
+def require_order(times_ns: Integers, reached_ns: int) -> None:
+    """Refuse times that go back.
+
+    Parameters
+    ----------
+    times_ns : ndarray of int64, shape (N,)
+    reached_ns : int
+        The time already reached.
+
+    Raises
+    ------
+    InputError
+        Naming the first that lies before one already reached.
+    """
+    back = times_ns[1:] < times_ns[:-1]
+    if times_ns[0] < reached_ns or (len(back) and back.any()):
+        i = 0 if times_ns[0] < reached_ns else 1 + int(np.argmax(back))
+        raise InputError(
+            f"t_ns {int(times_ns[i])} lies before {int(times_ns[i - 1]) if i else reached_ns}, which is already "
+            "reached: give times that do not decrease, or start a new motion"
+        )

@@ -98,8 +98,6 @@ def test_bad_input_is_refused_with_value_and_remedy():
         chart.at([2000, 1500])
     with pytest.raises(InputError, match="float64"):
         chart.at(0.5)
-    with pytest.raises(InputError, match="give one"):
-        MovingChart(body, State(np.tile([0, 0, 0, 1.0], (2, 1)), np.zeros((2, 3))))
 
 
 @pytest.mark.parametrize("rate", [1e4, 1e6, 1e150, 1e300])

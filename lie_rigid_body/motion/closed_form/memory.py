@@ -1,59 +1,15 @@
-"""How many states are computed at once, within the memory that a caller allows."""
+"""How many states of the closed form are computed at once, within the memory that a caller allows."""
 
 from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
+from lie_rigid_body.motion.memory import Footprint, samples_within
 
-from lie_rigid_body.errors import InputError
-
-_MOST: Final = 8192
-"""Samples taken at once: their temporaries then stay in a processor's cache."""
-
-_FEWEST: Final = 256
-"""With fewer at once, most of the time goes into starting each operation."""
-
-_STATE: Final = 7 * 8
-"""Bytes of an attitude and a rate."""
-
-_TIME: Final = 8
-
-_TEMPORARIES: Final = 512
-"""Bytes of everything between a sample's time and its state, at the worst moment; 340 to 420 by measurement."""
-
-_REST: Final = 1024 * 1024
-"""Bytes of what does not grow with the samples, tuples that Python keeps for later among it."""
+_FOOTPRINT: Final = Footprint(body=0, time=8, sample=512)
+"""Of a sample being computed 340 to 420, by measurement."""
 
 
 def samples_at_once(bodies: int, times: int, memory_limit: int) -> int:
-    """The number of samples to compute at once, at least 1.
-
-    Where the limit is narrow it is small, but never so small that the evaluation would crawl.
-
-    Parameters
-    ----------
-    bodies, times : int
-        The samples are their product.
-    memory_limit : int
-        Bytes that the states and everything made on the way may take.
-
-    Returns
-    -------
-    int
-
-    Raises
-    ------
-    InputError
-        If the limit is no integer, or leaves no room for the states and a small block of temporaries.
-    """
-    if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
-        raise InputError(f"memory_limit {memory_limit!r} is not a number of bytes: give an integer")
-    fixed = bodies * times * _STATE + times * _TIME + _REST
-    least = fixed + _TEMPORARIES * min(_FEWEST, bodies * times)
-    if memory_limit < least:
-        raise InputError(
-            f"memory_limit {memory_limit} bytes is too little for {bodies} bodies at {times} times, which take "
-            f"{least}: ask for fewer at once, or give a larger memory_limit"
-        )
-    return max(1, min(_MOST, (int(memory_limit) - fixed) // _TEMPORARIES))
+    """The number of samples to compute at once, at least 1; see `motion.memory`."""
+    return samples_within(bodies, times, memory_limit, _FOOTPRINT)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.moser_veselov.spinning_frame import Matrix, SpinningFrame
+from lie_rigid_body.motion.moser_veselov.principal_axes import Matrix, PrincipalAxes
 
 Array = NDArray[np.float64]
 
@@ -23,15 +23,18 @@ class FrameChange:
 
     Parameters
     ----------
-    frame : SpinningFrame
+    principal : PrincipalAxes
     """
 
-    def __init__(self, frame: SpinningFrame) -> None:
-        self._order = [max(range(3), key=lambda i: abs(axis[i])) for axis in frame.axes] if frame.diagonal else None
-        self._axes = [list(row) for row in zip(*frame.axes, strict=True)]
-        self._turn = _rotation_quaternion(self._axes)
+    __slots__ = ("_back", "_columns", "_order", "_turn")
+
+    def __init__(self, principal: PrincipalAxes) -> None:
+        order = [max(range(3), key=lambda i: abs(axis[i])) for axis in principal.axes]
+        self._order = order if principal.diagonal else None
+        columns = [list(row) for row in zip(*principal.axes, strict=True)]
+        self._turn = _rotation_quaternion(columns)
         self._back = quaternion.conjugate(np.array([float(c) for c in self._turn]))
-        self._columns = np.array([[float(c) for c in row] for row in self._axes])
+        self._columns = np.array([[float(c) for c in row] for row in columns])
 
     def inward(self, attitude_xyzw: Sequence[float]) -> list[Decimal]:
         """The frame's attitude from the body's, of unit norm to the decimal precision in force."""

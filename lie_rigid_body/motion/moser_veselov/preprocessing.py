@@ -9,98 +9,130 @@ and the right numbers α, β, which depend on the step and on the two invariants
 step is exact (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to order 10). Here the
 coefficients are not taken from formulas: they are found from the Taylor series of the motion itself, for the step
 that is symmetric about the phase at which the component along the intermediate axis vanishes. There, with n = (√m₁ a,
-(e₁ − e₃)√(m₁m₃) s, √m₃ c) and the quaternion (√m₁ x, √(m₁m₃) y, √m₃ z, w) since that phase, everything is a power
-series in the half step, with coefficients that are polynomials in m₁, m₃ and eⱼ: nothing is singular, whatever the
-body and its motion.
+(e₁ − e₃)√(m₁m₃) t s, √m₃ c) and the quaternion (√m₁ t x, √(m₁m₃) y, √m₃ t z, w) a time t after that phase, all seven
+are power series in t², with coefficients that are polynomials in m₁, m₃ and eⱼ: nothing is singular, whatever the body
+and its motion.
+
+The numbers may be of any kind that is added, multiplied and divided: Decimals, doubles, or arrays of doubles with one
+element a motion, which come to the bits of the doubles.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal
-from typing import TypeAlias
+from typing import Generic, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame
 
-Series: TypeAlias = list[Decimal]
+Number = TypeVar("Number", Decimal, float, NDArray[np.float64])
+Series: TypeAlias = list[Number]
 
 
-def preprocessed_inertia(frame: SpinningFrame, terms: int) -> tuple[Series, Series]:
+@dataclass(frozen=True)
+class Invariants(Generic[Number]):
+    """What the series depend on, so that nothing is left to cancel in them.
+
+    Axes 1 and 3 are those of the frame or exchanged, which changes neither α nor β, so that e₁ ≤ e₃.
+
+    Attributes
+    ----------
+    a_rate, c_rate : number
+        (e₃ − e₂)(e₁ − e₃)m₃ and (e₂ − e₁)(e₁ − e₃)m₁: ȧ and ċ are these times t s c and t s a.
+    f1, f2, f3 : number
+        ½e₁, ½e₂(e₁ − e₃), ½e₃.
+    m1, m3 : number
+    """
+
+    a_rate: Number
+    c_rate: Number
+    f1: Number
+    f2: Number
+    f3: Number
+    m1: Number
+    m3: Number
+
+    @classmethod
+    def of(cls, frame: SpinningFrame) -> Invariants[Decimal]:
+        """Those of a motion."""
+        e1, e2, e3 = frame.inverse_moments
+        m1, m3 = frame.m1, frame.m3
+        if e1 > e3:
+            e1, e3, m1, m3 = e3, e1, m3, m1
+        difference = e1 - e3
+        a_rate, c_rate = (e3 - e2) * difference * m3, (e2 - e1) * difference * m1
+        return Invariants(a_rate, c_rate, e1 / 2, e2 * difference / 2, e3 / 2, m1, m3)
+
+
+def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series[Number], Series[Number]]:
     """The series of α and β for a step x in units of the frame.
 
     Parameters
     ----------
-    frame : SpinningFrame
+    motion : Invariants
     terms : int
         Half the order.
 
     Returns
     -------
-    alpha : list of ``terms`` Decimal
-        α = x³ (alpha[0] + alpha[1] x² + …), of which the last belongs to an order beyond ``terms``.
-    beta : list of ``terms`` Decimal
+    alpha : list of ``terms`` − 1 numbers
+        α = x³ (alpha[0] + alpha[1] x² + …).
+    beta : list of ``terms`` numbers
         β = x (beta[0] + beta[1] x² + …).
     """
-    length = 2 * terms + 2
-    a, c, s, x, y, z, w = _half_step(frame, length)
-    m1, m3 = frame.m1, frame.m3
-    # the whole step: with the half step mirrored, the quaternion is (√m₁ ρ₁, 0, √m₃ ρ₃, ρ₀)
-    whole = _sum((1, _times(w, w)), (-m1, _times(x, x)), (m1 * m3, _times(y, y)), (-m3, _times(z, z)))
+    a, c, s, x, y, z, w = _half_step(motion, terms)
+    m1, m3 = motion.m1, motion.m3
+    # with the half step mirrored, the whole one has the quaternion (√m₁ρ₁, 0, √m₃ρ₃, 1 − 2t²(m₁x² + m₃z²))
+    sines: Series[Number] = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
+    whole = [w[0], *(-2 * p for p in sines[:-1])]
+    turn = [2 * (p - m3 * q) for p, q in zip(_times(w, x), _times(y, z), strict=True)]
+    # d₁ = α + βe₁; either of d₁ and d₃ gives α, and the smaller cancels less
+    d1 = _over(_times(whole, turn), a)
     beta = _over(_times(_times(whole, whole), s), _times(a, c))
-    e1, _, e3 = frame.inverse_moments
-    # either of d₁ and d₃ gives α; the smaller cancels less
-    if e1 < e3:
-        turn, along, e = _sum((2, _times(w, x)), (-2 * m3, _times(y, z))), a, e1
-    else:
-        turn, along, e = _sum((2, _times(w, z)), (2 * m1, _times(x, y))), c, e3
-    alpha = _sum((1, _over(_times(whole, turn), along)), (-e, beta))
-    return _odd(alpha, 3, terms), _odd(beta, 1, terms)
+    alpha = [p - 2 * motion.f1 * q for p, q in zip(d1, beta, strict=True)]
+    # in powers of the whole step
+    return [p / 2 ** (2 * k + 1) for k, p in enumerate(alpha)][1:], [p / 2 ** (2 * k + 1) for k, p in enumerate(beta)]
 
 
-def _half_step(frame: SpinningFrame, length: int) -> tuple[Series, ...]:
+def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], ...]:
     """Taylor coefficients of Euler's equations and of the quaternion's, q̇ = ½ q⊗ω, from the symmetric phase."""
-    e1, e2, e3 = frame.inverse_moments
-    m1, m3, difference = frame.m1, frame.m3, frame.inverse_moments[0] - frame.inverse_moments[2]
-    zero, one = Decimal(0), Decimal(1)
-    a, c, s, x, y, z, w = [one], [one], [zero], [zero], [zero], [zero], [one]
-    f1, f2, f3 = e1 / 2, e2 * difference / 2, e3 / 2
-    for n in range(length - 1):
-        rates = (
-            (e3 - e2) * difference * m3 * _term(s, c, n),
-            (e2 - e1) * difference * m1 * _term(s, a, n),
-            _term(a, c, n),
-            f1 * _term(w, a, n) + m3 * (f3 * _term(y, c, n) - f2 * _term(z, s, n)),
-            f2 * _term(w, s, n) + f1 * _term(z, a, n) - f3 * _term(x, c, n),
-            f3 * _term(w, c, n) + m1 * (f2 * _term(x, s, n) - f1 * _term(y, a, n)),
-            -m1 * f1 * _term(x, a, n) - m1 * m3 * f2 * _term(y, s, n) - m3 * f3 * _term(z, c, n),
-        )
-        for series, rate in zip((a, c, s, x, y, z, w), rates, strict=True):
-            series.append(rate / (n + 1))
+    f1, f2, f3, m1, m3 = motion.f1, motion.f2, motion.f3, motion.m1, motion.m3
+    zero = f1 - f1
+    a, c, y, w = [zero + 1], [zero + 1], [zero], [zero + 1]
+    s, x, z = [zero + 1], [f1], [f3]
+    for n in range(1, terms):
+        k = n - 1
+        a.append(motion.a_rate * _term(s, c, k) / (2 * n))
+        c.append(motion.c_rate * _term(s, a, k) / (2 * n))
+        w.append(-(m1 * (f1 * _term(x, a, k) + m3 * f2 * _term(y, s, k)) + m3 * f3 * _term(z, c, k)) / (2 * n))
+        y.append((f2 * _term(w, s, k) + f1 * _term(z, a, k) - f3 * _term(x, c, k)) / (2 * n))
+        s.append(_term(a, c, n) / (2 * n + 1))
+        x.append((f1 * _term(w, a, n) + m3 * (f3 * _term(y, c, n) - f2 * _term(z, s, k))) / (2 * n + 1))
+        z.append((f3 * _term(w, c, n) + m1 * (f2 * _term(x, s, k) - f1 * _term(y, a, n))) / (2 * n + 1))
     return a, c, s, x, y, z, w
 
 
-def _term(a: Series, b: Series, n: int) -> Decimal:
+def _term(a: Series[Number], b: Series[Number], n: int) -> Number:
     """The n-th coefficient of a product."""
-    return sum((p * q for p, q in zip(a[: n + 1], b[n::-1], strict=True) if p and q), Decimal(0))
+    total = a[0] * b[n]
+    for i in range(1, n + 1):
+        total = total + a[i] * b[n - i]
+    return total
 
 
-def _times(a: Series, b: Series) -> Series:
+def _times(a: Series[Number], b: Series[Number]) -> Series[Number]:
     return [_term(a, b, n) for n in range(len(a))]
 
 
-def _over(a: Series, b: Series) -> Series:
+def _over(a: Series[Number], b: Series[Number]) -> Series[Number]:
     """The quotient of two series, the divisor's beginning with 1."""
-    quotient: Series = []
-    for n, coefficient in enumerate(a):
-        quotient.append(coefficient - sum((quotient[i] * b[n - i] for i in range(n)), Decimal(0)))
+    quotient = [a[0]]
+    for n in range(1, len(a)):
+        rest = a[n]
+        for i in range(n):
+            rest = rest - quotient[i] * b[n - i]
+        quotient.append(rest)
     return quotient
-
-
-def _sum(*weighted: tuple[Decimal | int, Series]) -> Series:
-    return [sum((weight * series[n] for weight, series in weighted), Decimal(0)) for n in range(len(weighted[0][1]))]
-
-
-def _odd(series: Sequence[Decimal], first: int, terms: int) -> Series:
-    """The coefficients of xᶠⁱʳˢᵗ⁺²ᵏ in the whole step x, from those in half of it."""
-    powers = range(first, first + 2 * terms, 2)
-    return [series[k] / 2**k if k < len(series) else Decimal(0) for k in powers]

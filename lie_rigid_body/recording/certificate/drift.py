@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import Method
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS
-from lie_rigid_body.motion.moser_veselov.preprocessing import preprocessed_inertia
+from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
 from lie_rigid_body.recording.certificate.conditions import Conditions
 from lie_rigid_body.recording.certificate.propagation import Propagation
@@ -113,7 +113,8 @@ class MoserVeselovDrift:
         with working_precision():
             frame = SpinningFrame.of(body, start)
             terms = stepper.order // 2
-            alpha, beta = (tuple(map(float, s)) for s in preprocessed_inertia(frame, terms + _MORE_TERMS))
+            series = preprocessed_inertia(Invariants.of(frame), terms + _MORE_TERMS)
+            alpha, beta = (tuple(map(float, coefficients)) for coefficients in series)
             quickest = float(frame.fastest)
             step = equal_steps(period, min(max_step, stepper.largest_turn / quickest) if quickest else max_step)
             fully = quickest * step

@@ -1,0 +1,139 @@
+"""Many bodies, each integrated by itself, that come to one time together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.motion.starts import Starts
+from lie_rigid_body.motion.time_steps import TimeSteps, require_order
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Integrator(Protocol):
+    """One body's motion in steps. Its state is kept by the caller, and is no more than a list of numbers."""
+
+    @property
+    def start(self) -> list[float]:
+        """The state at time 0."""
+        ...
+
+    @property
+    def largest_step(self) -> float:
+        """The length, s, that no step exceeds."""
+        ...
+
+    def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
+        """Refuse to go ahead from a state by steps that are too long for the method.
+
+        Raises
+        ------
+        InputError
+        """
+        ...
+
+    def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:
+        """Move a state, in place, through N samples.
+
+        Parameters
+        ----------
+        state : list of float
+        spans, counts : ndarray of int64, shape (N,)
+            Time from the sample before, ns, and the number of steps in it.
+        work : int
+            Steps that this counts as; see `compilation.Loop`.
+
+        Returns
+        -------
+        attitude_xyzw : ndarray, shape (N, 4)
+        body_rate : ndarray, shape (N, 3)
+
+        Raises
+        ------
+        InputError
+            If the steps lead nowhere.
+        """
+        ...
+
+
+class MovingEnsemble:
+    """The states of B motions that have come to some time.
+
+    Parameters
+    ----------
+    starts : Starts
+    integrators : sequence of Integrator
+        One for each body.
+    """
+
+    def __init__(self, starts: Starts, integrators: Sequence[Integrator]) -> None:
+        self._starts = starts
+        self._integrators = integrators
+        self._steps = [TimeSteps(integrator.largest_step) for integrator in integrators]
+        self._states = [integrator.start for integrator in integrators]
+        self._reached_ns = 0
+
+    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        """Write the states at N times that do not decrease.
+
+        Parameters
+        ----------
+        attitude_xyzw : ndarray, shape (B, N, 4)
+        body_rate : ndarray, shape (B, N, 3)
+        t_ns : ndarray of int64, shape (N,)
+        block : int
+            How many samples to take at once.
+
+        Raises
+        ------
+        InputError
+            If a time lies before one already reached, or a body cannot follow. Then no body has moved.
+        """
+        if len(t_ns) == 0:
+            return
+        require_order(t_ns, self._reached_ns)
+        work = sum(self._steps_through(k, t_ns) for k in range(len(self._states)))
+        moved = []
+        for k, state in enumerate(self._states):
+            moved.append(list(state))
+            for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
+                attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
+                work = 0
+        if self._reached_ns == 0:  # at the start the very numbers that were given
+            begun = np.searchsorted(t_ns, 0, side="right")
+            attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
+            body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
+        self._states, self._reached_ns = moved, int(t_ns[-1])
+
+    def _steps_through(self, k: int, t_ns: Integers) -> int:
+        """About how many steps a body has to take, or a refusal."""
+        last_ns = int(t_ns[-1])
+        try:
+            self._integrators[k].require_short_steps(self._states[k], last_ns - self._reached_ns)
+            return max(self._steps[k].through(last_ns, self._reached_ns), len(t_ns))
+        except InputError as error:
+            raise self._named(k, error) from None
+
+    def _samples(
+        self, k: int, state: list[float], t_ns: Integers, block: int, work: int
+    ) -> Iterator[tuple[slice, Array, Array]]:
+        """Attitudes and rates of one body, block by block, while its state moves on."""
+        reached_ns = self._reached_ns
+        for begin in range(0, len(t_ns), block):
+            some = slice(begin, begin + block)
+            spans, counts = self._steps[k].to(t_ns[some], reached_ns)
+            try:
+                attitudes, rates = self._integrators[k].advance(state, spans, counts, work)
+            except InputError as error:
+                raise self._named(k, error) from None
+            yield some, attitudes, rates
+            reached_ns, work = int(t_ns[some][-1]), 0
+
+    def _named(self, k: int, error: InputError) -> InputError:
+        return InputError(f"{self._starts.name(k)}{error}")
