@@ -38,17 +38,65 @@ AT_ONCE: Final = 1_000_000
 
 SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 
-_PARTS: Final[list[Callable[..., Any]]] = []
+_PARTS: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
+"""What compiled loops call, and what stands for it in them."""
+
 _LOCK: Final = threading.Lock()
 
 
 def kernel(function: Function) -> Function:
     """Mark a function of numbers that compiled loops call. It stays what it is."""
-    _PARTS.append(function)
-    return function
+    return kernel_of(function)(function)
 
 
-class Loop:
+def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
+    """Mark a function in whose place compiled loops call another, which gives the same bits."""
+
+    def mark(function: Function) -> Function:
+        _PARTS.append((function, compiled))
+        return function
+
+    return mark
+
+
+class Work:
+    """A piece of code, and its compiled form from when much of it was called for.
+
+    Parameters
+    ----------
+    plain : callable
+    signature : str
+        Numba's, of the compiled form.
+    enough : int
+        Units of work in long calls after which compiled code pays.
+    """
+
+    def __init__(self, plain: Callable[..., None], signature: str, enough: int) -> None:
+        self._plain = plain
+        self._signature = signature
+        self._enough = enough
+        self._compiled: Callable[..., None] | None = None
+        self._work = 0
+        self._may_compile = True
+
+    def compile(self) -> bool:
+        """Compile now, or load what was compiled before; whether numba is there to do it."""
+        with _LOCK:
+            if self._compiled is None and self._may_compile:
+                self._compiled = _compiled(self._plain, self._signature) if find_spec("numba") else None
+                self._may_compile = self._compiled is not None
+        return self._compiled is not None
+
+    def compiled_for(self, work: int) -> Callable[..., None] | None:
+        """The compiled form, or None where this much more work does not make it pay, or numba is not there."""
+        if self._compiled is None and self._may_compile and work >= LONG_CALL:
+            self._work += work
+            if self._work >= self._enough:
+                self.compile()
+        return self._compiled
+
+
+class Loop(Work):
     """A loop over samples that advances a state, in Python until much work is seen, compiled from then on.
 
     Parameters
@@ -60,10 +108,7 @@ class Loop:
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:
-        self._plain = plain
-        self._compiled: Callable[..., None] | None = None
-        self._work = 0
-        self._may_compile = True
+        super().__init__(plain, SIGNATURE, LONG_WORK)
 
     def run(self, state: list[float], constants: list[float], spans: Integers, counts: Integers, out: Array) -> None:
         """Advance the state, and fill a row of ``out`` for each sample.
@@ -77,29 +122,15 @@ class Loop:
             Time from the sample before, ns, and the number of steps in it.
         out : ndarray, shape (N, K)
         """
-        if self._wants_compiled(int(counts.sum())):
-            self.compile()
-        if self._compiled is None:
+        compiled = self.compiled_for(int(counts.sum()))
+        if compiled is None:
             steps = counts.tolist()
             self._plain(state, constants, spans.tolist(), steps, steps, out)
             return
         moved, fixed = np.array(state), np.array(constants)
         for some, takes in _pieces(counts):
-            self._compiled(moved, fixed, spans[some], counts[some], takes, out[some])
+            compiled(moved, fixed, spans[some], counts[some], takes, out[some])
         state[:] = moved.tolist()
-
-    def compile(self) -> bool:
-        """Compile now, or load what was compiled before; whether numba is there to do it."""
-        with _LOCK:
-            if self._compiled is None and self._may_compile:
-                self._compiled = _compiled(self._plain) if find_spec("numba") else None
-                self._may_compile = self._compiled is not None
-        return self._compiled is not None
-
-    def _wants_compiled(self, steps: int) -> bool:
-        if self._compiled is None and self._may_compile and steps >= LONG_CALL:
-            self._work += steps
-        return self._work >= LONG_WORK and self._compiled is None and self._may_compile
 
 
 def _pieces(counts: Integers) -> Iterator[tuple[slice, Integers]]:
@@ -116,22 +147,28 @@ def _pieces(counts: Integers) -> Iterator[tuple[slice, Integers]]:
         begin = end
 
 
-def _compiled(loop: Callable[..., None]) -> Callable[..., None] | None:
+def _compiled(loop: Callable[..., None], signature: str) -> Callable[..., None] | None:
     try:
         numba: Any = importlib.import_module("numba")
         extending: Any = importlib.import_module("numba.extending")
     except ImportError:  # it refuses a NumPy that is newer than itself
         return None
     while _PARTS:
-        extending.register_jitable(_PARTS.pop(0))
+        _register(extending, *_PARTS.pop(0))
     folder = _cache_folder(loop, numba.__version__)
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = folder or previous
     try:
-        made: Callable[..., None] = numba.njit(SIGNATURE, cache=folder is not None, error_model="numpy")(loop)
+        made: Callable[..., None] = numba.njit(signature, cache=folder is not None, error_model="numpy")(loop)
     finally:
         numba.config.CACHE_DIR = previous
     return made
+
+
+def _register(extending: Any, function: Callable[..., Any], compiled: Callable[..., Any]) -> None:
+    extending.overload(function, jit_options={"forceinline": True, "error_model": "numpy"}, strict=False)(
+        lambda *_, **__: compiled
+    )
 
 
 def _cache_folder(loop: Callable[..., None], version: str) -> str | None:
@@ -155,7 +192,7 @@ def _is_own_folder(path: Path) -> bool:
 
 
 def _digest(loop: Callable[..., None], version: str) -> str:
-    """Of every source beside the loop's own: numba itself notices only a change of the one file."""
-    sources = sorted(Path(inspect.getfile(loop)).parent.glob("*.py"))
+    """Of every source beside the loop's own, and of this: numba itself notices only a change of the one file."""
+    sources = [Path(__file__), *sorted(Path(inspect.getfile(loop)).parent.glob("*.py"))]
     content = b"".join(path.read_bytes() for path in sources)
     return hashlib.sha256(content + version.encode()).hexdigest()[:16]

@@ -6,9 +6,10 @@ A table of contents, in the order of a computation
 - `exact`, `principal_axes`, `principal_frame`: the body and its start, in the frame where the motion is simple;
 - `polhode`, `herpolhode`: the constants of the body rate's path in the body, and of the momentum's turn;
 - `double_double`, `clock`: phases of up to 1e19 ns reduced without loss, batched;
-- `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions, batched;
-- `steady_motion`, `general_motion`: the states of one motion;
-- `columns`, `stack`, `ensemble`, `memory`, `closed_form`: of many at once, block by block;
+- `elementary`, `sine`, `exponential`, `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions;
+- `steady_motion`, `general_motion`: the constants of a motion;
+- `course`, `circular_states`, `hyperbolic_states`, `separatrix_states`, `steady_states`: the formulas of the states;
+- `columns`, `samples`, `evaluation`, `ensemble`, `memory`, `closed_form`: of many at once, block by block or compiled;
 - `constants`, `description`: regime, period, precession and flips, for those who want to know them without the states.
 """
 
