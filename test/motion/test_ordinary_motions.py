@@ -200,10 +200,10 @@ def test_constants_have_the_same_bits_alone_and_together():
     inertia, attitude, rate = crowd(700)
     together = np.full((700, 100), np.nan)
     for some in Ensemble.of(inertia, attitude, rate).evaluations:
-        together[some.members, : some.rows.shape[1]] = some.rows
+        together[some.members, : len(some.table)] = some.table.T
     for i in range(700):
         (alone,) = Ensemble.of(inertia[i : i + 1], attitude[i : i + 1], rate[i : i + 1]).evaluations
-        np.testing.assert_array_equal(together[i, : alone.rows.shape[1]], alone.rows[0])
+        np.testing.assert_array_equal(together[i, : len(alone.table)], alone.table[:, 0])
 
 
 @pytest.mark.parametrize("m1", [0.9, 0.5 * MIXED[0], 0.5 * MIXED[1], 0.03, 2.0**-10 * MIXED[0], 2.0**-10 * MIXED[1]])

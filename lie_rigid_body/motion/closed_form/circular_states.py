@@ -57,10 +57,10 @@ def circular_state(constants: Circular, time: DoubleDouble) -> Sample:
     return state(constants.course, circular_crest(constants.wave, s, c), half_turn)
 
 
-def fill(rows: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+def fill(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of many; see `samples.SIGNATURE`."""
-    for b in range(len(rows)):
-        constants = circular(rows[b])
+    for b in range(len(members)):
+        constants = circular(table[:, b])
         for begin in range(0, len(t_ns), BLOCK):
             times = t_ns[begin : begin + BLOCK]
             for i in range(len(times)):

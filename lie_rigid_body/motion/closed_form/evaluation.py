@@ -99,13 +99,13 @@ class Evaluation:
     Attributes
     ----------
     formulas : Formulas
-    rows : ndarray, shape (B, constants)
+    table : ndarray, shape (constants, B)
     members : ndarray of int, shape (B,)
         Their places in the ensemble.
     """
 
     formulas: Formulas
-    rows: Array
+    table: Array
     members: NDArray[np.intp]
 
     @classmethod
@@ -113,10 +113,10 @@ class Evaluation:
         """The motions of some members, of the kind of a form, from their numbers, shape (numbers, B)."""
         columns = constants[:, 0].tolist() if len(members) == 1 else constants
         formulas, row = formulas_and_row(filled(form, iter(columns)))
-        rows = np.empty((len(members), len(row)))
-        for k, entry in enumerate(row):
-            rows[:, k] = entry
-        return cls(formulas, rows, members)
+        table = np.empty((len(row), len(members)))
+        for place, entry in zip(table, row, strict=True):
+            place[:] = entry
+        return cls(formulas, table, members)
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
         """Write the states into arrays of shapes (bodies, N, 4) and (bodies, N, 3).
@@ -140,12 +140,12 @@ class Evaluation:
     def _run(self, compiled: Any, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64]) -> None:
         columns = np.empty((COLUMNS, BLOCK))
         for some, times in _pieces(len(self.members), len(t_ns), AT_ONCE):
-            rows, members = self.rows[some], self.members[some]
-            compiled(rows, members, t_ns[times], attitude_xyzw, body_rate, columns, times.start)
+            table, members = self.table[:, some], self.members[some]
+            compiled(table, members, t_ns[times], attitude_xyzw, body_rate, columns, times.start)
 
     def _one_by_one(self, attitude_xyzw: Array, body_rate: Array, t_ns: list[int]) -> None:
         times = [from_integer(t) for t in t_ns]
-        for row, member in zip(self.rows.tolist(), self.members.tolist(), strict=True):
+        for row, member in zip(self.table.T.tolist(), self.members.tolist(), strict=True):
             constants = self.formulas.constants(row)
             samples = [self.formulas.state(constants, time) for time in times]
             attitude_xyzw[member] = [sample[:4] for sample in samples]
@@ -163,8 +163,8 @@ class Evaluation:
     def _constants(self, some: slice) -> Any:
         """Of one motion as floats, of many as columns."""
         if some.stop - some.start == 1:
-            return self.formulas.constants(self.rows[some.start].tolist())
-        return self.formulas.constants(list(self.rows[some].T[:, :, np.newaxis]))
+            return self.formulas.constants(self.table[:, some.start].tolist())
+        return self.formulas.constants(list(self.table[:, some, np.newaxis]))
 
 
 def _pieces(bodies: int, times: int, most: int) -> Iterator[tuple[slice, slice]]:

@@ -82,10 +82,10 @@ def turned_over(crest: Crest, parity: Number) -> Crest:
     return Crest(parity * crest.sn, parity * crest.cn, crest.dn, parity * crest.sine, parity * crest.cosine)
 
 
-def fill(rows: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+def fill(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of many; see `samples.SIGNATURE`."""
-    for b in range(len(rows)):
-        constants = hyperbolic(rows[b])
+    for b in range(len(members)):
+        constants = hyperbolic(table[:, b])
         for begin in range(0, len(t_ns), BLOCK):
             times = t_ns[begin : begin + BLOCK]
             for i in range(len(times)):

@@ -15,12 +15,12 @@ BLOCK: Final = 256
 """Samples whose columns stay in a processor's nearest cache."""
 
 SIGNATURE: Final = (
-    "void(float64[:,::1], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], int64)"
+    "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], int64)"
 )
 """Of the functions that fill an ensemble's states
 
-rows : ndarray, shape (B, constants)
-    Of motions of one kind.
+table : ndarray, shape (constants, B)
+    Those of motions of one kind.
 members : ndarray of int64, shape (B,)
     Their places in the ensemble.
 t_ns : ndarray of int64, shape (N,)

@@ -51,10 +51,10 @@ def separatrix_state(constants: Separatrix, time: DoubleDouble) -> Sample:
     return state(constants.course, crest, turns_from_zero(constants.half_rate, time))
 
 
-def fill(rows: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+def fill(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of many; see `samples.SIGNATURE`."""
-    for b in range(len(rows)):
-        constants = separatrix(rows[b])
+    for b in range(len(members)):
+        constants = separatrix(table[:, b])
         for begin in range(0, len(t_ns), BLOCK):
             times = t_ns[begin : begin + BLOCK]
             for i in range(len(times)):

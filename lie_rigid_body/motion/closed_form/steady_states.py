@@ -48,10 +48,10 @@ def steady_state(constants: Steady, time: DoubleDouble) -> Sample:
     return x * size, y * size, z * size, r * size, u, v, w
 
 
-def fill(rows: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+def fill(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of many; see `samples.SIGNATURE`."""
-    for b in range(len(rows)):
-        constants = steady(rows[b])
+    for b in range(len(members)):
+        constants = steady(table[:, b])
         for begin in range(0, len(t_ns), BLOCK):
             times = t_ns[begin : begin + BLOCK]
             for i in range(len(times)):
