@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.motion.closed_form.columns import table
 from lie_rigid_body.motion.closed_form.double_double import Array
-from lie_rigid_body.motion.closed_form.evaluation import Evaluation, Motion
+from lie_rigid_body.motion.closed_form.evaluation import BodyMotion, Evaluation
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary import ordinary_motions
@@ -24,7 +24,7 @@ from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 class _Gathered:
     """Motions of one kind, while they are gathered."""
 
-    form: Motion
+    form: BodyMotion
     members: list[NDArray[np.intp]] = field(default_factory=list)
     tables: list[Array] = field(default_factory=list)
 

@@ -29,7 +29,7 @@ from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.samples import BLOCK, COLUMNS, SIGNATURE, Sample
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 
-Motion: TypeAlias = SteadyMotion | GeneralMotion
+BodyMotion: TypeAlias = SteadyMotion | GeneralMotion
 
 FEW: Final = 16
 """Samples that are sooner computed one by one."""
@@ -79,7 +79,7 @@ STEADY: Final = Formulas(
 )
 
 
-def formulas_and_row(motion: Motion) -> tuple[Formulas, list[Number]]:
+def formulas_and_row(motion: BodyMotion) -> tuple[Formulas, list[Number]]:
     """The formulas of a motion, and its constants in a row: of many motions, if its numbers are arrays."""
     if isinstance(motion, SteadyMotion):
         return STEADY, steady_states.steady_row(motion)
@@ -109,7 +109,7 @@ class Evaluation:
     members: NDArray[np.intp]
 
     @classmethod
-    def of(cls, form: Motion, constants: Array, members: NDArray[np.intp]) -> Evaluation:
+    def of(cls, form: BodyMotion, constants: Array, members: NDArray[np.intp]) -> Evaluation:
         """The motions of some members, of the kind of a form, from their numbers, shape (numbers, B)."""
         columns = constants[:, 0].tolist() if len(members) == 1 else constants
         formulas, row = formulas_and_row(filled(form, iter(columns)))
@@ -138,7 +138,7 @@ class Evaluation:
             self._by_blocks(attitude_xyzw, body_rate, t_ns, block)
 
     def _run(self, compiled: Any, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64]) -> None:
-        columns = np.empty((COLUMNS, BLOCK))
+        columns = np.empty(COLUMNS * BLOCK)
         for some, times in _pieces(len(self.members), len(t_ns), AT_ONCE):
             table, members = self.table[:, some], self.members[some]
             compiled(table, members, t_ns[times], attitude_xyzw, body_rate, columns, times.start)

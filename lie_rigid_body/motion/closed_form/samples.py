@@ -14,9 +14,7 @@ COLUMNS: Final = 7
 BLOCK: Final = 256
 """Samples whose columns stay in a processor's nearest cache."""
 
-SIGNATURE: Final = (
-    "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[:,::1], int64)"
-)
+SIGNATURE: Final = "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[::1], int64)"
 """Of the functions that fill an ensemble's states
 
 table : ndarray, shape (constants, B)
@@ -26,8 +24,8 @@ members : ndarray of int64, shape (B,)
 t_ns : ndarray of int64, shape (N,)
 attitude_xyzw, body_rate : ndarray, shapes (bodies, T, 4) and (bodies, T, 3)
     Where the states go.
-columns : ndarray, shape (COLUMNS, BLOCK)
-    To work in.
+columns : ndarray, shape (COLUMNS * BLOCK,)
+    To work in, one column after the other: a compiler sees that they do not overlap.
 first : int
     Place of the first of these times among T.
 """
@@ -37,7 +35,7 @@ first : int
 def put(columns: Any, i: int, sample: Sample) -> None:
     """Put a sample into a place of each column."""
     for k in range(COLUMNS):
-        columns[k, i] = sample[k]
+        columns[k * BLOCK + i] = sample[k]
 
 
 @kernel
@@ -45,6 +43,6 @@ def store(columns: Any, count: int, attitude: Any, rate: Any, first: int) -> Non
     """Store so many samples among the states of one body."""
     for i in range(count):
         for k in range(4):
-            attitude[first + i, k] = columns[k, i]
+            attitude[first + i, k] = columns[k * BLOCK + i]
         for k in range(3):
-            rate[first + i, k] = columns[4 + k, i]
+            rate[first + i, k] = columns[(4 + k) * BLOCK + i]
