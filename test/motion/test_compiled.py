@@ -10,8 +10,12 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from lie_rigid_body import MovingChart, RigidBody, State, compilation
-from lie_rigid_body.compilation import LONG_CALL, LONG_WORK, Loop
+from lie_rigid_body import MovingChart, RigidBody, State
+from lie_rigid_body.compilation import Loop
+from lie_rigid_body.compilation import loop as loops
+from lie_rigid_body.compilation.compiler import Compiler
+from lie_rigid_body.compilation.loop import LONG_WORK, SIGNATURE
+from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.motion import METHODS, munthe_kaas_loop
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 
@@ -55,7 +59,7 @@ def test_short_pieces_are_the_whole(monkeypatch):
     for method in ("dmv20", "rkmk4"):
         whole = states(BODIES["products"], method, times, 0.01)
         with monkeypatch.context() as patch:
-            patch.setattr(compilation, "AT_ONCE", 100)
+            patch.setattr(loops, "AT_ONCE", 100)
             np.testing.assert_array_equal(states(BODIES["products"], method, times, 0.01), whole)
 
 
@@ -86,7 +90,7 @@ def done(loop: Loop, steps: int) -> np.ndarray:
 
 def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
     loop, asked = Loop(munthe_kaas_loop.advance), []
-    monkeypatch.setattr(compilation._Compiler, "of", asked.append)
+    monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
     monkeypatch.setattr(loop, "_plain", lambda *_: None)
     for _ in range(2 * LONG_WORK // LONG_CALL):
         done(loop, LONG_CALL - 1)
@@ -102,9 +106,9 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
     """From one piece of a sample to the next, and the result is that of Python alone."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     plain, steps = Loop(munthe_kaas_loop.advance), 30_000
-    monkeypatch.setattr(compilation, "WHILE_COMPILING", 100)
+    monkeypatch.setattr(loops, "WHILE_COMPILING", 100)
     expected = done(plain, steps)
-    monkeypatch.setattr(compilation, "LONG_WORK", 1)
+    monkeypatch.setattr(loops, "LONG_WORK", 1)
     loop = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(loop, steps), expected)
     assert loop._compiled is None
@@ -120,8 +124,8 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
 @needs_numba
 def test_the_compiling_process_ends_with_the_work(tmp_path):
     code = (
-        "from lie_rigid_body.motion.munthe_kaas_loop import advance; from lie_rigid_body import compilation as c; "
-        "print(c._Compiler.of(advance)._process.pid)"
+        "from lie_rigid_body.motion.munthe_kaas_loop import advance; from lie_rigid_body.compilation.compiler import Compiler; "
+        f"print(Compiler.of(advance, {SIGNATURE!r})._process.pid)"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
@@ -132,7 +136,7 @@ def test_the_compiling_process_ends_with_the_work(tmp_path):
 @needs_numba
 def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    compiler = compilation._Compiler.of(munthe_kaas_loop.advance)
+    compiler = Compiler.of(munthe_kaas_loop.advance, SIGNATURE)
     assert compiler is not None
     compiler._process.kill()
     assert compiler.result() is None

@@ -247,13 +247,13 @@ def crowd(count: int) -> Starts:
 def test_constants_have_the_same_bits_alone_and_together():
     starts = crowd(1200)
     together = np.full((1200, 100), np.nan)
-    for stack in Ensemble.of(starts).stacks:
-        together[stack.members, : len(stack.constants)] = stack.constants.T
+    for some in Ensemble.of(starts).evaluations:
+        together[some.members, : len(some.table)] = some.table.T
     for i in range(1200):
         moments, axes = principal_decomposition(starts.inertia[i])
         own = Starts(*(column[i : i + 1] for column in starts))._replace(moments=moments[None], axes=axes[None])
-        (alone,) = Ensemble.of(own).stacks
-        np.testing.assert_array_equal(together[i, : len(alone.constants)], alone.constants[:, 0])
+        (alone,) = Ensemble.of(own).evaluations
+        np.testing.assert_array_equal(together[i, : len(alone.table)], alone.table[:, 0])
 
 
 @pytest.mark.parametrize("m1", [0.9, 0.5 * MIXED[0], 0.5 * MIXED[1], 0.03, 2.0**-10 * MIXED[0], 2.0**-10 * MIXED[1]])

@@ -9,9 +9,10 @@ A table of contents, in the order of a computation
 - `pairs`, `arctangent`, `landen`: double-double arithmetic for these, of one in floats or of many in arrays;
 - `diagonal_frame`, `coupled_frame`, `ordinary_polhode`, `ordinary_motion`: their frames and constants;
 - `double_double`, `clock`: phases of up to 1e19 ns reduced without loss, batched;
-- `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions, batched;
-- `placement`, `steady_motion`, `general_motion`: where a motion begins, and the states of one motion;
-- `columns`, `stack`, `ensemble`, `memory`, `closed_form`: of many at once, block by block;
+- `elementary`, `sine`, `exponential`, `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions;
+- `placement`, `steady_motion`, `general_motion`: where a motion begins, and its constants;
+- `course`, `circular_states`, `hyperbolic_states`, `separatrix_states`, `steady_states`: the formulas of the states;
+- `columns`, `samples`, `evaluation`, `ensemble`, `memory`, `closed_form`: of many at once, block by block or compiled;
 - `constants`, `description`: regime, period, precession and flips, for those who want to know them without the states.
 """
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
-import numpy as np
-
+from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.double_double import Number
 from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
-from lie_rigid_body.motion.closed_form.theta import Cubic
+from lie_rigid_body.motion.closed_form.theta import Cubic, cubic, value
 from lie_rigid_body.motion.closed_form.wave import Crest
 
 
@@ -71,16 +72,35 @@ class CircularWave:
         z = 2.0 * self.nome * ((c - s) * (c + s))
         return s * theta.value(self.sine, z), c * theta.value(self.cosine, z), 0.0
 
-    def at(self, phase: Array) -> Crest:
-        """The functions at ζ in [−½π, ½π], shape (..., N)."""
-        s, c = np.sin(phase), np.cos(phase)
-        z = 2.0 * self.nome * ((c - s) * (c + s))
-        inverse = 1.0 / theta.values(self.denominator, z)
-        return Crest(
-            sn=s * (theta.values(self.sn, z) * inverse),
-            cn=c * (theta.values(self.cn, z) * inverse),
-            dn=theta.values(self.dn, z) * inverse,
-            sine=s * theta.values(self.sine, z),
-            cosine=c * theta.values(self.cosine, z),
-            drift=np.zeros_like(phase),
-        )
+
+class CircularNumbers(NamedTuple):
+    """What a sample takes of a `CircularWave`: twice its nome, and the polynomials."""
+
+    twice_nome: Number
+    sn: Cubic
+    cn: Cubic
+    dn: Cubic
+    denominator: Cubic
+    sine: Cubic
+    cosine: Cubic
+
+
+@kernel
+def circular_numbers(row: Sequence[Number], k: int) -> CircularNumbers:
+    """Those that stand in a row from a place on."""
+    first, second = (cubic(row, k + 1), cubic(row, k + 5), cubic(row, k + 9)), (cubic(row, k + 13), cubic(row, k + 17))
+    return CircularNumbers(row[k], first[0], first[1], first[2], second[0], second[1], cubic(row, k + 21))
+
+
+@kernel
+def circular_crest(wave: CircularNumbers, s: Number, c: Number) -> Crest:
+    """The functions at any ζ, of which the sine and cosine are given."""
+    z = wave.twice_nome * ((c - s) * (c + s))
+    inverse = 1.0 / value(wave.denominator, z)
+    return Crest(
+        s * (value(wave.sn, z) * inverse),
+        c * (value(wave.cn, z) * inverse),
+        value(wave.dn, z) * inverse,
+        s * value(wave.sine, z),
+        c * value(wave.cosine, z),
+    )

@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
-import numpy as np
-
+from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import double_double, pairs
-from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble, Number
+from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
 
 _SECONDS = Decimal("1e-9")
 
@@ -44,29 +43,6 @@ class Clock:
         """The phase at the start."""
         return pairs.multiply(self.start, self.period)[0]
 
-    def turns(self, time: DoubleDouble) -> DoubleDouble:
-        """The phase at these nanoseconds since the start, in turns in [−½, ½]."""
-        return double_double.remainder(double_double.add(double_double.multiply(self.rate, time), self.start))
-
-    def phase(self, time: DoubleDouble) -> DoubleDouble:
-        """The phase at these nanoseconds since the start, within half a period of 0."""
-        return double_double.multiply(self.turns(time), self.period)
-
-    def folded_phase(self, time: DoubleDouble) -> tuple[Array, Array]:
-        """The phase less the half turn nearest to it, and the parity of that half turn.
-
-        Returns
-        -------
-        phase : ndarray, shape (..., N)
-            Within a quarter period of 0.
-        parity : ndarray, shape (..., N)
-            +1 where the phase lies within a quarter period of a whole turn, else −1.
-        """
-        hi, lo = self.turns(time)
-        half = np.where(np.abs(hi) > 0.25, np.copysign(0.5, hi), 0.0)
-        folded = double_double.fast_two_sum(hi - half, lo)
-        return double_double.multiply(folded, self.period).hi, 1.0 - 4.0 * np.abs(half)
-
 
 @dataclass(frozen=True)
 class EndlessClock:
@@ -84,7 +60,20 @@ class EndlessClock:
         """The phase at the start."""
         return self.start.hi
 
-    def folded_phase(self, time: DoubleDouble) -> tuple[Array, Array]:
-        """The phase, and parity +1; see `Clock.folded_phase`."""
-        hi = double_double.add(double_double.multiply(self.rate, time), self.start).hi
-        return hi, np.ones_like(hi)
+
+@kernel
+def turns(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
+    """The phase of a `Clock` at these nanoseconds since the start, in turns in [−½, ½]."""
+    return double_double.remainder(double_double.add(double_double.multiply(rate, time), start))
+
+
+@kernel
+def turns_from_zero(rate: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
+    """The same for a clock that starts at 0."""
+    return double_double.remainder(double_double.multiply(rate, time))
+
+
+@kernel
+def endless_phase(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
+    """The phase of an `EndlessClock` at these nanoseconds since the start."""
+    return double_double.add(double_double.multiply(rate, time), start)

@@ -1,4 +1,4 @@
-"""Constants of many motions of one kind as columns: each number of the motion becomes an array of shape (B, 1).
+"""Constants of many motions of one kind as columns: each number of the motion becomes an array of shape (B,).
 
 Every formula of a motion is elementwise, so a motion whose numbers are columns is that many motions, and each of them
 has the bits that it has alone.
@@ -44,7 +44,7 @@ def table(form: object, count: int) -> Array:
     return np.stack([np.broadcast_to(entry, count) for entry in entries])
 
 
-def filled(form: _Form, columns: Iterator[Array]) -> _Form:
+def filled(form: _Form, columns: Iterator[Number]) -> _Form:
     """The same nest with other numbers, taken in order."""
     if isinstance(form, _NUMBER):
         return cast(_Form, next(columns))

@@ -8,16 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.columns import table
 from lie_rigid_body.motion.closed_form.double_double import Array
+from lie_rigid_body.motion.closed_form.evaluation import BodyMotion, Evaluation
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_motions
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, digits_for, principal_axes
-from lie_rigid_body.motion.closed_form.stack import BodyMotion, Stack
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 
 
@@ -32,9 +31,9 @@ class _Gathered:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """The motions of B bodies, stacked by kind."""
+    """The motions of B bodies, those of a kind together."""
 
-    stacks: tuple[Stack, ...]
+    evaluations: tuple[Evaluation, ...]
 
     @classmethod
     def of(cls, starts: Starts) -> Ensemble:
@@ -45,23 +44,16 @@ class Ensemble:
             gathered.members.append(members)
             gathered.tables.append(table(motion, len(members)))
         return cls(
-            tuple(Stack(np.concatenate(g.members), g.form, np.concatenate(g.tables, axis=1)) for g in kinds.values())
+            tuple(
+                Evaluation.of(g.form, np.concatenate(g.tables, axis=1), np.concatenate(g.members))
+                for g in kinds.values()
+            )
         )
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
         """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), this many samples at once."""
-        breadth = min(len(t_ns), block)
-        for stack in self.stacks:
-            for some in _slices(len(stack.members), block // breadth if breadth else block):
-                motion, members = stack.part(some), stack.members[some]
-                for times in _slices(len(t_ns), breadth):
-                    states = motion.states(double_double.from_integers(t_ns[times]))
-                    attitude_xyzw[members, times] = states.attitude_xyzw
-                    body_rate[members, times] = states.body_rate
-
-
-def _slices(length: int, step: int) -> Iterator[slice]:
-    return (slice(begin, min(begin + step, length)) for begin in range(0, length, max(step, 1)))
+        for evaluation in self.evaluations:
+            evaluation.fill(attitude_xyzw, body_rate, t_ns, block)
 
 
 def _kind(motion: SteadyMotion | GeneralMotion) -> tuple[type, ...]:

@@ -10,11 +10,10 @@ from functools import lru_cache
 import numpy as np
 
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
 from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.double_double import Array, DoubleDouble, Number
+from lie_rigid_body.motion.closed_form.double_double import Number
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first
 from lie_rigid_body.motion.closed_form.herpolhode import mean_rate
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
@@ -24,7 +23,7 @@ from lie_rigid_body.motion.closed_form.polhode import Polhode
 from lie_rigid_body.motion.closed_form.precision import PI
 from lie_rigid_body.motion.closed_form.principal_axes import Vector
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
-from lie_rigid_body.motion.closed_form.wave import Crest, Wave
+from lie_rigid_body.motion.closed_form.wave import Wave
 
 
 @dataclass(frozen=True)
@@ -86,28 +85,6 @@ class GeneralMotion:
             frame=conjugate,
         )
 
-    def states(self, time: DoubleDouble) -> State:
-        """The states at these nanoseconds; see `BodyMotion.states`."""
-        phase, parity = self.polhode_clock.folded_phase(time)
-        crest = self.wave.at(phase)
-        half_turn, rest = self.half_turn_clock.phase(time)
-        turn = half_turn + (rest + 0.5 * self.sense * self._libration(crest))
-        shape = (parity * crest.cn, parity * crest.sn, crest.dn)
-        n1, n2, n3 = (np.asarray(a * f) for a, f in zip(self.direction_amplitudes, shape, strict=True))
-        untilted = _turn_and_untilt(turn, n1, n2, n3)
-        world, frame = np.stack(self.world, axis=-1), np.stack(self.frame, axis=-1)
-        attitude = quaternion.multiply(quaternion.multiply(world, untilted), frame)
-        rate = [a * f for a, f in zip(self.rate_amplitudes, shape, strict=True)]
-        body_rate = np.stack([row[0] * rate[0] + row[1] * rate[1] + row[2] * rate[2] for row in self.axes], axis=-1)
-        return State.trusted(quaternion.normalize(attitude), body_rate)
-
-    def _libration(self, crest: Crest) -> Array:
-        """ψ less its mean growth, times the sense: the precession's libration less n's azimuth, in one arctangent."""
-        x, y = self.slopes[0] * crest.cn, self.slopes[1] * crest.sn
-        sine = crest.sine * x - crest.cosine * y
-        cosine = crest.cosine * x + crest.sine * y
-        return np.asarray(np.arctan2(sine, cosine) + crest.drift)
-
 
 def _signed(components: Sequence[Decimal], sense: int = 1) -> Triple:
     """Each rounded once, the second with the sign of the sense."""
@@ -143,11 +120,3 @@ def _clock_and_wave(polhode: Polhode, periods: Periods) -> tuple[Clock | Endless
         return EndlessClock.of(scale * polhode.speed, scale * polhode.start), HyperbolicWave.of(periods)
     period = 4 * scale * periods.real
     return Clock.of(scale * polhode.speed, scale * polhode.start, period), HyperbolicWave.of(periods)
-
-
-def _turn_and_untilt(half_turn: Array, n1: Array, n2: Array, n3: Array) -> Array:
-    """exp(ψ e₃) ⊗ conj(b(n)) from ψ/2 and n, shape (..., N, 4), with b = (−n₂, n₁, 0, 1 + n₃)/√(2 + 2n₃)."""
-    s, c = np.sin(half_turn), np.cos(half_turn)
-    scale = 1.0 / np.sqrt(2.0 + 2.0 * n3)
-    upright = (1.0 + n3) * scale
-    return np.stack([(c * n2 + s * n1) * scale, (s * n2 - c * n1) * scale, s * upright, c * upright], axis=-1)

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from typing import Final, NamedTuple
 
-import numpy as np
-
+from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
+from lie_rigid_body.motion.closed_form.elementary import sign
+from lie_rigid_body.motion.closed_form.exponential import exponential
 from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.precision import PI
-from lie_rigid_body.motion.closed_form.theta import Cubic
+from lie_rigid_body.motion.closed_form.theta import Cubic, cubic, value
 from lie_rigid_body.motion.closed_form.wave import Crest
+
+_NEGLIGIBLE: Final = 1e-305
+"""Beside e^(−2χ), wherever it is of any consequence."""
 
 
 @dataclass(frozen=True)
@@ -72,19 +78,43 @@ class HyperbolicWave:
         sine, cosine = each(math.tanh, phase) * theta.value(self.sine, z), theta.value(self.cosine, z)
         return sine, cosine, self.drift * phase
 
-    def at(self, phase: Array) -> Crest:
-        """The functions at χ in [−X, X], shape (..., N)."""
-        size = np.abs(phase)
-        decay = np.exp(-size)
-        square = decay * decay
-        sech, tanh = 2.0 * decay / (1.0 + square), np.tanh(phase)
-        z = np.exp(2.0 * (size - self.quarter)) * (1.0 + square * square)
-        inverse = 1.0 / theta.values(self.denominator, z)
-        return Crest(
-            sn=tanh * (theta.values(self.sn, z) * inverse),
-            cn=sech * (theta.values(self.cn, z) * inverse),
-            dn=sech * (theta.values(self.dn, z) * inverse),
-            sine=tanh * theta.values(self.sine, z),
-            cosine=theta.values(self.cosine, z),
-            drift=self.drift * phase,
-        )
+
+class HyperbolicNumbers(NamedTuple):
+    """What a sample takes of a `HyperbolicWave`: its nome, which may be 0, and the polynomials."""
+
+    nome: Number
+    sn: Cubic
+    cn: Cubic
+    dn: Cubic
+    denominator: Cubic
+    sine: Cubic
+    cosine: Cubic
+
+
+@kernel
+def hyperbolic_numbers(row: Sequence[Number], k: int) -> HyperbolicNumbers:
+    """Those that stand in a row from a place on."""
+    first, second = (cubic(row, k + 1), cubic(row, k + 5), cubic(row, k + 9)), (cubic(row, k + 13), cubic(row, k + 17))
+    return HyperbolicNumbers(row[k], first[0], first[1], first[2], second[0], second[1], cubic(row, k + 21))
+
+
+@kernel
+def hyperbolic_crest(wave: HyperbolicNumbers, phase: DoubleDouble) -> Crest:
+    """The functions at χ in [−X, X]."""
+    side = sign(phase.hi)
+    decay, fall = exponential(side * phase.hi)
+    rest = decay * (side * phase.lo)
+    decay, fall = decay - rest, fall - rest
+    square = decay * decay
+    inverse = 1.0 / (1.0 + square)
+    sech, tanh = 2.0 * decay * inverse, -side * (fall * (2.0 + fall)) * inverse
+    # 2q cosh 2χ; where that is not the nome times a number of doubles, it has no effect
+    z = wave.nome * (1.0 + square * square) / (square + _NEGLIGIBLE)
+    unit = 1.0 / value(wave.denominator, z)
+    return Crest(
+        tanh * (value(wave.sn, z) * unit),
+        sech * (value(wave.cn, z) * unit),
+        sech * (value(wave.dn, z) * unit),
+        tanh * value(wave.sine, z),
+        value(wave.cosine, z),
+    )

@@ -51,9 +51,9 @@ def world(start: Start, frame: Quadruple, attitude: Quadruple, sense: Number) ->
     """
     half_turn = 0.5 * sense * start.libration()
     untilted = _turn_and_untilt(each(math.sin, half_turn), each(math.cos, half_turn), *start.direction)
-    x, y, z, w = _multiply(untilted, frame)
+    x, y, z, w = multiply(untilted, frame)
     size = root(x * x + y * y + z * z + w * w)
-    return _multiply(attitude, (-x / size, -y / size, -z / size, w / size))
+    return multiply(attitude, (-x / size, -y / size, -z / size, w / size))
 
 
 def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -> Quadruple:
@@ -63,7 +63,7 @@ def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -
     return (c * n2 + s * n1) * scale, (s * n2 - c * n1) * scale, s * upright, c * upright
 
 
-def _multiply(p: Quadruple, q: Quadruple) -> Quadruple:
+def multiply(p: Quadruple, q: Quadruple) -> Quadruple:
     """The product p⊗q."""
     px, py, pz, pw = p
     qx, qy, qz, qw = q

@@ -6,13 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
-import numpy as np
-
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.closed_form.clock import Clock
 from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
 from lie_rigid_body.motion.closed_form.precision import PI, dot
 
 
@@ -46,11 +41,3 @@ class SteadyMotion:
         rate = (body_rate[0], body_rate[1], body_rate[2])
         qx, qy, qz, qw = attitude_xyzw
         return cls((qx, qy, qz, qw), rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
-
-    def states(self, time: DoubleDouble) -> State:
-        """The states at these nanoseconds; see `BodyMotion.states`."""
-        half = self.half_turn.phase(time).hi
-        sine = np.sin(half)
-        turn = np.stack([*(component * sine for component in self.axis), np.cos(half)], axis=-1)
-        attitude = quaternion.normalize(quaternion.multiply(np.stack(self.attitude, axis=-1), turn))
-        return State.trusted(attitude, np.stack([w + np.zeros_like(half) for w in self.rate], axis=-1))

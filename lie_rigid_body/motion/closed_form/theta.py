@@ -9,9 +9,10 @@ q¹⁶ < 2e-22. The polynomials are (DLMF 20.2.1-20.2.4)
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
-from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.compilation import kernel
+from lie_rigid_body.motion.closed_form.double_double import Number
 
 Cubic = tuple[Number, Number, Number, Number]
 """Coefficients from the constant up."""
@@ -72,11 +73,13 @@ def scaled(p: Cubic, factor: Number) -> Cubic:
     return p[0] * factor, p[1] * factor, p[2] * factor, p[3] * factor
 
 
+@kernel
 def value(p: Cubic, z: Number) -> Number:
     """The polynomial at one point."""
     return ((p[3] * z + p[2]) * z + p[1]) * z + p[0]
 
 
-def values(p: Cubic, z: Array) -> Array:
-    """The polynomial at every point of an array."""
-    return np.asarray(value(p, z))
+@kernel
+def cubic(row: Sequence[Number], k: int) -> Cubic:
+    """The polynomial whose coefficients stand in a row from a place on."""
+    return row[k], row[k + 1], row[k + 2], row[k + 3]

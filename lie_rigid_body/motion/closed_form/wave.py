@@ -1,40 +1,34 @@
-"""The elliptic functions along a motion, as sampled from a clock's phase."""
+"""The elliptic functions along a motion."""
 
 from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.double_double import Number
 
 
 class Crest(NamedTuple):
-    """Values at the samples, each of shape (..., N), for u in [−K, K].
+    """Values at a sample, or at the samples of an array.
 
     Attributes
     ----------
-    sn, cn, dn : ndarray
+    sn, cn, dn : number
         Jacobi's elliptic functions of u.
-    sine, cosine : ndarray
-        Proportional, with a positive factor, to the sine and cosine of the precession's libration about its mean.
-    drift : ndarray
-        An angle to be added to that libration, rad.
+    sine, cosine : number
+        Proportional, with a factor of the signs of sn and cn, to the sine and cosine of the precession's libration
+        about its mean, less what `drift` adds to it.
     """
 
-    sn: Array
-    cn: Array
-    dn: Array
-    sine: Array
-    cosine: Array
-    drift: Array
+    sn: Number
+    cn: Number
+    dn: Number
+    sine: Number
+    cosine: Number
 
 
 class Wave(Protocol):
     """Elliptic functions of one parameter and one characteristic."""
 
     def begin(self, phase: Number) -> tuple[Number, Number, Number]:
-        """The last three members of `Crest` at the phase of one start, or of each motion's start."""
-        ...
-
-    def at(self, phase: Array) -> Crest:
-        """The functions at these phases, shape (..., N), each within a quarter period of 0."""
+        """Sine, cosine and an angle to be added, rad, of the libration at one start, or at each motion's."""
         ...

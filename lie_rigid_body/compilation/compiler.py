@@ -1,0 +1,102 @@
+"""What compiles: another process, which leaves the result in a cache for this one."""
+
+from __future__ import annotations
+
+import atexit
+import importlib
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+from lie_rigid_body.compilation.cache import cache_folder, mark
+from lie_rigid_body.compilation.kernels import register_kernels
+
+_LOCK: Final = threading.RLock()
+"""Numba's configuration is one for all."""
+
+
+class Compiler:
+    """Another process that compiles a function into the cache.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module.
+    signature : str
+    folder : Path or None
+        The cache; without one there is no process, and the result is compiled here.
+    """
+
+    def __init__(self, function: Callable[..., None], signature: str, folder: Path | None) -> None:
+        self._function, self._signature, self._folder = function, signature, folder
+        self._process: subprocess.Popen[bytes] | None = None
+        if folder and not mark(folder, function).exists() and sys.executable:
+            self._process = _started(function, signature)
+            atexit.register(self._end)
+
+    @classmethod
+    def of(cls, function: Callable[..., None], signature: str) -> Compiler | None:
+        """One for this function, if numba is installed."""
+        return cls(function, signature, cache_folder(function)) if find_spec("numba") else None
+
+    @property
+    def done(self) -> bool:
+        """Whether the result is there without waiting."""
+        return self._process is None or self._process.poll() is not None
+
+    def result(self) -> Callable[..., None] | None:
+        """The compiled function, or None if that does not succeed."""
+        if self._process is not None:
+            try:
+                failed = self._process.wait() != 0
+            finally:
+                self._end()
+            if failed:
+                return None
+        return _compiled(self._function, self._signature, self._folder)
+
+    def _end(self) -> None:
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        atexit.unregister(self._end)
+
+
+def _started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes]:
+    """A process of its own session: the terminal's signals are for the work, which ends it."""
+    code = "import sys; sys.path[:] = sys.argv[4:]; from lie_rigid_body.compilation.compiler import fill"
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen(
+        [sys.executable, "-c", f"{code}; fill(*sys.argv[1:4])", function.__module__, function.__name__, signature, *sys.path],
+        stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True,
+    )  # fmt: skip
+
+
+def fill(module: str, name: str, signature: str) -> None:
+    """Compile a function into the cache: what the other process does."""
+    function: Callable[..., None] = getattr(importlib.import_module(module), name)
+    folder = cache_folder(function)
+    if _compiled(function, signature, folder) is None or folder is None:
+        raise SystemExit(1)
+    mark(folder, function).touch()
+
+
+def _compiled(loop: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:
+    try:
+        numba: Any = importlib.import_module("numba")
+        extending: Any = importlib.import_module("numba.extending")
+    except ImportError:  # it refuses a NumPy that is newer than itself
+        return None
+    with _LOCK:
+        register_kernels(extending)
+        previous = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(folder) if folder else previous
+        try:
+            made: Callable[..., None] = numba.njit(signature, cache=folder is not None, error_model="numpy")(loop)
+        finally:
+            numba.config.CACHE_DIR = previous
+    return made

@@ -1,0 +1,90 @@
+"""Loops over samples that advance a state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.compilation.work import Work
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LONG_WORK: Final = 500_000
+"""Steps in long calls after which compiled code pays: some seconds of Python, while numba loads in half of one and
+compiles in ten, once."""
+
+AT_ONCE: Final = 1_000_000
+"""Steps of compiled code between two looks at signals, which it does not notice."""
+
+WHILE_COMPILING: Final = 20_000
+"""Steps in Python between two looks at whether the compiler is done."""
+
+SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
+
+
+class Loop(Work):
+    """A loop over samples that advances a state, in Python until much work is seen, compiled from then on.
+
+    Parameters
+    ----------
+    plain : callable
+        Takes ``state`` (a list or array of float, changed in place), ``constants`` (floats), ``spans``, ``counts`` and
+        ``takes`` (integers, one a sample: ns, the steps in them, and how many of these to take) and ``out`` (an array
+        with one row a sample).
+    """
+
+    def __init__(self, plain: Callable[..., None]) -> None:
+        super().__init__(plain, SIGNATURE, LONG_WORK)
+
+    def run(
+        self,
+        state: list[float],
+        constants: list[float],
+        spans: Integers,
+        counts: Integers,
+        out: Array,
+        work: int | None = None,
+    ) -> None:
+        """Advance the state, and fill a row of ``out`` for each sample.
+
+        Parameters
+        ----------
+        state : list of float
+            Changed in place.
+        constants : list of float
+        spans, counts : ndarray of int64, shape (N,)
+            Time from the sample before, ns, and the number of steps in it.
+        out : ndarray, shape (N, K)
+        work : int, optional
+            Steps that this call counts as when it is judged whether compiling pays, those of ``counts`` unless given:
+            of many calls that are one piece of work the first may count as all of them.
+        """
+        self.compiled_for(int(counts.sum()) if work is None else work)
+        rest = slice(0, len(counts)), counts
+        for some, takes in self._pieces(counts) if self._compiled or self._compiler else (rest,):
+            compiled = self.compiled_for(0)
+            if compiled is None:
+                self._plain(state, constants, spans[some].tolist(), counts[some].tolist(), takes.tolist(), out[some])
+                continue
+            moved, fixed = np.array(state), np.array(constants)
+            compiled(moved, fixed, spans[some], counts[some], takes, out[some])
+            state[:] = moved.tolist()
+
+    def _pieces(self, counts: Integers) -> Iterator[tuple[slice, Integers]]:
+        """Samples and the steps to take in them, so that each piece is short; a sample of many steps is many pieces."""
+        ends, begin = np.cumsum(counts), 0
+        while begin < len(counts):
+            at_once = AT_ONCE if self._compiled else WHILE_COMPILING
+            reached = ends[begin] - counts[begin]
+            end = max(begin + 1, int(np.searchsorted(ends, reached + at_once, side="right")))
+            takes = counts[begin:end]
+            while takes[0] > at_once:
+                yield slice(begin, end), np.array([at_once])
+                takes = takes - at_once
+                at_once = AT_ONCE if self._compiled else WHILE_COMPILING
+            yield slice(begin, end), takes
+            begin = end

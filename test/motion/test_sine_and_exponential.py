@@ -1,0 +1,122 @@
+"""The closed form's own sines and exponentials against mpmath, and their bits on floats, on arrays and compiled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from lie_rigid_body import compilation
+from lie_rigid_body.motion.closed_form import elementary, exponential, sine
+from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
+
+RANDOM = np.random.default_rng(8)
+needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
+
+
+def beside(points: np.ndarray) -> np.ndarray:
+    """The points, and what lies a few doubles and more to both sides of them."""
+    steps = np.concatenate([[0.0], np.geomspace(1e-17, 1e-3, 15)])
+    near = [points, np.nextafter(points, -9.0), np.nextafter(points, 9.0)]
+    return np.concatenate([*near, *(points + s for s in steps), *(points - s for s in steps)])
+
+
+# the quarters and, between them, the switches from one to the next
+EIGHTHS = np.arange(-4, 5) / 8.0
+TINY = np.concatenate([np.geomspace(1e-300, 1e-3, 300), -np.geomspace(5e-324, 1e-3, 40), [0.0]])
+TURNS = np.concatenate([RANDOM.uniform(-0.5, 0.5, 2000), np.clip(beside(EIGHTHS), -0.5, 0.5), TINY])
+# half a double of the turns, to either side, and none
+RESTS = np.spacing(TURNS) * RANDOM.choice([-0.5, 0.0, 0.5, 0.3], len(TURNS))
+
+
+def sizes() -> np.ndarray:
+    """From 0 to where nothing is left, and beside the switches at odd multiples of ½ ln 2."""
+    switches = (np.arange(1, 2160, 13) + 0.0) * (0.5 * math.log(2.0))
+    found = np.concatenate([RANDOM.uniform(0.0, 2.0, 800), RANDOM.uniform(0.0, 745.0, 800), beside(switches), TINY])
+    return found[found >= 0.0]
+
+
+def pairs(hi: np.ndarray, lo: np.ndarray) -> list[DoubleDouble]:
+    return [DoubleDouble(h, r) for h, r in zip(hi.tolist(), lo.tolist(), strict=True)]
+
+
+def test_sine_and_cosine_are_right_to_a_unit_in_the_last_place():
+    s, c = sine.sine_cosine(DoubleDouble(TURNS, RESTS))
+    with mp.workdps(400):
+        for turns, *found in zip(pairs(TURNS, RESTS), s.tolist(), c.tolist(), strict=True):
+            angle = 2 * (mpf(turns.hi) + mpf(turns.lo))
+            for value, truth in zip(found, (mp.sinpi(angle), mp.cospi(angle)), strict=True):
+                assert abs(mpf(value) - truth) <= 2.0**-53 * max(abs(truth), mpf(2) ** -1000) * mpf("1.75"), turns
+
+
+def test_sine_and_cosine_of_whole_quarters_are_exact():
+    quarters = np.arange(-2, 3)
+    s, c = sine.sine_cosine(DoubleDouble(quarters / 4.0, np.zeros(5)))
+    np.testing.assert_array_equal(s, [0.0, -1.0, 0.0, 1.0, 0.0])
+    np.testing.assert_array_equal(c, [-1.0, 0.0, 1.0, 0.0, -1.0])
+
+
+def test_the_exponential_is_right_to_two_units_in_the_last_place():
+    x = sizes()
+    decay, fall = exponential.exponential(x)
+    with mp.workdps(400):
+        for size, d, f in zip(x.tolist(), decay.tolist(), fall.tolist(), strict=True):
+            # below 2⁻¹⁰²² doubles are farther apart
+            assert abs(mpf(d) - mp.exp(-mpf(size))) <= mp.exp(-mpf(size)) * 2.0**-52 + mpf(2) ** -1073, size
+            assert abs(mpf(f) - mp.expm1(-mpf(size))) <= -mp.expm1(-mpf(size)) * 2.0**-52 + mpf(2) ** -1073, size
+
+
+@pytest.mark.parametrize("size", [750.0, 801.0, 1e10, 1e300, math.inf])
+def test_the_exponential_vanishes_far_away(size: float):
+    assert exponential.exponential(size) == (0.0, -1.0)
+    np.testing.assert_array_equal(exponential.exponential(np.array([size])), [[0.0], [-1.0]])
+
+
+@pytest.mark.parametrize("k", [-1022, -1021, -512, -53, -1, 0])
+def test_powers_of_two_are_exact(k: int):
+    assert elementary.power_of_two(float(k)) == 2.0**k
+    assert elementary.power_of_two(np.array([float(k)])) == [2.0**k]
+
+
+def sines(x: np.ndarray, rest: np.ndarray, out: Any) -> None:
+    for i in range(len(x)):
+        out[0, i], out[1, i] = sine.sine_cosine(DoubleDouble(x[i], rest[i]))
+
+
+def exponentials(x: np.ndarray, _: np.ndarray, out: Any) -> None:
+    for i in range(len(x)):
+        out[0, i], out[1, i] = exponential.exponential(x[i])
+
+
+def roots(x: np.ndarray, _: np.ndarray, out: Any) -> None:
+    for i in range(len(x)):
+        out[0, i], out[1, i] = elementary.square_root(abs(x[i])), elementary.power_of_two(-float(i % 1023))
+
+
+def on_floats(loop: Callable[..., None], x: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    out = np.empty((2, len(x)))
+    loop(x.tolist(), rest.tolist(), out)
+    return out
+
+
+def test_floats_and_arrays_give_the_same_bits():
+    np.testing.assert_array_equal(on_floats(sines, TURNS, RESTS), sine.sine_cosine(DoubleDouble(TURNS, RESTS)))
+    x = sizes()
+    np.testing.assert_array_equal(on_floats(exponentials, x, x), exponential.exponential(x))
+
+
+@needs_numba
+@pytest.mark.parametrize(("loop", "x"), [(sines, TURNS), (exponentials, sizes()), (roots, TURNS)])
+def test_compiled_code_gives_the_same_bits(loop, x: np.ndarray, monkeypatch):
+    work = compilation.Work(loop, "void(float64[::1], float64[::1], float64[:,::1])", 1)
+    # the loop is this test's own, and nothing to keep
+    monkeypatch.setattr(compilation, "_cache_folder", lambda *_: None)
+    assert work.compile()
+    rest, out = np.resize(RESTS, len(x)), np.empty((2, len(x)))
+    work.compiled_for(0)(x, rest, out)
+    np.testing.assert_array_equal(out, on_floats(loop, x, rest))
