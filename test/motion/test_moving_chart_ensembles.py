@@ -234,10 +234,10 @@ def test_the_work_of_all_bodies_counts_as_one(
 ):
     """However few steps each of them takes, many bodies are worth compiling for, as soon as there is enough to do."""
     asked: list[int] = []
+    monkeypatch.setattr(compilation, "LONG_WORK", 3999)
     loop = compilation.Loop(module.LOOP._plain)
     monkeypatch.setattr(loop, "compile", lambda: asked.append(1))
     monkeypatch.setattr(module, "LOOP", loop)
-    monkeypatch.setattr(compilation, "LONG_WORK", 3999)
     method = "dmv20" if module is moser_veselov_integrator else "rkmk4"
     motion = MovingChart(*many(200), method=method, max_step=0.01)
     motion.at(10**8)
