@@ -68,10 +68,13 @@ class Compiler:
 
 def _started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes]:
     """A process of its own session: the terminal's signals are for the work, which ends it."""
-    code = "import sys; sys.path[:] = sys.argv[4:]; from lie_rigid_body.compilation.compiler import fill"
+    code = (
+        "import sys; sys.path[:] = sys.argv[4:]; from lie_rigid_body.compilation.compiler import fill; "
+        "fill(*sys.argv[1:4])"
+    )
     quiet = subprocess.DEVNULL
     return subprocess.Popen(
-        [sys.executable, "-c", f"{code}; fill(*sys.argv[1:4])", function.__module__, function.__name__, signature, *sys.path],
+        [sys.executable, "-c", code, function.__module__, function.__name__, signature, *sys.path],
         stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True,
     )  # fmt: skip
 

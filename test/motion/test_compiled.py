@@ -124,7 +124,8 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
 @needs_numba
 def test_the_compiling_process_ends_with_the_work(tmp_path):
     code = (
-        "from lie_rigid_body.motion.munthe_kaas_loop import advance; from lie_rigid_body.compilation.compiler import Compiler; "
+        "from lie_rigid_body.motion.munthe_kaas_loop import advance; "
+        "from lie_rigid_body.compilation.compiler import Compiler; "
         f"print(Compiler.of(advance, {SIGNATURE!r})._process.pid)"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}

@@ -13,7 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_ensembles import INERTIAS, RATES, assert_bits, attitudes, many, resized, tensors
 
-from lie_rigid_body import ClosedForm, InputError, MovingChart, RigidBody, State, compilation
+from lie_rigid_body import ClosedForm, InputError, MovingChart, RigidBody, State
+from lie_rigid_body.compilation import Loop
+from lie_rigid_body.compilation import loop as loops
+from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion import METHODS, munthe_kaas_integrator
 from lie_rigid_body.motion.moser_veselov import integrator as moser_veselov_integrator
@@ -234,9 +237,9 @@ def test_the_work_of_all_bodies_counts_as_one(
 ):
     """However few steps each of them takes, many bodies are worth compiling for, as soon as there is enough to do."""
     asked: list[int] = []
-    monkeypatch.setattr(compilation, "LONG_WORK", 3999)
-    loop = compilation.Loop(module.LOOP._plain)
-    monkeypatch.setattr(loop, "compile", lambda: asked.append(1))
+    monkeypatch.setattr(loops, "LONG_WORK", 3999)
+    loop = Loop(module.LOOP._plain)
+    monkeypatch.setattr(Compiler, "of", lambda *_: asked.append(1))
     monkeypatch.setattr(module, "LOOP", loop)
     method = "dmv20" if module is moser_veselov_integrator else "rkmk4"
     motion = MovingChart(*many(200), method=method, max_step=0.01)

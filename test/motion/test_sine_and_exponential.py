@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from lie_rigid_body import compilation
+from lie_rigid_body.compilation import Work, compiler
 from lie_rigid_body.motion.closed_form import elementary, exponential, sine
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
 
@@ -113,9 +113,9 @@ def test_floats_and_arrays_give_the_same_bits():
 @needs_numba
 @pytest.mark.parametrize(("loop", "x"), [(sines, TURNS), (exponentials, sizes()), (roots, TURNS)])
 def test_compiled_code_gives_the_same_bits(loop, x: np.ndarray, monkeypatch):
-    work = compilation.Work(loop, "void(float64[::1], float64[::1], float64[:,::1])", 1)
+    work = Work(loop, "void(float64[::1], float64[::1], float64[:,::1])", 1)
     # the loop is this test's own, and nothing to keep
-    monkeypatch.setattr(compilation, "_cache_folder", lambda *_: None)
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
     assert work.compile()
     rest, out = np.resize(RESTS, len(x)), np.empty((2, len(x)))
     work.compiled_for(0)(x, rest, out)
