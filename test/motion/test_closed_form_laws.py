@@ -247,6 +247,19 @@ def test_the_referee_knows_nothing_of_the_moving_chart():
                 assert (node.module or "").startswith(allowed), file
 
 
+@pytest.mark.parametrize("rate", [[1.0, 1.0, 1e-163], [1.0, -1.0, 1e-200], [-1.0, 1.0, 1e-300], [1.0, 1e-163, 1.0]])
+@pytest.mark.parametrize("product", [5e-324, 1e-315, 1e-300])
+def test_where_the_smallest_numbers_set_moments_apart_the_spin_is_steady(rate: list[float], product: float):
+    """Circling about one of two moments: sines and cosines of the libration are all but 0, both of them."""
+    start, t_ns = State(quaternion.normalize(TILTED), rate), [0, 1, 5, 10**9, -(10**17)]
+    if rate[2] == 1.0:
+        body = RigidBody([1.0, 0.0, product, 0.5, 0.0, 1.0])
+    else:
+        body = RigidBody([1.0, product, 0.0, 1.0, 0.0, 0.5])
+    steady = ClosedForm(RigidBody([1.0, 1.0, 1.0]), start)
+    assert_same(ClosedForm(body, start).at(t_ns), steady.at(t_ns), 2e-15)
+
+
 def mean_rate_and_period(moments: list[mpf], rate: list[mpf]):
     """Period of ω and growth of ψ over it by quadrature of Euler's equations, for circulation about axis 3."""
     (a, b, c), (x, y, z) = moments, rate

@@ -51,7 +51,7 @@ def test_sine_and_cosine_are_right_to_a_unit_in_the_last_place():
         for turns, *found in zip(pairs(TURNS, RESTS), s.tolist(), c.tolist(), strict=True):
             angle = 2 * (mpf(turns.hi) + mpf(turns.lo))
             for value, truth in zip(found, (mp.sinpi(angle), mp.cospi(angle)), strict=True):
-                assert abs(mpf(value) - truth) <= 2.0**-53 * max(abs(truth), mpf(2) ** -1000) * mpf("1.75"), turns
+                assert abs(mpf(value) - truth) <= 2.0**-53 * max(abs(truth), mpf(2) ** -1000) * mpf("1.07"), turns
 
 
 def test_sine_and_cosine_of_whole_quarters_are_exact():
@@ -61,14 +61,16 @@ def test_sine_and_cosine_of_whole_quarters_are_exact():
     np.testing.assert_array_equal(c, [-1.0, 0.0, 1.0, 0.0, -1.0])
 
 
-def test_the_exponential_is_right_to_two_units_in_the_last_place():
+def test_the_exponential_is_right_to_a_unit_in_the_last_place():
     x = sizes()
     decay, fall = exponential.exponential(x)
+    # below 2⁻¹⁰²² doubles are farther apart
+    share, least = 1.45 * 2.0**-53, mpf(2) ** -1073
     with mp.workdps(400):
         for size, d, f in zip(x.tolist(), decay.tolist(), fall.tolist(), strict=True):
-            # below 2⁻¹⁰²² doubles are farther apart
-            assert abs(mpf(d) - mp.exp(-mpf(size))) <= mp.exp(-mpf(size)) * 2.0**-52 + mpf(2) ** -1073, size
-            assert abs(mpf(f) - mp.expm1(-mpf(size))) <= -mp.expm1(-mpf(size)) * 2.0**-52 + mpf(2) ** -1073, size
+            exp, expm1 = mp.exp(-mpf(size)), mp.expm1(-mpf(size))
+            assert abs(mpf(d) - exp) <= share * exp + least, size
+            assert abs(mpf(f) - expm1) <= share * -expm1 + least, size
 
 
 @pytest.mark.parametrize("size", [750.0, 801.0, 1e10, 1e300, math.inf])

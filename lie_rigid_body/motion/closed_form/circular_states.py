@@ -13,8 +13,7 @@ from lie_rigid_body.motion.closed_form.circular_wave import (
     circular_numbers,
 )
 from lie_rigid_body.motion.closed_form.clock import turns, turns_from_zero
-from lie_rigid_body.motion.closed_form.columns import numbers
-from lie_rigid_body.motion.closed_form.course import Course, course, course_of, state
+from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.samples import BLOCK, Sample, put, store
@@ -34,8 +33,8 @@ class Circular(NamedTuple):
 def circular_row(motion: GeneralMotion, wave: CircularWave) -> list[Number]:
     """The constants in a row, of one motion or of many."""
     clock, half_turn = motion.polhode_clock, motion.half_turn_clock
-    polynomials = (wave.sn, wave.cn, wave.dn, wave.denominator, wave.sine, wave.cosine)
-    return numbers((clock.rate, clock.start, half_turn.rate, 2.0 * wave.nome, polynomials, course_of(motion)))
+    polynomials = [*wave.sn, *wave.cn, *wave.dn, *wave.denominator, *wave.sine, *wave.cosine]
+    return [*clock.rate, *clock.start, *half_turn.rate, 2.0 * wave.nome, *polynomials, *course_row(motion)]
 
 
 @kernel

@@ -28,10 +28,10 @@ def numbers(form: object) -> list[Number]:
     return gathered
 
 
-def _gather(form: object, gathered: list[Number]) -> None:
+def _gather(form: object, gathered: list[Any]) -> None:
     for part in _parts(form):
         if isinstance(part, _NUMBER):
-            gathered.append(cast(Number, part))
+            gathered.append(part)
         else:
             _gather(part, gathered)
 

@@ -45,13 +45,15 @@ class Course(NamedTuple):
     rates: tuple[Triple, Triple, Triple]
 
 
-def course_of(motion: GeneralMotion) -> Course:
-    """The course of a motion, or of many whose numbers are arrays."""
-    units = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-    a, b, c, d = (multiply(multiply(motion.world, unit), motion.frame) for unit in units)
+def course_row(motion: GeneralMotion) -> list[Number]:
+    """The numbers of a `Course` in a row, of one motion or of many."""
+    x, y, z, w = motion.world
+    # W times i, j, k and 1
+    turned_world = ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z), (x, y, z, w))
+    a, b, c, d = (multiply(column, motion.frame) for column in turned_world)
     r1, r2, r3 = motion.rate_amplitudes
     p, q, r = ((x * r1, y * r2, z * r3) for x, y, z in motion.axes)
-    return Course(motion.sense, motion.slopes, motion.direction_amplitudes, (a, b, c, d), (p, q, r))
+    return [motion.sense, *motion.slopes, *motion.direction_amplitudes, *a, *b, *c, *d, *p, *q, *r]
 
 
 @kernel

@@ -110,10 +110,12 @@ class Evaluation:
 
     @classmethod
     def of(cls, form: BodyMotion, constants: Array, members: NDArray[np.intp]) -> Evaluation:
-        """The motions of some members, of the kind of a form, from their numbers, shape (numbers, B)."""
-        columns = constants[:, 0].tolist() if len(members) == 1 else constants
-        formulas, row = formulas_and_row(filled(form, iter(columns)))
-        table = np.empty((len(row), len(members)))
+        """Motions like a form in all but their numbers, shape (numbers, B); if it is only one, the form itself."""
+        count = len(members)
+        formulas, row = formulas_and_row(form if count == 1 else filled(form, iter(constants)))
+        if count == 1:
+            return cls(formulas, np.array(row).reshape(-1, 1), members)
+        table = np.empty((len(row), count))
         for place, entry in zip(table, row, strict=True):
             place[:] = entry
         return cls(formulas, table, members)

@@ -25,7 +25,7 @@ _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _E[2:]
 
 @kernel
 def exponential(size: Number) -> tuple[Number, Number]:
-    """exp(−x) and exp(−x) − 1 for x ≥ 0, each to two units in the last place, and 0 beyond 750.
+    """exp(−x) and exp(−x) − 1 for x ≥ 0, each to a unit in the last place; 0 and −1 beyond 750.
 
     Parameters
     ----------

@@ -9,8 +9,7 @@ from typing import Any, Final, NamedTuple
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.clock import turns, turns_from_zero
-from lie_rigid_body.motion.closed_form.columns import numbers
-from lie_rigid_body.motion.closed_form.course import Course, course, course_of, state
+from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, fast_two_sum, from_integer, nearest
 from lie_rigid_body.motion.closed_form.elementary import magnitude
 from lie_rigid_body.motion.closed_form.exponential import exponential
@@ -44,9 +43,9 @@ def hyperbolic_row(motion: GeneralMotion, wave: HyperbolicWave, period: DoubleDo
     """The constants in a row, of one motion or of many."""
     clock, half_turn = motion.polhode_clock, motion.half_turn_clock
     nome, _ = exponential(2.0 * wave.quarter)
-    polynomials = (wave.sn, wave.cn, wave.dn, wave.denominator, wave.sine, wave.cosine)
-    clocks = (clock.rate, clock.start, period, half_turn.rate)
-    return numbers((clocks, motion.sense * wave.drift * _HALF_TURN, nome, polynomials, course_of(motion)))
+    polynomials = [*wave.sn, *wave.cn, *wave.dn, *wave.denominator, *wave.sine, *wave.cosine]
+    clocks = [*clock.rate, *clock.start, *period, *half_turn.rate]
+    return [*clocks, motion.sense * wave.drift * _HALF_TURN, nome, *polynomials, *course_row(motion)]
 
 
 @kernel

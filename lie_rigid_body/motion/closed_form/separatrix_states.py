@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.clock import endless_phase, turns_from_zero
-from lie_rigid_body.motion.closed_form.columns import numbers
-from lie_rigid_body.motion.closed_form.course import Course, course, course_of, state
+from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import (
@@ -33,8 +32,8 @@ class Separatrix(NamedTuple):
 def separatrix_row(motion: GeneralMotion, wave: HyperbolicWave) -> list[Number]:
     """The constants in a row, of one motion or of many."""
     clock, half_turn = motion.polhode_clock, motion.half_turn_clock
-    polynomials = (wave.sn, wave.cn, wave.dn, wave.denominator, wave.sine, wave.cosine)
-    return numbers((clock.rate, clock.start, half_turn.rate, 0.0 * motion.sense, polynomials, course_of(motion)))
+    polynomials = [*wave.sn, *wave.cn, *wave.dn, *wave.denominator, *wave.sine, *wave.cosine]
+    return [*clock.rate, *clock.start, *half_turn.rate, 0.0, *polynomials, *course_row(motion)]
 
 
 @kernel

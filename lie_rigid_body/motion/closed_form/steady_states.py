@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.clock import turns_from_zero
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple, numbers
+from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.course import quadruple, triple
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.elementary import square_root
@@ -29,7 +29,7 @@ class Steady(NamedTuple):
 def steady_row(motion: SteadyMotion) -> list[Number]:
     """The constants in a row, of one motion or of many."""
     x, y, z = motion.axis
-    return numbers((motion.half_turn.rate, motion.attitude, multiply(motion.attitude, (x, y, z, 0.0)), motion.rate))
+    return [*motion.half_turn.rate, *motion.attitude, *multiply(motion.attitude, (x, y, z, 0.0)), *motion.rate]
 
 
 @kernel
