@@ -1,4 +1,4 @@
-"""This package: every stepper of the moving chart, and the closed form."""
+"""This package: every stepper of the moving chart, and the closed form. All run compiled where numba is installed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion import METHODS, munthe_kaas_loop
+from lie_rigid_body.motion.closed_form import evaluation
+from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from peers.contender import Contender, step_text
 from peers.task import ATTITUDE, INERTIA, RATE, Task
@@ -19,9 +21,14 @@ BODY: Final = RigidBody(INERTIA)
 START: Final = State(ATTITUDE, RATE)
 STEPS: Final = sorted({0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, DEFAULT_MAX_STEP}, reverse=True)
 
+WORKS: Final = (moser_veselov_loop.LOOP, munthe_kaas_loop.LOOP, evaluation.CIRCULAR.work, evaluation.HYPERBOLIC.work)
+"""What is compiled."""
+
 
 def contenders(task: Task) -> Iterator[Contender]:
     """The closed form, and each method of the moving chart at each step that fits."""
+    for work in WORKS:
+        work.compile()
     yield Contender("ours, closed form", "exact", 0.0, lambda: _closed_form(task), ours=True)
     for method in METHODS:
         for step in STEPS:
