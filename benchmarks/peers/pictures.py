@@ -20,6 +20,12 @@ STYLES: Final = {
     "ours, moving chart rkmk1": ("#9ECAE1", "v", "-"),
     "ours, moving chart rkmk2": ("#4292C6", "^", "-"),
     "ours, moving chart rkmk4": ("#08519C", "o", "-"),
+    "ours, moving chart dmv2": ("#B2EBF2", "8", "-"),
+    "ours, moving chart dmv4": ("#6FD6E0", "p", "-"),
+    "ours, moving chart dmv6": ("#26B5C4", "H", "-"),
+    "ours, moving chart dmv8": ("#0C8E9B", "8", "-"),
+    "ours, moving chart dmv10": ("#04626B", "p", "-"),
+    "ours, moving chart dmv20": ("#013338", "H", "-"),
     "MuJoCo, Euler": ("#FDAE6B", "s", "--"),
     "MuJoCo, implicitfast": ("#A63603", "x", "--"),
     "MuJoCo, RK4": ("#E6550D", "D", "--"),
@@ -31,7 +37,7 @@ STYLES: Final = {
     "SciPy, ode dop853": ("#54278F", "d", ":"),
     "SciPy, RotationSpline": ("#8C6D31", ">", ":"),
 }
-"""Colour, marker and line: blue and black are ours."""
+"""Colour, marker and line: blue, teal and black are ours."""
 
 FOR_A_NEW_METHOD: Final = (("#00CED1", "p", "-"), ("#3F007D", "8", "-"), ("#17BECF", "H", "-"))
 GUIDES: Final = ((0.5, "√t"), (1.0, "t"), (2.0, "t²"))
