@@ -1,4 +1,4 @@
-"""Loops that run compiled where numba is installed and the work is long, and as plain Python otherwise.
+"""Loops that run compiled where numba is installed and the work is long, and as plain Python or on arrays otherwise.
 
 The source is one and the same, and so are the bits: only sums, products, quotients and square roots of doubles are
 used in it, all correctly rounded by either, and nothing is contracted or reordered. Numba is imported by the first long
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 LONG_CALL: Final = 1_000
-"""Steps: shorter calls do not count. Those of a live node are shorter, and it cannot wait for a compiler."""
+"""Steps or samples: shorter calls do not count. Those of a live node are shorter, and it cannot wait for a compiler."""
 
 LONG_WORK: Final = 500_000
 """Steps in long calls after which compiled code pays: some seconds of Python, while numba loads in half of one and
