@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from importlib.util import find_spec
 
@@ -16,9 +17,8 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.compilation import LONG_CALL, Work
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
-from lie_rigid_body.motion.closed_form.evaluation import CIRCULAR, HYPERBOLIC, LONG_WORK, SEPARATRIX, STEADY
+from lie_rigid_body.motion.closed_form.evaluation import CIRCULAR, KINDS, LONG_WORK, compile_all
 
-ALL = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
 
@@ -38,14 +38,10 @@ def bits(states: State) -> np.ndarray:
 def plain(monkeypatch) -> Iterator[pytest.MonkeyPatch]:
     """Without compiled code, as long as this is not undone."""
     with monkeypatch.context() as patch:
-        for formulas in ALL:
+        for formulas in KINDS:
             patch.setattr(formulas.work, "_compiled", None)
             patch.setattr(formulas.work, "_may_compile", False)
         yield patch
-
-
-def compile_all() -> None:
-    assert all(formulas.work.compile() for formulas in ALL)
 
 
 def motions() -> Iterator[tuple[str, ClosedForm]]:
@@ -75,7 +71,7 @@ def test_compiled_code_gives_the_bits_of_arrays(name: str, motion: ClosedForm, c
     t_ns = times(count)
     expected = bits(motion.at(t_ns))
     plain.undo()
-    compile_all()
+    assert compile_all()
     np.testing.assert_array_equal(bits(motion.at(t_ns)), expected)
     np.testing.assert_array_equal(bits(motion.at(int(t_ns[-1]))), expected[-1])
 
@@ -88,14 +84,14 @@ def test_compiled_ensembles_have_the_bits_of_arrays(bodies: int, samples: int, p
     kinds = ClosedForm(RigidBody(tensors()), State(attitudes(len(INERTIAS)), RATES))
     expected = bits(motion.at(t_ns)), bits(kinds.at(t_ns))
     plain.undo()
-    compile_all()
+    assert compile_all()
     for found, states in zip((motion.at(t_ns), kinds.at(t_ns)), expected, strict=True):
         np.testing.assert_array_equal(bits(found), states)
 
 
 @needs_numba
 def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
-    compile_all()
+    assert compile_all()
     body, start = many(30)
     motion, t_ns = ClosedForm(body, start), times(300)
     whole = bits(motion.at(t_ns))
@@ -137,3 +133,25 @@ def test_long_work_goes_on_compiled(monkeypatch):
     assert CIRCULAR.work._compiled is None
     np.testing.assert_array_equal(bits(motion.at(t_ns)), first)
     assert CIRCULAR.work._compiled is not None
+
+
+def cost(motion: ClosedForm, t_ns: np.ndarray) -> float:
+    """Seconds of a sample, at best."""
+    spans = []
+    for _ in range(5):
+        begin = time.process_time()
+        motion.at(t_ns)
+        spans.append(time.process_time() - begin)
+    return min(spans) / len(t_ns)
+
+
+@EVERY_MOTION
+def test_a_sample_costs_two_microseconds_at_most_on_arrays(name: str, motion: ClosedForm, plain):
+    assert cost(motion, np.arange(10_000) * 10**7) < 2e-6
+
+
+@needs_numba
+@EVERY_MOTION
+def test_a_sample_costs_a_tenth_of_that_compiled(name: str, motion: ClosedForm):
+    assert compile_all()
+    assert cost(motion, np.arange(100_000)[::10] * 10**7) < 2e-7
