@@ -90,8 +90,7 @@ def rows() -> Iterator[Row]:
     for method, limit in COMPILED_US.items():
         yield Row(f"{method}, a step, compiled", step(method, COMPILED_STEPS) if compiled else None, limit)
     yield Row("closed form, a sample, NumPy", sample(), SAMPLE_US)
-    compiled = all(formulas.work.compile() for formulas in (evaluation.CIRCULAR, evaluation.HYPERBOLIC))
-    yield Row("closed form, a sample, compiled", sample() if compiled else None, COMPILED_SAMPLE_US)
+    yield Row("closed form, a sample, compiled", sample() if evaluation.compile_all() else None, COMPILED_SAMPLE_US)
     yield Row("--help", start("-m", "lie_rigid_body", "--help"), HELP_US)
     yield Row("record --help", start("-m", "lie_rigid_body", "record", "--help"), HELP_US)
 

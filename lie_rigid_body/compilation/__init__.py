@@ -1,4 +1,4 @@
-"""Code that runs compiled where numba is installed and the work is long, and as plain Python otherwise.
+"""Code that runs compiled where numba is installed and the work is long, and as plain Python or on arrays otherwise.
 
 The source is one and the same, and so are the bits: only sums, products, quotients and square roots of doubles are
 used in it, all correctly rounded by either, and nothing is contracted or reordered. Numba is imported by the first long

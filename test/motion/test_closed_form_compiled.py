@@ -18,9 +18,8 @@ from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
-from lie_rigid_body.motion.closed_form.evaluation import CIRCULAR, HYPERBOLIC, LONG_WORK, SEPARATRIX, STEADY
+from lie_rigid_body.motion.closed_form.evaluation import CIRCULAR, KINDS, LONG_WORK, compile_all
 
-ALL = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
 
@@ -40,14 +39,10 @@ def bits(states: State) -> np.ndarray:
 def plain(monkeypatch) -> Iterator[pytest.MonkeyPatch]:
     """Without compiled code, as long as this is not undone."""
     with monkeypatch.context() as patch:
-        for formulas in ALL:
+        for formulas in KINDS:
             patch.setattr(formulas.work, "_compiled", None)
             patch.setattr(formulas.work, "_may_compile", False)
         yield patch
-
-
-def compile_all() -> None:
-    assert all(formulas.work.compile() for formulas in ALL)
 
 
 def motions() -> Iterator[tuple[str, ClosedForm]]:
@@ -77,7 +72,7 @@ def test_compiled_code_gives_the_bits_of_arrays(name: str, motion: ClosedForm, c
     t_ns = times(count)
     expected = bits(motion.at(t_ns))
     plain.undo()
-    compile_all()
+    assert compile_all()
     np.testing.assert_array_equal(bits(motion.at(t_ns)), expected)
     np.testing.assert_array_equal(bits(motion.at(int(t_ns[-1]))), expected[-1])
 
@@ -90,14 +85,14 @@ def test_compiled_ensembles_have_the_bits_of_arrays(bodies: int, samples: int, p
     kinds = ClosedForm(RigidBody(tensors()), State(attitudes(len(INERTIAS)), RATES))
     expected = bits(motion.at(t_ns)), bits(kinds.at(t_ns))
     plain.undo()
-    compile_all()
+    assert compile_all()
     for found, states in zip((motion.at(t_ns), kinds.at(t_ns)), expected, strict=True):
         np.testing.assert_array_equal(bits(found), states)
 
 
 @needs_numba
 def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
-    compile_all()
+    assert compile_all()
     body, start = many(30)
     motion, t_ns = ClosedForm(body, start), times(300)
     whole = bits(motion.at(t_ns))

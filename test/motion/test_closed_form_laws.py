@@ -223,6 +223,18 @@ def test_beyond_the_separatrix_by_one_ulp_the_motion_is_the_same_until_it_parts(
     np.testing.assert_array_equal(on.at(10**18).body_rate[[0, 2]], 0.0)
 
 
+@pytest.mark.parametrize("power", [60, 500, 1000, 1018])
+def test_on_the_separatrix_the_fastest_rate_is_no_harder_than_another(power: int):
+    """Within a nanosecond it is over: the rate is along the middle axis, and as large as energy demands."""
+    rate = np.array([-2.0, 3.0, 1.0]) * 2.0**power
+    motion = ClosedForm(RigidBody([3.0, 4.0, 6.0]), State([0, 0, 0, 1], rate))
+    expected = [0.0, -np.sqrt((12.0 + 36.0 + 6.0) / 4.0), 0.0]
+    for t_ns in ([1, 10**18, 2**63 - 1], np.arange(10**18, 10**18 + 40)):
+        states = motion.at(t_ns)
+        np.testing.assert_allclose(np.abs(states.body_rate * 2.0**-power), np.abs([expected] * len(t_ns)), rtol=1e-15)
+        assert np.abs(quaternion.norm(states.attitude_xyzw) - 1.0).max() <= 4e-16
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     st.tuples(*[st.floats(0.5, 1.0)] * 3),

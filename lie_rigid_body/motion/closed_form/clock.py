@@ -15,6 +15,9 @@ from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
 
 _SECONDS = Decimal("1e-9")
 
+_FASTEST = Decimal("1e12")
+"""Of an endless clock, per nanosecond: faster ones are at their end within one as well."""
+
 
 @dataclass(frozen=True)
 class Clock:
@@ -53,8 +56,8 @@ class EndlessClock:
 
     @classmethod
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
-        """A clock from a rate in units per second and a start in the same units."""
-        return cls(double_double.from_decimal(_SECONDS * rate), double_double.from_decimal(start))
+        """A clock from a positive rate in units per second and a start in the same units."""
+        return cls(double_double.from_decimal(min(_SECONDS * rate, _FASTEST)), double_double.from_decimal(start))
 
     def begin(self) -> Number:
         """The phase at the start."""

@@ -78,6 +78,13 @@ STEADY: Final = Formulas(
     steady_states.steady, steady_states.steady_state, Work(steady_states.fill, SIGNATURE, LONG_WORK)
 )
 
+KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
+
+
+def compile_all() -> bool:
+    """Compile every loop now, for what is to be timed or compared; whether numba is there to do it."""
+    return sum(kind.work.compile() for kind in KINDS) == len(KINDS)
+
 
 def formulas_and_row(motion: BodyMotion) -> tuple[Formulas, list[Number]]:
     """The formulas of a motion, and its constants in a row: of many motions, if its numbers are arrays."""

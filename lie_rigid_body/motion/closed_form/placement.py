@@ -31,7 +31,7 @@ class Start(NamedTuple):
     across: tuple[Number, Number]
 
     def libration(self) -> Number:
-        """ψ times the sense; see `GeneralMotion.states`."""
+        """ψ times the sense; see `GeneralMotion`."""
         sine, cosine, drift = self.wave.begin(self.phase)
         x, y = self.across
         return each(math.atan2, sine * x - cosine * y, cosine * x + sine * y) + drift
