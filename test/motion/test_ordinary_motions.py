@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -15,7 +16,6 @@ from mpmath import mp, mpf
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
-from lie_rigid_body.motion.closed_form.columns import numbers
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_one
@@ -191,6 +191,15 @@ def test_either_arithmetic_is_right_on_both_sides_of_each_parameter(j1, j3, fan,
         assert_begins_at_the_start(motion, inertia, rate)
         assert type(motion.wave) is type(slow.wave)
         np.testing.assert_allclose(all_but_low_parts(motion), all_but_low_parts(slow), rtol=0.0, atol=2e-15)
+
+
+def numbers(form: object) -> Iterator[float]:
+    """Those in a nest of dataclasses and tuples, in order."""
+    if isinstance(form, float):
+        yield form
+        return
+    for part in form if isinstance(form, tuple) else vars(form).values():
+        yield from numbers(part)
 
 
 def all_but_low_parts(motion: GeneralMotion) -> list[float]:

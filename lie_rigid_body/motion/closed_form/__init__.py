@@ -12,7 +12,7 @@ A table of contents, in the order of a computation
 - `elementary`, `sine`, `exponential`, `theta`, `wave`, `circular_wave`, `hyperbolic_wave`: the elliptic functions;
 - `placement`, `steady_motion`, `general_motion`: where a motion begins, and its constants;
 - `course`, `circular_states`, `hyperbolic_states`, `separatrix_states`, `steady_states`: the formulas of the states;
-- `columns`, `samples`, `evaluation`, `ensemble`, `memory`, `closed_form`: of many at once, block by block or compiled;
+- `numbers`, `samples`, `evaluation`, `ensemble`, `memory`, `closed_form`: of many at once, block by block or compiled;
 - `constants`, `description`: regime, period, precession and flips, for those who want to know them without the states.
 """
 

@@ -11,8 +11,8 @@ from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.double_double import Number
+from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.ordinary import Shape, Verdict, about_largest, judged
 from lie_rigid_body.motion.closed_form.ordinary_motion import OrdinaryFrame
 from lie_rigid_body.motion.closed_form.pairs import (

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
 from lie_rigid_body.motion.closed_form.elementary import magnitude, square_root
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
+from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.placement import multiply
 from lie_rigid_body.motion.closed_form.samples import Sample
 from lie_rigid_body.motion.closed_form.sine import sine_cosine

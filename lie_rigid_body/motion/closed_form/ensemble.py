@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.motion.closed_form.columns import table
-from lie_rigid_body.motion.closed_form.double_double import Array
-from lie_rigid_body.motion.closed_form.evaluation import BodyMotion, Evaluation
+from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.motion.closed_form.evaluation import Evaluation, Formulas, formulas_and_row
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_motions
@@ -18,15 +17,6 @@ from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
-
-
-@dataclass
-class _Gathered:
-    """Motions of one kind, while they are gathered."""
-
-    form: BodyMotion
-    members: list[NDArray[np.intp]] = field(default_factory=list)
-    tables: list[Array] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -38,17 +28,11 @@ class Ensemble:
     @classmethod
     def of(cls, starts: Starts) -> Ensemble:
         """The motions of bodies from their starts."""
-        kinds: dict[tuple[type, ...], _Gathered] = {}
+        alike: dict[Formulas, list[tuple[Array, NDArray[np.intp]]]] = {}
         for motion, members in _motions(starts):
-            gathered = kinds.setdefault(_kind(motion), _Gathered(motion))
-            gathered.members.append(members)
-            gathered.tables.append(table(motion, len(members)))
-        return cls(
-            tuple(
-                Evaluation.of(g.form, np.concatenate(g.tables, axis=1), np.concatenate(g.members))
-                for g in kinds.values()
-            )
-        )
+            formulas, row = formulas_and_row(motion)
+            alike.setdefault(formulas, []).append((_table(row, len(members)), members))
+        return cls(tuple(_together(formulas, parts) for formulas, parts in alike.items()))
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
         """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), this many samples at once."""
@@ -56,10 +40,18 @@ class Ensemble:
             evaluation.fill(attitude_xyzw, body_rate, t_ns, block)
 
 
-def _kind(motion: SteadyMotion | GeneralMotion) -> tuple[type, ...]:
-    if isinstance(motion, SteadyMotion):
-        return (SteadyMotion,)
-    return GeneralMotion, type(motion.polhode_clock), type(motion.wave)
+def _table(row: list[Number], count: int) -> Array:
+    """The constants of so many motions, shape (constants, count)."""
+    if count == 1:
+        return np.array(row, dtype=np.float64).reshape(-1, 1)
+    return np.stack([np.broadcast_to(entry, count) for entry in row])
+
+
+def _together(formulas: Formulas, parts: list[tuple[Array, NDArray[np.intp]]]) -> Evaluation:
+    if len(parts) == 1:
+        return Evaluation(formulas, *parts[0])
+    tables, members = zip(*parts, strict=True)
+    return Evaluation(formulas, np.concatenate(tables, axis=1), np.concatenate(members))
 
 
 def _motions(starts: Starts) -> Iterator[tuple[SteadyMotion | GeneralMotion, NDArray[np.intp]]]:

@@ -16,7 +16,6 @@ from lie_rigid_body.compilation import Work
 from lie_rigid_body.motion.closed_form import circular_states, hyperbolic_states, separatrix_states, steady_states
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.columns import filled
 from lie_rigid_body.motion.closed_form.double_double import (
     Array,
     DoubleDouble,
@@ -114,18 +113,6 @@ class Evaluation:
     formulas: Formulas
     table: Array
     members: NDArray[np.intp]
-
-    @classmethod
-    def of(cls, form: BodyMotion, constants: Array, members: NDArray[np.intp]) -> Evaluation:
-        """Motions like a form in all but their numbers, shape (numbers, B); if it is only one, the form itself."""
-        count = len(members)
-        formulas, row = formulas_and_row(form if count == 1 else filled(form, iter(constants)))
-        if count == 1:
-            return cls(formulas, np.array(row).reshape(-1, 1), members)
-        table = np.empty((len(row), count))
-        for place, entry in zip(table, row, strict=True):
-            place[:] = entry
-        return cls(formulas, table, members)
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
         """Write the states into arrays of shapes (bodies, N, 4) and (bodies, N, 3).

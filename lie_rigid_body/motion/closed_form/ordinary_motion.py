@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.double_double import Number, from_decimal, of_parts
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.landen import Ladder, angle, imaginary_phase, nome, phase_squares
+from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.ordinary import Shape
 from lie_rigid_body.motion.closed_form.ordinary_polhode import OrdinaryPolhode, Pairs
 from lie_rigid_body.motion.closed_form.pairs import (

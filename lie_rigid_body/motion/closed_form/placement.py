@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.double_double import Number
+from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.pairs import each, root
 from lie_rigid_body.motion.closed_form.wave import Wave
 

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.clock import turns_from_zero
-from lie_rigid_body.motion.closed_form.columns import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.course import quadruple, triple
 from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.elementary import square_root
+from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.placement import multiply
 from lie_rigid_body.motion.closed_form.samples import BLOCK, Sample, put, store
 from lie_rigid_body.motion.closed_form.sine import sine_cosine
