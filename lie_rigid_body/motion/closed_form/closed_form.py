@@ -12,6 +12,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.memory import samples_at_once
+from lie_rigid_body.motion.closed_form.ordinary_motions import Starts
 from lie_rigid_body.motion.motion import batch_shape, nanoseconds
 
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
@@ -21,9 +22,10 @@ DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 class ClosedForm:
     """Torque-free motion by its exact solution in theta functions, of one body or of an ensemble.
 
-    The constants of a motion are computed once, in decimal arithmetic of 80 digits or more; a state costs a fixed
-    number of elementwise operations, whatever the time. The errors do not grow with time: the body and the start are
-    taken as exactly the given doubles, and phases are reduced in double-double.
+    The constants of a motion are computed once: of most in double-double, of those near a separatrix or of extreme
+    sizes in decimal arithmetic of 50 digits or more. A state costs a fixed number of elementwise operations, whatever
+    the time. The errors do not grow with time: the body and the start are taken as exactly the given doubles, and
+    phases are reduced in double-double.
 
     Parameters
     ----------
@@ -42,11 +44,14 @@ class ClosedForm:
 
     def __init__(self, body: RigidBody, start: State) -> None:
         self._batch = batch_shape(body, start)
-        self._ensemble = Ensemble.of(
+        starts = Starts(
             _flat(body.inertia, self._batch, (3, 3)),
+            _flat(body.principal_moments, self._batch, (3,)),
+            _flat(body.principal_axes, self._batch, (3, 3)),
             _flat(start.attitude_xyzw, self._batch, (4,)),
             _flat(start.body_rate, self._batch, (3,)),
         )
+        self._ensemble = Ensemble.of(starts)
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.

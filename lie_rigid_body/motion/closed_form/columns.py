@@ -1,4 +1,4 @@
-"""Constants of many motions of one kind as columns: each number of the motion becomes an array of shape (B,).
+"""Constants of many motions of one kind as columns: each number of the motion becomes an array.
 
 Every formula of a motion is elementwise, so a motion whose numbers are columns is that many motions, and each of them
 has the bits that it has alone.

@@ -30,8 +30,8 @@ def symmetric_first(x: Decimal, y: Decimal, z: Decimal) -> Decimal:
     mean = (x + y + z) / 3
     spread = max(abs(mean - x), abs(mean - y), abs(mean - z))
     # the neglected eighth order of the series is below round-off once spread⁸ is
-    round_off = _round_off()
-    while spread**8 > round_off * mean**8:
+    narrow = Decimal(1).scaleb(-(getcontext().prec + 7) // 8)
+    while spread > narrow * mean:
         rx, ry, rz = x.sqrt(), y.sqrt(), z.sqrt()
         shift = rx * (ry + rz) + ry * rz
         x, y, z = (x + shift) / 4, (y + shift) / 4, (z + shift) / 4

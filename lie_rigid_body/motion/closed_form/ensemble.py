@@ -13,7 +13,7 @@ from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.evaluation import BodyMotion, Evaluation
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.ordinary import ordinary_motions
+from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_motions
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
 from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, digits_for, principal_axes
@@ -36,10 +36,10 @@ class Ensemble:
     evaluations: tuple[Evaluation, ...]
 
     @classmethod
-    def of(cls, inertia: Array, attitude_xyzw: Array, body_rate: Array) -> Ensemble:
-        """The motions of bodies from their starts, shapes (B, 3, 3), (B, 4) and (B, 3)."""
+    def of(cls, starts: Starts) -> Ensemble:
+        """The motions of bodies from their starts."""
         kinds: dict[tuple[type, ...], _Gathered] = {}
-        for motion, members in _motions(inertia, attitude_xyzw, body_rate):
+        for motion, members in _motions(starts):
             gathered = kinds.setdefault(_kind(motion), _Gathered(motion))
             gathered.members.append(members)
             gathered.tables.append(table(motion, len(members)))
@@ -62,22 +62,23 @@ def _kind(motion: SteadyMotion | GeneralMotion) -> tuple[type, ...]:
     return GeneralMotion, type(motion.polhode_clock), type(motion.wave)
 
 
-def _motions(
-    inertia: Array, attitude_xyzw: Array, body_rate: Array
-) -> Iterator[tuple[SteadyMotion | GeneralMotion, NDArray[np.intp]]]:
+def _motions(starts: Starts) -> Iterator[tuple[SteadyMotion | GeneralMotion, NDArray[np.intp]]]:
     """Every motion, those that are computed together as one, and which of the ensemble they are."""
-    rest = np.ones(len(inertia), dtype=np.bool_)
-    for ordinary, members in ordinary_motions(inertia, attitude_xyzw, body_rate):
+    rest = np.ones(len(starts.inertia), dtype=np.bool_)
+    for ordinary, members in ordinary_motions(starts):
         rest[members] = False
         yield ordinary, members
     others = np.flatnonzero(rest)
-    for body in _alike(inertia[others]):
+    for body in _alike(starts.inertia[others]):
         members = others[body]
-        tensor = inertia[members[0]].tolist()
+        tensor = starts.inertia[members[0]].tolist()
         with working_precision(digits_for([entry for row in tensor for entry in row])):
             principal = principal_axes(tensor)
             for i in members:
-                yield _motion(principal, tensor, attitude_xyzw[i].tolist(), body_rate[i].tolist()), np.array([i])
+                yield (
+                    _motion(principal, tensor, starts.attitude_xyzw[i].tolist(), starts.body_rate[i].tolist()),
+                    np.array([i]),
+                )
 
 
 def _motion(

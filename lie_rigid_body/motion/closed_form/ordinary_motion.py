@@ -12,6 +12,7 @@ from lie_rigid_body.motion.closed_form.double_double import Number, from_decimal
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.landen import Ladder, angle, imaginary_phase, nome, phase_squares
+from lie_rigid_body.motion.closed_form.ordinary import Shape
 from lie_rigid_body.motion.closed_form.ordinary_polhode import OrdinaryPolhode, Pairs
 from lie_rigid_body.motion.closed_form.pairs import (
     ZERO,
@@ -58,21 +59,6 @@ class OrdinaryFrame(NamedTuple):
     sense: Number
     axes: tuple[Triple, Triple, Triple]
     frame: Quadruple
-
-
-class Shape(NamedTuple):
-    """What the computation branches on; the same for all that are computed at once.
-
-    Attributes
-    ----------
-    hyperbolic : bool
-        Whether m > ½.
-    steps : int
-        Those of the sum in the mean precession.
-    """
-
-    hyperbolic: bool
-    steps: int
 
 
 def ordinary_motion(start: OrdinaryFrame, attitude: Quadruple, shape: Shape) -> GeneralMotion:

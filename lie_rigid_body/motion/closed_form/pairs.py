@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, cast
 
 import numpy as np
 
@@ -105,6 +105,11 @@ def times(a: Pair, factor: Number) -> Pair:
 def root(x: Number) -> Number:
     """√x of a double."""
     return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+def size(x: Number) -> Number:
+    """|x| of a double."""
+    return cast(Number, abs(x))
 
 
 def each(function: Callable[..., float], *arguments: Number) -> Number:

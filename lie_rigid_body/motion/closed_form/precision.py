@@ -1,4 +1,4 @@
-"""Decimal arithmetic of many digits and unlimited range, for the constants of a motion."""
+"""Decimal arithmetic of many digits and unlimited range, for the constants of a motion that is not ordinary."""
 
 from __future__ import annotations
 
@@ -19,10 +19,13 @@ from decimal import (
 from functools import lru_cache
 from typing import Final
 
-DIGITS: Final = 80
-"""Decimal digits carried where nothing asks for more."""
+DIGITS: Final = 50
+"""Decimal digits carried where nothing asks for more: no sum cancels, and time multiplies some rates by 1e10 rad."""
 
-PHASE_DIGITS: Final = 28
+COUPLED_DIGITS: Final = 80
+"""Digits carried with products of inertia, where moments may differ by round-off."""
+
+PHASE_DIGITS: Final = 24
 """Digits of what is rounded to a double in the end, or is no rate that time multiplies."""
 
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from decimal import Decimal, getcontext
 from typing import NamedTuple
 
-from lie_rigid_body.motion.closed_form.precision import DIGITS, root
+from lie_rigid_body.motion.closed_form.precision import COUPLED_DIGITS, DIGITS, root
 
 Vector = tuple[Decimal, Decimal, Decimal]
 
@@ -22,13 +22,13 @@ class PrincipalAxes(NamedTuple):
 
 
 def digits_for(entries: list[float]) -> int:
-    """Digits in which the moments of a tensor with these entries are told apart.
+    """Digits in which the moments of a tensor with these nine entries are told apart.
 
     A product of inertia of relative size ε splits equal moments by as little as ε², and the splitting is wanted to
     the full precision.
     """
     sizes = [Decimal(entry).adjusted() for entry in entries if entry != 0.0]
-    return DIGITS + 2 * (max(sizes) - min(sizes))
+    return (DIGITS if len(sizes) == 3 else COUPLED_DIGITS) + 2 * (max(sizes) - min(sizes))
 
 
 def principal_axes(inertia: list[list[float]]) -> PrincipalAxes:
