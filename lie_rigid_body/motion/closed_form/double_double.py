@@ -21,7 +21,7 @@ from lie_rigid_body.compilation import kernel
 Array = NDArray[np.float64]
 
 Number: TypeAlias = float | Array
-"""A constant of one motion; of many motions in a `Stack`, their column of shape (B, 1)."""
+"""A constant of one motion; of many, their column."""
 
 _SPLITTER: Final = 134217729.0  # 2²⁷ + 1
 
