@@ -40,7 +40,7 @@ class ClosedForm:
         If the body is no RigidBody, the start no State, or their batches do not go together.
     """
 
-    __slots__ = ("_batch", "_ensemble")
+    __slots__ = ("_attitude_xyzw", "_batch", "_body_rate", "_ensemble")
 
     def __init__(self, body: RigidBody, start: State) -> None:
         self._batch = batch_shape(body, start)
@@ -51,6 +51,7 @@ class ClosedForm:
             _flat(start.attitude_xyzw, self._batch, (4,)),
             _flat(start.body_rate, self._batch, (3,)),
         )
+        self._attitude_xyzw, self._body_rate = starts.attitude_xyzw, starts.body_rate
         self._ensemble = Ensemble.of(starts)
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
@@ -84,6 +85,9 @@ class ClosedForm:
         block = samples_at_once(bodies, times.size, memory_limit)
         attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
+        # at the start the very numbers that were given
+        begun = np.flatnonzero(np.atleast_1d(times) == 0)
+        attitude[:, begun], rate[:, begun] = self._attitude_xyzw[:, np.newaxis], self._body_rate[:, np.newaxis]
         shape = (*self._batch, *times.shape)
         return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))
 

@@ -57,7 +57,7 @@ class MoserVeselovIntegrator:
         world = rotated(attitude, list(frame.momentum))
         self.start = [*pairs([*frame.momentum, *attitude]), *[0.0] * STATE_SIZE][:STATE_SIZE]
         self.start[LENGTH] = -1.0  # of no step yet
-        self.constants = [*constants.frame, *pairs(world), *constants.rates, *constants.series]
+        self.constants = [*constants.frame, *pairs(world), *constants.rates, *constants.differences, *constants.series]
         fastest = float(frame.fastest)
         self.largest_step = min(max_step, LARGEST_TURN / fastest) if fastest else max_step
         self._change = change

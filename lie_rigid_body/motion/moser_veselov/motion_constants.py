@@ -32,15 +32,18 @@ class MotionConstants:
     Attributes
     ----------
     frame : list of float
-        One nanosecond; e₁, e₂, e₃; P, Q; m₁, m₃; 2H.
+        One nanosecond; e₁, e₂, e₃; P, Q; m₁, m₃; 2H − e₂.
     rates : list of float
         The body rates of n₁, n₂, n₃ in rad/s.
+    differences : list of float
+        e₁ − e₂, e₁ − e₃, e₂ − e₃.
     series : list of float
         Those of α and β by turns.
     """
 
     frame: list[float]
     rates: list[float]
+    differences: list[float]
     series: list[float]
 
 
@@ -53,6 +56,7 @@ def motion_constants(frames: Sequence[SpinningFrame], order: int) -> list[Motion
         MotionConstants(
             pairs(_of_frame(frame)),
             pairs(e * frame.fastest for e in frame.inverse_moments),
+            pairs(_differences(frame)),
             _series(motion, terms, rest),
         )
         for frame, motion, rest in zip(frames, exact, rests, strict=True)
@@ -73,7 +77,14 @@ def _of_frame(frame: SpinningFrame) -> list[Decimal]:
     n1, n2, n3 = (component * component for component in frame.momentum)
     p = (e2 - e3) * ((e1 - e2) * n2 + (e1 - e3) * n3)
     q = (e1 - e2) * ((e1 - e3) * n1 + (e2 - e3) * n2)
-    return [_NANOSECOND * frame.fastest, e1, e2, e3, p, q, frame.m1, frame.m3, frame.twice_energy]
+    # of terms that are small near the axis, and cancel on the separatrix only
+    above = (e1 - e2) * n1 - (e2 - e3) * n3
+    return [_NANOSECOND * frame.fastest, e1, e2, e3, p, q, frame.m1, frame.m3, above]
+
+
+def _differences(frame: SpinningFrame) -> list[Decimal]:
+    e1, e2, e3 = frame.inverse_moments
+    return [e1 - e2, e1 - e3, e2 - e3]
 
 
 def _series(motion: Invariants[Decimal], terms: int, rest: Rest) -> list[float]:

@@ -12,30 +12,59 @@ from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.moser_veselov.double_double import Pair, add, multiply, subtract
 from lie_rigid_body.motion.moser_veselov.step import Four, Three, increased
 
-STEADY: Final = 1e-16
-"""Square of the angle between momentum and rate below which the length of the momentum determines the energy."""
+DIFFERENCES: Final = 30
+"""The place of e₁ − e₂, e₁ − e₃ and e₂ − e₃ among the constants of a motion."""
+
+SMALLEST: Final = 1e-250
+"""Square of a gradient from which the energy is restored; of a steady rotation it is 0."""
 
 
 @kernel
 def restored_momentum(n: Three, constants: Any) -> Three:
-    """The nearest momentum of unit length and of the energy of the start."""
-    e1, e2, e3 = constants[2], constants[4], constants[6]
+    """The nearest momentum of unit length and of the energy of the start.
+
+    The energy is counted from that of a spin about the nearest axis. So nothing cancels in it, however near that is,
+    and however near the start to the separatrix.
+    """
     a, b, c = multiply(n[0], n[0]), multiply(n[1], n[1]), multiply(n[2], n[2])
     length = subtract(add(a, add(b, c)), (1.0, 0.0))[0]
-    energy = add(multiply((e1, constants[3]), a), add(multiply((e2, constants[5]), b), multiply((e3, constants[7]), c)))
-    excess = subtract(energy, (constants[16], constants[17]))[0]
-    # the energy, and half its gradient, less what the length accounts for
+    d1, d2, d3, level = from_nearest_axis(a[0], b[0], c[0], constants)
+    energy = add(multiply(d1, a), add(multiply(d2, b), multiply(d3, c)))
     mean = energy[0]
-    across = excess - mean * length
-    g1, g2, g3 = n[0][0] * (e1 - mean), n[1][0] * (e2 - mean), n[2][0] * (e3 - mean)
+    # the energy, and half its gradient, less what the length accounts for
+    across = subtract(energy, level)[0] - mean * length
+    g1, g2, g3 = n[0][0] * (d1[0] - mean), n[1][0] * (d2[0] - mean), n[2][0] * (d3[0] - mean)
     square = g1 * g1 + g2 * g2 + g3 * g3
-    size = e1 * e1 * a[0] + e2 * e2 * b[0] + e3 * e3 * c[0]
-    shift = 0.5 * across / square if square > STEADY * size else 0.0
+    shift = 0.5 * across / square if square > SMALLEST else 0.0
     return (
         increased(n[0], -(0.5 * length * n[0][0] + shift * g1), 0.0),
         increased(n[1], -(0.5 * length * n[1][0] + shift * g2), 0.0),
         increased(n[2], -(0.5 * length * n[2][0] + shift * g3), 0.0),
     )
+
+
+@kernel
+def from_nearest_axis(a: float, b: float, c: float, constants: Any) -> tuple[Pair, Pair, Pair, Pair]:
+    """With eₖ of the axis whose squared component is the largest: eⱼ − eₖ for each j, and 2H − eₖ of the start."""
+    e12, e13, e23 = pair_at(constants, 0), pair_at(constants, 2), pair_at(constants, 4)
+    if a >= b and a >= c:
+        # 2H − e₁ = −(e₁ − e₃) m₃, and 2H − e₃ = (e₁ − e₃) m₁
+        return (0.0, 0.0), negative(e12), negative(e13), multiply(negative(e13), (constants[14], constants[15]))
+    if c >= b:
+        return e13, e23, (0.0, 0.0), multiply(e13, (constants[12], constants[13]))
+    return e12, (0.0, 0.0), negative(e23), (constants[16], constants[17])
+
+
+@kernel
+def pair_at(constants: Any, place: int) -> Pair:
+    """One of the differences."""
+    return constants[DIFFERENCES + place], constants[DIFFERENCES + place + 1]
+
+
+@kernel
+def negative(a: Pair) -> Pair:
+    """−a."""
+    return -a[0], -a[1]
 
 
 @kernel

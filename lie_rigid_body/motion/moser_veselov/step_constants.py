@@ -30,7 +30,7 @@ from lie_rigid_body.motion.moser_veselov.double_double import (
     two_product,
 )
 
-COEFFICIENTS: Final = 30
+COEFFICIENTS: Final = 36
 ALPHA: Final = COEFFICIENTS
 BETA: Final = COEFFICIENTS + 2
 STRIDE: Final = 4
