@@ -11,6 +11,8 @@ from lie_rigid_body.motion.moser_veselov.step import moved_momentum, step_rotati
 from lie_rigid_body.motion.moser_veselov.step_constants import step_constants
 
 STEPS_BETWEEN_RESTORATIONS: Final = 64.0
+TURN_BETWEEN_RESTORATIONS: Final = 2.0
+"""rad, unless these steps turn less: near the separatrix an error grows by as many powers of e at most."""
 
 MOMENTUM: Final = 0
 ATTITUDE: Final = 6
@@ -18,8 +20,8 @@ DONE: Final = 14
 LENGTH: Final = 15
 STEP: Final = 17
 STATE_SIZE: Final = 37
-"""Places in a state: n₁ n₂ n₃ and x y z w, each hi and lo, the steps since a restoration, and the latest step's length
-and constants, so that a step like the one before costs nothing more."""
+"""Places in a state: n₁ n₂ n₃ and x y z w, each hi and lo, the steps since a restoration, long ones counted as more
+than one, and the latest step's length and constants, so that a step like the one before costs nothing more."""
 
 SPATIAL_MOMENTUM: Final = 18
 RATES: Final = 24
@@ -59,12 +61,13 @@ def take_steps(state: Any, constants: Any, count: int) -> None:
     n = (pair(state, MOMENTUM), pair(state, MOMENTUM + 2), pair(state, MOMENTUM + 4))
     q = (pair(state, ATTITUDE), pair(state, ATTITUDE + 2), pair(state, ATTITUDE + 4), pair(state, ATTITUDE + 6))
     done = state[DONE]
+    part = max(1.0, STEPS_BETWEEN_RESTORATIONS / TURN_BETWEEN_RESTORATIONS * state[LENGTH])
     for _ in range(count):
         before = n
         n = moved_momentum(n, state, STEP)
         q = turned(q, step_rotation(before, n, state, STEP))
-        done += 1.0
-        if done == STEPS_BETWEEN_RESTORATIONS:
+        done += part
+        if done >= STEPS_BETWEEN_RESTORATIONS:
             done = 0.0
             world = (
                 pair(constants, SPATIAL_MOMENTUM),

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import Method
-from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS
+from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
+from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
 from lie_rigid_body.recording.certificate.conditions import Conditions
@@ -32,8 +33,8 @@ WALK: Final = 8.0
 BIAS: Final = 2.0**-6
 """Of what is left of a bias, for each u of x Θ. It was 0.005 at most."""
 
-SEPARATRIX: Final = 16.0
-"""Of the energy's rounding in double-double, 2⁻¹⁰⁴, near the separatrix. It was 2 at most."""
+NEAR: Final = 0.01
+"""Distance from the separatrix within which the walk is counted twice, as flips are sensitive to all of it."""
 
 TRUNCATION: Final = 2.0
 """For what a shift along the motion adds to the turn."""
@@ -41,7 +42,6 @@ TRUNCATION: Final = 2.0
 PER_STEP: Final = 4.0
 
 _MORE_TERMS: Final = 4
-_DOUBLE_DOUBLE: Final = 2.0**-104
 
 
 def equal_steps(period: float, longest: float) -> float:
@@ -83,9 +83,8 @@ class NoDrift:
 class MoserVeselovDrift:
     """Of Moser–Veselov steps, which keep energy and momentum, so that only the phase goes wrong.
 
-    Three things move it: the terms that the preprocessed inertia leaves out, the same at every step; round-off of the
-    increments, u x a step, at random; and near the separatrix the energy's own rounding, which a period multiplies by
-    how fast it changes with the energy.
+    Two things move it: the terms that the preprocessed inertia leaves out, the same at every step; and round-off of the
+    increments, u x a step, at random, which grows near the separatrix until the energy is restored.
 
     Parameters
     ----------
@@ -93,8 +92,6 @@ class MoserVeselovDrift:
         Ω, rad/s, and h, s.
     truncation : float
         Turn that a step lacks, rad.
-    instability : float
-        What the energy's rounding costs in phase for each second, rad/s.
     growth : float
         How many times larger a rounding may become until the energy is next restored.
     """
@@ -102,7 +99,6 @@ class MoserVeselovDrift:
     fastest: float
     step: float
     truncation: float
-    instability: float
     growth: float
 
     @classmethod
@@ -123,16 +119,13 @@ class MoserVeselovDrift:
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
-            rate, distance = _separatrix(frame)
-            instability = SEPARATRIX * _DOUBLE_DOUBLE / distance * rate
-            growth = min(math.exp(min(STEPS_BETWEEN_RESTORATIONS * step * rate, 700.0)), 1.0 / math.sqrt(distance))
-            return cls(fastest, step, 2.0 * implicit * missing, instability, max(1.0, growth))
+            return cls(fastest, step, 2.0 * implicit * missing, _growth(frame, step))
 
     def attitude(self, t: Array) -> Array:
         """Turn, rad."""
         way = self.fastest * self.step * self.fastest * t
         round_off = U * (self.growth * WALK * np.sqrt(way) + BIAS * way)
-        return np.asarray(round_off + (TRUNCATION * self.truncation / self.step + self.instability) * t)
+        return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
     rate = attitude
 
@@ -143,17 +136,15 @@ class MoserVeselovDrift:
     energy = momentum
 
 
-def _separatrix(frame: SpinningFrame) -> tuple[float, float]:
-    """The rate of growth λ about the intermediate axis, 1/s, and the distance D = abs(2H − e₂)/abs(e₁ − e₃).
-
-    A flip takes about ln(16/D)/λ, so that a relative error of D shifts it by that much over λ.
-    """
+def _growth(frame: SpinningFrame, step: float) -> float:
+    """How a rounding may grow until the energy is restored: at the rate λ about the intermediate axis."""
     e1, e2, e3 = frame.inverse_moments
     squared = float((e1 - e2) * (e2 - e3))
     if squared <= 0.0:
-        return 0.0, 1.0
-    distance = float(abs(frame.twice_energy - e2) / abs(e1 - e3))
-    return math.sqrt(squared) * float(frame.fastest), max(distance, _DOUBLE_DOUBLE)
+        return 1.0
+    turn = min(STEPS_BETWEEN_RESTORATIONS * step * float(frame.fastest), TURN_BETWEEN_RESTORATIONS + LARGEST_TURN)
+    near = float(abs(frame.twice_energy - e2)) < NEAR * float(abs(e1 - e3))
+    return math.exp(math.sqrt(squared) * turn) * (2.0 if near else 1.0)
 
 
 @dataclass(frozen=True)
