@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.interruption import count_as_handled
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -152,6 +153,7 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
         complain(prog, str(error))
         return UNUSABLE
     except KeyboardInterrupt:
+        count_as_handled()
         complain(prog, "interrupted")
         return INTERRUPTED
     except BrokenPipeError:

@@ -27,7 +27,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "shipped": set(),
     "interruption": set(),
     "parameter_file": {"parameters", "shipped"},
-    "console": {"parameter_file"},
+    "console": {"parameter_file", "interruption"},
     "parameter_table": {"motion", "parameters", "sensors"},
     "scenario": SCENARIO - {"scenario"},
     "simulation": SCENARIO,

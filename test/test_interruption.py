@@ -1,0 +1,38 @@
+"""A signal that is handled does not decide how the process ends."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BEGIN = """
+import os, signal
+from lie_rigid_body.console import status_of
+from lie_rigid_body.interruption import Interruption
+FROM_A_STRING = "os.kill(os.getpid(), signal.SIGINT); import time; time.sleep(5)"
+"""
+WITH_INTERRUPTION = """
+def main():
+    with Interruption() as interruption:
+        try:
+            with interruption.allowed():
+                exec(FROM_A_STRING)
+        except KeyboardInterrupt:
+            return 7
+"""
+WITHOUT = """
+def main():
+    return status_of("test", lambda: exec(FROM_A_STRING))
+"""
+
+
+@pytest.mark.parametrize(("body", "status"), [(WITH_INTERRUPTION, 7), (WITHOUT, 130)])
+def test_a_signal_in_code_from_a_string_ends_the_process_as_any_other(body: str, status: int, tmp_path: Path):
+    """As while a library is imported."""
+    (tmp_path / "program.py").write_text(f"{BEGIN}{body}\nraise SystemExit(main())\n")
+    command = [sys.executable, "-m", "program"]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ended.returncode == status, ended.stderr
