@@ -12,9 +12,7 @@ import time
 import numpy as np
 
 from lie_rigid_body import MovingChart, RigidBody, State
-from lie_rigid_body.lie import SO
-from lie_rigid_body.mechanics import GroupState, Lagrangian, mass_matrix
-from lie_rigid_body.motion import GroupMovingChart
+from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
 
 STEPS = 2000
 STEP_NS = 1_000_000

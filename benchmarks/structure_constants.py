@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lie_rigid_body.lie import SO, MatrixLieGroup
+from lie_rigid_body.groups import SO, MatrixLieGroup
 
 SIZES = range(3, 9)
 BUDGET_S = 1.0

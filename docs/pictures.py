@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.lie import SO, quaternion
-from lie_rigid_body.mechanics import (
+from lie_rigid_body.groups import (
+    SO,
+    GroupMovingChart,
     GroupState,
     Lagrangian,
     manakov_integrals,
@@ -18,7 +19,7 @@ from lie_rigid_body.mechanics import (
     momentum_matrix,
     rotation_casimirs,
 )
-from lie_rigid_body.motion import GroupMovingChart
+from lie_rigid_body.lie import quaternion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

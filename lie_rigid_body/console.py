@@ -103,7 +103,7 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
 
 def parameters(arguments: argparse.Namespace) -> dict[str, object]:
     """The parameters that the arguments of `add_scenario_arguments` give."""
-    from lie_rigid_body.parameter_file import gather
+    from lie_rigid_body.scenario.parameter_file import gather
 
     return gather(arguments.scenario, arguments.params_file, arguments.assignments)
 
@@ -111,7 +111,7 @@ def parameters(arguments: argparse.Namespace) -> dict[str, object]:
 @contextmanager
 def files_named(arguments: argparse.Namespace) -> Iterator[None]:
     """Add to an error about a parameter the file that gave it."""
-    from lie_rigid_body.parameter_file import file_that_gives
+    from lie_rigid_body.scenario.parameter_file import file_that_gives
 
     try:
         yield

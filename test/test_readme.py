@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.sensors import SENSOR_PARAMETERS
 
 ROOT = Path(__file__).parent.parent

@@ -6,8 +6,8 @@ import math
 import textwrap
 from typing import Final
 
+from lie_rigid_body.certificate import Certificate, Law, SegmentCertificate
 from lie_rigid_body.parameters import Value
-from lie_rigid_body.recording.certificate import Certificate, Law, SegmentCertificate
 
 _COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
 _WIDTH: Final = 80

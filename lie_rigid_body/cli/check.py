@@ -18,9 +18,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     inertia = None if given.inertia is None else _inertia(given.inertia)
 
+    from lie_rigid_body.certificate import certify
     from lie_rigid_body.cli import certificate_text
     from lie_rigid_body.recording.bag_reader import read_bag
-    from lie_rigid_body.recording.certificate import certify
 
     certificate = certify(read_bag(given.bag), inertia)
     if given.json:

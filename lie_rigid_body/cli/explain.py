@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
-from lie_rigid_body.shipped import scenario_files
+from lie_rigid_body.scenario.shipped import scenario_files
 
 
 @console.run

@@ -108,7 +108,7 @@ def _record(
 ) -> None:
     from tqdm import tqdm
 
-    from lie_rigid_body.recording.batch import BatchEncoder
+    from lie_rigid_body.messages.batch import BatchEncoder
 
     encoder = BatchEncoder(simulation.segment.scenario)
     batch = _batch(simulation.segment.scenario)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.shipped import scenario_files
+from lie_rigid_body.scenario.shipped import scenario_files
 
 
 @console.run
@@ -22,8 +22,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _entry(name: str, path: Path) -> dict[str, object]:
-    from lie_rigid_body.parameter_file import read_parameter_file
     from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.scenario.parameter_file import read_parameter_file
 
     scenario = Scenario.from_parameters(read_parameter_file(path))
     return {"name": name, "description": describe(path), "file": str(path), **scenario.parameters()}

@@ -1,8 +1,7 @@
 """How a state moves in time: the moving chart and its steppers, and the closed form that referees them."""
 
 from lie_rigid_body.motion.closed_form import ClosedForm
-from lie_rigid_body.motion.group_moving_chart import GROUP_METHODS, GroupMovingChart
 from lie_rigid_body.motion.motion import Motion
 from lie_rigid_body.motion.moving_chart import METHODS, Method, MovingChart
 
-__all__ = ["GROUP_METHODS", "METHODS", "ClosedForm", "GroupMovingChart", "Method", "Motion", "MovingChart"]
+__all__ = ["METHODS", "ClosedForm", "Method", "Motion", "MovingChart"]

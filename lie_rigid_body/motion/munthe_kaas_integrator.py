@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.chart_integrator import GOOD_WAY
-from lie_rigid_body.motion.group_chart import LARGEST_TURN
 from lie_rigid_body.motion.munthe_kaas_loop import LOOP
 from lie_rigid_body.motion.starts import Starts
 from lie_rigid_body.motion.tableau import Tableau
 
 Array = NDArray[np.float64]
+
+LARGEST_TURN: Final = math.pi
+"""rad: further from its centre the chart is not one to one."""
+
+GOOD_TURN: Final = 0.01
+"""rad, of a step that errs little."""
 
 
 class MuntheKaasIntegrator:
@@ -65,7 +70,7 @@ class MuntheKaasIntegrator:
         if way > LARGEST_TURN:
             raise InputError(
                 f"a step of {step:g} s goes {way:.3g} rad at the rate of its start, or more (limit {LARGEST_TURN:.3g} "
-                f"rad): lower max_step, to about {GOOD_WAY * step / way:.1g} s"
+                f"rad): lower max_step, to about {GOOD_TURN * step / way:.1g} s"
             )
 
     def advance(

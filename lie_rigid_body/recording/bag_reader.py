@@ -11,12 +11,12 @@ from typing import Final, TypeVar
 import numpy as np
 import yaml
 
+from lie_rigid_body import messages
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording import cdr
+from lie_rigid_body.messages import Array, Decoded, Integers
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.cdr import Array, Decoded, Integers
 from lie_rigid_body.recording.mcap_tracks import McapTracks, Track, read_file
-from lie_rigid_body.recording.message_text import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 
 T = TypeVar("T")
 
@@ -120,7 +120,7 @@ def read_bag(path: str | Path) -> Recording:
     pose = _find(path, contents, "pose", POSE_STAMPED)
     twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
     scenario = _find(path, contents, "scenario", STRING)
-    texts = _decoded(path, scenario, lambda: [cdr.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
+    texts = _decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
     return Recording(
         contents.library,
         list(zip(scenario.log_times_ns, texts, strict=True)),
@@ -131,20 +131,22 @@ def read_bag(path: str | Path) -> Recording:
 
 
 def _pose_track(path: Path, track: Track) -> PoseTrack:
-    messages = _decoded(path, track, lambda: cdr.decode(track.payloads, cdr.POSE_NUMBERS, stamped=True))
-    assert messages.stamps_ns is not None
-    numbers = messages.numbers
+    decoded = _decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
+    assert decoded.stamps_ns is not None
+    numbers = decoded.numbers
     return PoseTrack(
-        track.topic, _log_times(track), messages.stamps_ns, numbers[:, 3:], numbers[:, :3], messages.frame_ids
+        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
     )
 
 
 def _twist_track(path: Path, track: Track) -> TwistTrack:
     stamped = track.message_type == TWIST_STAMPED
-    messages: Decoded = _decoded(path, track, lambda: cdr.decode(track.payloads, cdr.TWIST_NUMBERS, stamped=stamped))
-    numbers = messages.numbers
+    decoded: Decoded = _decoded(
+        path, track, lambda: messages.decode(track.payloads, messages.TWIST_NUMBERS, stamped=stamped)
+    )
+    numbers = decoded.numbers
     return TwistTrack(
-        track.topic, _log_times(track), messages.stamps_ns, numbers[:, 3:], numbers[:, :3], messages.frame_ids
+        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
     )
 
 

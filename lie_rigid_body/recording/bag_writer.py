@@ -12,9 +12,8 @@ from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording import message_text
-from lie_rigid_body.recording.batch import POSE, SENSOR_TOPICS, TWIST, Batch
-from lie_rigid_body.recording.cdr import encode_string
+from lie_rigid_body.messages import definitions, encode_string
+from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch
 from lie_rigid_body.recording.output_file import OutputFile, reason
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
@@ -83,12 +82,12 @@ class BagWriter:
                 self._file.stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD, enable_data_crcs=True
             )
             self._writer.start(profile="ros2", library=f"{SOFTWARE} {__version__}")
-            twist = message_text.TWIST_STAMPED if stamped_twist else message_text.TWIST
+            twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
             self._channels = {
-                POSE: self._channel(pose_topic, message_text.POSE_STAMPED),
+                POSE: self._channel(pose_topic, definitions.POSE_STAMPED),
                 TWIST: self._channel(twist_topic, twist),
             }
-            self._scenario = self._channel(scenario_topic, message_text.STRING, latched=True)
+            self._scenario = self._channel(scenario_topic, definitions.STRING, latched=True)
 
     @property
     def path(self) -> Path:
@@ -101,8 +100,8 @@ class BagWriter:
         return self._counts[POSE]
 
     def _channel(self, topic: str, message_type: str, *, latched: bool = False) -> int:
-        schema = self._writer.register_schema(message_type, "ros2msg", message_text.definition(message_type).encode())
-        qos = message_text.offered_qos_profiles(latched=latched, depth=1 if latched else _SAMPLE_DEPTH)
+        schema = self._writer.register_schema(message_type, "ros2msg", definitions.definition(message_type).encode())
+        qos = definitions.offered_qos_profiles(latched=latched, depth=1 if latched else _SAMPLE_DEPTH)
         return self._writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": qos})
 
     def begin_segment(self, segment: Segment) -> None:

@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.simulation import Segment
 

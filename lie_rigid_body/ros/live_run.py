@@ -14,8 +14,8 @@ import numpy as np
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.recording.batch import Batch, BatchEncoder
 from lie_rigid_body.ros.burst import fastest_rate, largest_burst
 from lie_rigid_body.ros.mailbox import Mailbox
 from lie_rigid_body.ros.outlet import Outlet

@@ -16,7 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.pace import FOREVER
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.simulation import Segment

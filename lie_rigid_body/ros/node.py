@@ -7,7 +7,6 @@ from typing import Any
 
 from rclpy.node import Node
 
-from lie_rigid_body.parameter_file import NODE_NAME
 from lie_rigid_body.ros import standard_services
 from lie_rigid_body.ros.diagnostics import Diagnostics
 from lie_rigid_body.ros.markers import Markers
@@ -18,6 +17,7 @@ from lie_rigid_body.ros.run_control import RunControl
 from lie_rigid_body.ros.services import Services
 from lie_rigid_body.ros.standard_control import StandardControl
 from lie_rigid_body.ros.transforms import Transforms
+from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
 
 class SimulatorNode(Node):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.simulation import Segment
 

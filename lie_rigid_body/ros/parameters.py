@@ -11,9 +11,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.parameters import Parameter, Value
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 
 READ_ONLY: Final = frozenset(
     {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}

@@ -19,9 +19,9 @@ from sensor_msgs.msg import Imu, MagneticField
 from std_msgs.msg import String
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
-from lie_rigid_body.recording.cdr import encode_string
-from lie_rigid_body.recording.cdr.layout import ENCAPSULATION
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
+from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.ros.burst import LARGEST_BURST
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.ros.refusal import told

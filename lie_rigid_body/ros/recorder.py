@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.batch import Batch
 from lie_rigid_body.ros.burst import steps_per_sample
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.simulation import Segment

@@ -77,7 +77,7 @@ def _is_installed(name: str) -> bool:
 
 def _require_readable(given: Arguments) -> None:
     """Say what is wrong with ROS parameters more clearly than rclpy would."""
-    from lie_rigid_body.parameter_file import parse_assignment, read_sections
+    from lie_rigid_body.scenario.parameter_file import parse_assignment, read_sections
 
     for path in given.ros_params_files:
         read_sections(path)
@@ -86,9 +86,9 @@ def _require_readable(given: Arguments) -> None:
 
 
 def _simulate(given: Arguments, interruption: Interruption) -> None:
-    from lie_rigid_body.parameter_file import gather
     from lie_rigid_body.ros.node import SimulatorNode
     from lie_rigid_body.ros.spinning import initialised, spinning
+    from lie_rigid_body.scenario.parameter_file import gather
 
     if interruption.requested:
         return

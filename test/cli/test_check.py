@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.cli.check import main
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -157,7 +157,7 @@ def test_shipped_scenarios_are_certified(name, tmp_path, capsys):
 def test_every_shipped_scenario_is_certified_over_a_minute_and_drawn(tmp_path, capsys):
     from lie_rigid_body.cli.plot import main as plot
     from lie_rigid_body.cli.record import main as record
-    from lie_rigid_body.shipped import scenario_files
+    from lie_rigid_body.scenario.shipped import scenario_files
 
     for name in scenario_files():
         bag = tmp_path / f"{name}.mcap"

@@ -9,11 +9,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_check import write_bag
 
+from lie_rigid_body.certificate.segments import cut
+from lie_rigid_body.cli.figure import draw
 from lie_rigid_body.cli.plot import main
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
-from lie_rigid_body.recording.certificate.segments import cut
-from lie_rigid_body.recording.figure import draw
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from lie_rigid_body.lie import quaternion, scalar, series, so3
+from lie_rigid_body.lie import quaternion, series, so3
 
 ANGLES = [
     *(float(a) for a in np.logspace(-300, -20, 15)),
@@ -139,13 +139,3 @@ def test_zero_vector_gives_the_identity():
         np.testing.assert_array_equal(function(zero), np.eye(3))
     np.testing.assert_array_equal(quaternion.exp(zero), [0, 0, 0, 1])
     np.testing.assert_array_equal(quaternion.log([0, 0, 0, 1.0]), zero)
-
-
-def test_scalar_maps_agree_with_multiprecision():
-    for vector in vectors()[::3]:
-        v = tuple(float(c) for c in vector)
-        w = (0.3, -1.1, 0.7)
-        exact = exact_function(v, *EXACT["right_jacobian_inverse"]) * mp.matrix([mp.mpf(c) for c in w])
-        for c, e in zip(scalar.right_dexpinv(v, w), exact, strict=True):
-            assert abs(mp.mpf(c) - e) < 2 * FIFTEEN_DIGITS
-        np.testing.assert_allclose(scalar.exp(v), quaternion.exp(vector), rtol=0, atol=2.3e-16)

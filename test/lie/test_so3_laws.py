@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.lie import quaternion, scalar, so3
+from lie_rigid_body.lie import quaternion, so3
 
 components = st.floats(-3.0, 3.0)
 vectors = st.tuples(components, components, components).map(np.array)
@@ -88,13 +88,6 @@ def test_a_batch_gives_the_bits_of_its_rows():
         rows = np.stack([function(row) for row in argument])
         np.testing.assert_array_equal(function(argument), rows)
     assert so3.exp(v.reshape(37, 1, 3)).shape == (37, 1, 3, 3)
-
-
-@given(vectors, vectors)
-def test_scalar_maps_agree_with_the_arrays(v, w):
-    p, q = tuple(quaternion.exp(v)), tuple(quaternion.exp(w))
-    np.testing.assert_array_equal(scalar.multiply(p, q), quaternion.multiply(p, q))
-    np.testing.assert_allclose(scalar.renormalize(tuple(1.000000001 * c for c in p)), p, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("function", [so3.hat, so3.exp, so3.left_jacobian, quaternion.exp, quaternion.log, so3.vee])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from random_masses import random_points, seeds
 
 from lie_rigid_body import InputError, ParameterError, RigidBody
+from lie_rigid_body.groups import mass_matrix
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import (
     ball,
@@ -16,13 +16,13 @@ from lie_rigid_body.mechanics import (
     disc,
     ellipsoid,
     inertia_from_second_moment,
-    mass_matrix,
     moments_of_points,
     rod,
     rotated_second_moment,
     second_moment_about,
     second_moment_from_inertia,
 )
+from random_masses import random_points, seeds
 
 UNIT = np.eye(3)
 

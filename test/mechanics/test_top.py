@@ -9,9 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.lie import SO, so3
+from lie_rigid_body.groups import SO
+from lie_rigid_body.groups.symmetries import conserved_momenta
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.symmetric_top import SymmetricTop
-from lie_rigid_body.mechanics.symmetries import conserved_momenta
 from lie_rigid_body.mechanics.top import conserved_body_axes, is_flat, kind_of_top, symmetry_axis
 
 TILT = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]

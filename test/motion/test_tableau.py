@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from lie_rigid_body.motion.stepper import RungeKuttaStepper
+from lie_rigid_body.groups.stepper import RungeKuttaStepper
 from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 
 

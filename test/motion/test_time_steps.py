@@ -10,9 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body import InputError, MovingChart, RigidBody, State
-from lie_rigid_body.lie import SO
-from lie_rigid_body.mechanics import GroupState, Lagrangian, mass_matrix
-from lie_rigid_body.motion import GroupMovingChart
+from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
 from lie_rigid_body.motion.time_steps import TimeSteps
 
 SLACK = Fraction(1, 10**9)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Simulation, Taken
 

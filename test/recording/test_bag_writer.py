@@ -18,9 +18,9 @@ from rosbags.highlevel import AnyReader
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.message_text import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Segment, Simulation
 

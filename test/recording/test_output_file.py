@@ -24,7 +24,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 KILLED = """
     import os, signal, sys
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.recording.batch import BatchEncoder
+    from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation, Taken
 
@@ -95,7 +95,7 @@ FULL = """
     import resource, sys
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.recording.batch import BatchEncoder
+    from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation, Taken
 

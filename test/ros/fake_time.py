@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.recording.batch import Batch
+from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.live_run import LiveRun
 from lie_rigid_body.ros.mailbox import Call, Mailbox
 from lie_rigid_body.ros.outlet import Outlet

@@ -11,8 +11,8 @@ from fake_time import NS, FakeTime, KeepingOutlet
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.batch import BatchEncoder
 from lie_rigid_body.ros.burst import LARGEST_BURST, STEPS_PER_BURST, largest_burst
 from lie_rigid_body.ros.live_run import LiveRun
 from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox

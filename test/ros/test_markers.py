@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import RigidBody
-from lie_rigid_body.recording.batch import BatchEncoder
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation

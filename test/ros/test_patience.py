@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from lie_rigid_body.recording.batch import BatchEncoder
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.ros.burst import LARGEST_BURST
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.scenario import Scenario

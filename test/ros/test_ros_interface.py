@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
 
-from lie_rigid_body.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.simulation import Segment
 
 if find_spec("rclpy"):

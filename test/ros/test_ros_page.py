@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
 
-from lie_rigid_body.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 if find_spec("rclpy"):
     import rclpy

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.recording.batch import IMU_BIAS, IMU_DATA, MAG
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
 from lie_rigid_body.ros.burst import LARGEST_BURST
 from lie_rigid_body.ros.run_state import RunState
 from lie_rigid_body.ros.stepping import ControlError, Stepping

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from simulator_process import SimulatorProcess
 
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import read_bag
-from lie_rigid_body.recording.certificate import certify
 
 if find_spec("rclpy"):
     import rclpy

@@ -1,0 +1,200 @@
+"""The certificate of a bag: which laws it keeps, and to what accuracy it may be called ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lie_rigid_body.certificate import laws
+from lie_rigid_body.certificate.flow import LONGEST_TURN
+from lie_rigid_body.certificate.law import Law
+from lie_rigid_body.certificate.segments import RecordedSegment, cut, logged_at_stamps, seconds_since_start
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.simulation import Segment
+
+
+@dataclass(frozen=True)
+class SegmentCertificate:
+    """The laws held against one segment.
+
+    Parameters
+    ----------
+    segment : Segment
+        As declared.
+    samples : int
+        How many were checked.
+    laws : tuple of Law
+    notes : tuple of str
+        What a reader should know beside the verdict.
+    """
+
+    segment: Segment
+    samples: int
+    laws: tuple[Law, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether every law holds."""
+        return all(law.holds for law in self.laws)
+
+    def law(self, name: str) -> Law:
+        """The law of that name."""
+        return next(law for law in self.laws if law.name == name)
+
+    def time_s(self, law: Law) -> float | None:
+        """Time of a law's worst sample since the segment's start, s, if it has one."""
+        return None if law.stamp_ns is None else (law.stamp_ns - self.segment.start_ns) / 1e9
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The certificates of all segments of a bag, and the laws of the bag as a whole."""
+
+    segments: tuple[SegmentCertificate, ...]
+    whole: tuple[Law, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether every law holds in every segment."""
+        return all(s.passed for s in self.segments) and all(law.holds for law in self.whole)
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """One sentence for each broken law."""
+        broken = []
+        for i, segment in enumerate(self.segments, 1):
+            prefix = f"segment {i}: " if len(self.segments) > 1 else ""
+            broken += [prefix + law.message for law in segment.laws if not law.holds]
+        return (*broken, *(law.message for law in self.whole if not law.holds))
+
+    @property
+    def attitude_accuracy(self) -> float:
+        """How far the attitude may be from the true motion, rad: its distance from the closed form, plus that's own."""
+        return self.accuracy("closed form") + CLOSED_FORM
+
+    def accuracy(self, name: str) -> float:
+        """The worst residual of a law over all segments."""
+        return max((s.law(name).worst for s in self.segments), default=0.0)
+
+    @property
+    def farthest(self) -> tuple[int, SegmentCertificate]:
+        """Number, from 1, and certificate of the segment with the sample farthest from the closed form."""
+        return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
+
+
+def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Certificate:
+    """Hold every law against every segment of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    inertia : sequence of float, optional
+        To be used in place of the declared one, kg m².
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    BagError
+        If the recording does not explain itself, or has no sample.
+    """
+    try:
+        pieces = cut(recording, inertia)
+    except ParameterError as error:
+        # a body that cannot be has no motion to hold the bag against
+        return Certificate((), (_flag("declaration", 1, f"the bag declares an impossible scenario: {error}"),))
+    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
+        return Certificate(tuple(_certify_segment(piece) for piece in pieces), _whole(recording, pieces))
+
+
+def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
+    scenario = recorded.segment.scenario
+    t = seconds_since_start(recorded.segment, recorded.stamps_ns)
+    limits = tolerance(scenario, float(t.max(initial=0.0)))
+    body, start = scenario.body(), scenario.start()
+    exact = ClosedForm(body, start).at(recorded.stamps_ns - recorded.segment.start_ns)
+    evidence = laws.Evidence(recorded, body, start, limits, t, _unit(recorded.states), exact)
+    attitude = laws.closed_form(evidence)
+    found = (
+        recorded.stamps,
+        laws.unit_norm(evidence),
+        laws.kinetic_energy(evidence),
+        *laws.world_momentum(evidence),
+        *laws.neighbours(evidence),
+        attitude,
+    )
+    notes = _notes(recorded, limits, t, attitude_holds=attitude.holds)
+    return SegmentCertificate(recorded.segment, len(t), found, tuple(notes))
+
+
+def _unit(states: State) -> State:
+    """The states with directions for quaternions: a zero one becomes NaN, which breaks every law it enters."""
+    norms = quaternion.norm(states.attitude_xyzw)[:, np.newaxis]
+    with np.errstate(divide="ignore"):
+        return State.trusted(states.attitude_xyzw / norms, states.body_rate)
+
+
+def _notes(recorded: RecordedSegment, limits: Tolerance, t: np.ndarray, *, attitude_holds: bool) -> list[str]:
+    notes = []
+    if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.stamps.holds:
+        notes.append(f"the recording begins at sample {recorded.samples[0]}, {t[0]:.6g} s after the segment's start")
+    turn = float(np.max(np.diff(t), initial=0.0)) * limits.fastest
+    if turn > LONGEST_TURN:
+        notes.append(f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other")
+    expected = float(limits.attitude_uncapped(t[-1:]).max(initial=0.0))
+    if expected > ATTITUDE_CAP and not attitude_holds:
+        notes.append(
+            f"the declared stepper errs by up to {expected:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} at most: "
+            "record with motion closed_form, a higher order or a smaller max_step"
+        )
+    return notes
+
+
+def _whole(recording: Recording, pieces: list[RecordedSegment]) -> tuple[Law, ...]:
+    """The laws of the bag as a whole: frames as declared, nothing but rotation, and as many samples as its end says."""
+    laws = [_frames(recording, pieces), _at_rest(recording)]
+    if logged_at_stamps(recording):
+        laws.append(_log_times(recording))
+    if recording.expected_samples is not None:
+        found = max(len(recording.poses.stamps_ns), len(recording.twists.body_rates))
+        missing = abs(recording.expected_samples - found)
+        message = f"the bag's end counts {recording.expected_samples} samples, the bag holds {found}"
+        laws.append(_flag("sample count", missing, message))
+    return tuple(laws)
+
+
+def _frames(recording: Recording, pieces: list[RecordedSegment]) -> Law:
+    worlds = {piece.segment.scenario.world_frame for piece in pieces}
+    bodies = {piece.segment.scenario.body_frame for piece in pieces}
+    others = sorted((set(recording.poses.frame_ids) - worlds) | (set(recording.twists.frame_ids) - bodies))
+    message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
+    return _flag("frames", len(others), message)
+
+
+def _log_times(recording: Recording) -> Law:
+    """Every message is logged at its stamp, as in the bags that this package writes: they are replayed by log time."""
+    off = int(np.count_nonzero(recording.poses.log_times_ns != recording.poses.stamps_ns))
+    if recording.twists.stamps_ns is not None:
+        off += int(np.count_nonzero(recording.twists.log_times_ns != recording.twists.stamps_ns))
+    return _flag("log times", off, f"{off} messages are not logged at their stamps, though the scenario is")
+
+
+def _at_rest(recording: Recording) -> Law:
+    moving = int(np.count_nonzero(recording.poses.positions) + np.count_nonzero(recording.twists.linear))
+    return _flag(
+        "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
+    )
+
+
+def _flag(name: str, faults: int, message: str) -> Law:
+    return Law(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")

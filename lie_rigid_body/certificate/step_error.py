@@ -1,0 +1,110 @@
+"""What one step of the declared stepper costs on the motion at hand.
+
+At the real step the error of one step may lie below round-off. So it is measured at a larger one, where a body turns
+by at most ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the
+error. It is measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.certificate.flow import flow
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import Method, MovingChart
+
+Array = NDArray[np.float64]
+
+PROBE_TURN: Final = 1.0 / 16.0
+"""rad"""
+
+LONGEST_SPAN_NS: Final = 1e18
+"""Thirty years: a body that turns less in them has no truncation to speak of."""
+
+SAFETY: Final = 4.0
+"""For states between those tried, and for the terms of higher order."""
+
+
+@dataclass(frozen=True)
+class StepError:
+    """Truncation errors for each radian that Ωt counts.
+
+    Parameters
+    ----------
+    attitude : float
+        rad
+    rate : float
+        Relative to Ω.
+    momentum : float
+        Of the world momentum, relative to its norm.
+    energy : float
+        Relative.
+    """
+
+    attitude: float = 0.0
+    rate: float = 0.0
+    momentum: float = 0.0
+    energy: float = 0.0
+
+
+def step_error(
+    body: RigidBody, states: State, stepper: Method, fastest: float, step: float, slenderness: float
+) -> StepError:
+    """The errors of a stepper's steps of a given length.
+
+    Parameters
+    ----------
+    body : RigidBody
+    states : State
+        Along the motion, of shapes (N, 4) and (N, 3).
+    stepper : Method
+    fastest : float
+        Bound Ω of the body rate, rad/s.
+    step : float
+        h, s.
+    slenderness : float
+        How many times larger a relative error of the momentum shows in the rate.
+
+    Returns
+    -------
+    StepError
+    """
+    if fastest == 0.0:
+        return StepError()
+    probe = min(PROBE_TURN, max(fastest * step, PROBE_TURN / slenderness))
+    span_ns = round(min(1e9 * probe / fastest, LONGEST_SPAN_NS))
+    if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
+        worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)
+        return StepError(worst, worst, 2.0 * worst, 2.0 * worst)
+    turn = fastest * 1e-9 * span_ns
+    found, exact = _one_step(body, states, stepper.name, span_ns), _flown(body, states, span_ns, fastest)
+    scale = SAFETY * (fastest * step / turn) ** stepper.order / turn
+    return StepError(*(scale * error for error in _errors(body, found, exact, fastest)))
+
+
+def _one_step(body: RigidBody, states: State, method: str, span_ns: int) -> State:
+    ends = [
+        MovingChart(body, states[i], method=method, max_step=2e-9 * span_ns).at(span_ns) for i in range(len(states))
+    ]
+    return State.trusted(np.array([e.attitude_xyzw for e in ends]), np.array([e.body_rate for e in ends]))
+
+
+def _flown(body: RigidBody, states: State, span_ns: int, fastest: float) -> State:
+    return flow(body, states, np.full(len(states), 1e-9 * span_ns), fastest)
+
+
+def _errors(body: RigidBody, found: State, exact: State, fastest: float) -> tuple[float, float, float, float]:
+    turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
+    momentum, energy = body.angular_momentum(exact), body.kinetic_energy(exact)
+    return (
+        float(so3.norm(quaternion.log(turned)).max()),
+        float(so3.norm(found.body_rate - exact.body_rate).max()) / fastest,
+        float((so3.norm(body.angular_momentum(found) - momentum) / so3.norm(momentum)).max()),
+        float((np.abs(body.kinetic_energy(found) - energy) / energy).max()),
+    )

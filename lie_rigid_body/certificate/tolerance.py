@@ -1,0 +1,150 @@
+"""The limits of the laws: what a sample in doubles can carry, and how far the declared motion may drift.
+
+- Reading. A recorded state carries a few roundings, and so does the state of the closed form that it is held against;
+  both of these and the closed form's own error, twice, make ``READING``. Products of inertia enlarge it in momentum
+  and energy (`conditions`).
+- Drift. None for the closed form; the phase alone for Moser–Veselov steps; everything for Runge–Kutta steps (`drift`).
+- Between neighbours the flow is summed in doubles, ``FLOW`` roundings in each of its substeps, and carries the
+  roundings of the rate that it starts from.
+
+A limit is never looser than ``ATTITUDE_CAP`` or ``ENERGY_CAP``: what errs more is no ground truth.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.certificate.conditions import Conditions
+from lie_rigid_body.certificate.drift import (
+    Drift,
+    MoserVeselovDrift,
+    MuntheKaasDrift,
+    NoDrift,
+    U,
+    equal_steps,
+)
+from lie_rigid_body.certificate.flow import TURN_PER_SUBSTEP
+from lie_rigid_body.certificate.propagation import Propagation
+from lie_rigid_body.certificate.step_error import step_error
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+ATTITUDE_CAP: Final = 1e-7
+"""rad"""
+
+ENERGY_CAP: Final = 1e-9
+"""Relative, of energy and momentum."""
+
+CLOSED_FORM: Final = 2e-15
+"""rad: the error of the closed form in every regime, which its tests hold against multiprecision."""
+
+NORM_LIMIT: Final = 8 * U
+READING: Final = 48 * U
+"""5.3e-15: twice ``CLOSED_FORM``, and a dozen roundings."""
+
+FLOW: Final = 16 * U
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """The limits for one segment.
+
+    Parameters
+    ----------
+    fastest : float
+        Bound Ω of the body rate, rad/s.
+    conditions : Conditions
+    drift : Drift
+    propagation : Propagation
+    inversion : float
+        How many times larger the roundings of a recorded rate are, of a stepper that computes it from the momentum.
+    """
+
+    fastest: float
+    conditions: Conditions
+    drift: Drift
+    propagation: Propagation
+    inversion: float = 1.0
+
+    def energy(self, t: Array) -> Array:
+        """Limit of relative energy at times t, capped, shape (N,)."""
+        reading = READING * self.conditions.energy * self.inversion
+        return np.asarray(np.minimum(reading + self.drift.energy(t), ENERGY_CAP))
+
+    def world_momentum(self, t: Array) -> Array:
+        """Limit of the components of world momentum relative to its norm, capped, shape (N,)."""
+        reading = READING * self.conditions.momentum * self.inversion
+        return np.asarray(np.minimum(reading + self.drift.momentum(t), ENERGY_CAP))
+
+    def attitude(self, t: Array) -> Array:
+        """Limit of the angle to the closed form at times t, capped, rad, shape (N,)."""
+        return np.asarray(np.minimum(self.attitude_uncapped(t), ATTITUDE_CAP))
+
+    def attitude_uncapped(self, t: Array) -> Array:
+        """What the declared motion may err by at times t, rad, shape (N,)."""
+        return np.asarray(READING + self.drift.attitude(t))
+
+    def attitude_step(self, spans: Array) -> Array:
+        """Limit of what the attitudes of neighbouring samples may disagree by, capped, rad, shape (N,)."""
+        turns = self.fastest * spans
+        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude(spans)
+        carried = turns * (self._rate_reading(turns) + self.drift.rate(spans))
+        return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
+
+    def rate_step(self, spans: Array) -> Array:
+        """The same for their rates, relative to Ω, shape (N,)."""
+        turns = self.fastest * spans
+        limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
+        return np.asarray(np.minimum(limit, ATTITUDE_CAP))
+
+    def _rate_reading(self, turns: Array) -> Array:
+        """Roundings of a rate, of the momentum made of it, and of what Euler's equations make of that, over Ω."""
+        return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
+
+
+def tolerance(scenario: Scenario, duration: float) -> Tolerance:
+    """The limits for a segment of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        As declared in the bag.
+    duration : float
+        Length of the segment, s.
+
+    Returns
+    -------
+    Tolerance
+    """
+    body, start = scenario.body(), scenario.start()
+    fastest = _fastest(body, start)
+    propagation = Propagation.of(body, start, duration, fastest)
+    conditions = Conditions.of(body, propagation.states, fastest)
+    if scenario.motion == "closed_form":
+        return Tolerance(fastest, conditions, NoDrift(), propagation)
+    method = METHODS[scenario.method]
+    period = 1.0 / scenario.rate
+    if method.largest_turn < math.inf:
+        drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
+        return Tolerance(fastest, conditions, drift, propagation)
+    step = equal_steps(period, scenario.max_step)
+    error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
+    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation)
+    return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
+
+
+def _fastest(body: RigidBody, start: State) -> float:
+    """Ω from ½ I_min |ω|² ≤ H and from I_min |ω| ≤ |L|, whichever is tighter."""
+    smallest = float(body.principal_moments[0])
+    by_energy = np.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
+    by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
+    return float(min(by_energy, by_momentum))

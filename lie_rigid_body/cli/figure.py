@@ -1,0 +1,202 @@
+"""One picture of a recording: body rate, drift of what should not drift, and the polhode on the energy ellipsoid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.certificate.segments import RecordedSegment
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics import RigidBody
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+Array = NDArray[np.float64]
+
+COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
+"""Of the x, y and z components: told apart by every kind of colour vision."""
+
+FEW: Final = 3
+"""Samples that a line alone would hardly show."""
+MANY: Final = 20_000
+"""Samples of a segment from which on the curves of fast motion fill whole areas."""
+
+_GREY: Final = "#555555"
+_VIEW: Final = (24.0, 35.0)
+
+
+def draw(pieces: Sequence[RecordedSegment]) -> Figure:
+    """The picture of a recording.
+
+    Parameters
+    ----------
+    pieces : sequence of RecordedSegment
+        Those without a sample that has both pose and twist are left out.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    BagError
+        If none is left.
+    """
+    from matplotlib.figure import Figure
+
+    pieces = [piece for piece in pieces if len(piece.samples)]
+    if not pieces:
+        raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
+    figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1.0), height_ratios=(1.35, 1.0, 1.0), wspace=0.16)
+    rate = figure.add_subplot(grid[0, 0])
+    energy = figure.add_subplot(grid[1, 0], sharex=rate)
+    momentum = figure.add_subplot(grid[2, 0], sharex=rate)
+    polhode: Axes3D = figure.add_subplot(grid[:, 1], projection="3d")
+    _draw_rate(rate, pieces)
+    _draw_energy(energy, pieces)
+    _draw_momentum(momentum, pieces)
+    _draw_polhode(polhode, pieces[0], "first segment: " if len(pieces) > 1 else "")
+    _finish(figure, (rate, energy, momentum), pieces)
+    return figure
+
+
+def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
+    return np.asarray((piece.stamps_ns - pieces[0].stamps_ns[0]) * 1e-9)
+
+
+def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
+    """How to draw the curves of a segment: few points as dots, many so that one curve does not hide the others."""
+    count = len(piece.samples)
+    if count <= FEW:
+        return {"marker": "o", "ms": 4.0, "lw": width}
+    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY else {"lw": width}
+
+
+def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
+    for piece in pieces:
+        for i, (name, colour) in enumerate(zip("xyz", COLOURS, strict=True)):
+            label = rf"$\omega_{name}$" if piece is pieces[0] else None
+            axes.plot(
+                _times(piece, pieces), piece.states.body_rate[:, i], color=colour, label=label, **_style(piece, 1.4)
+            )
+    axes.set_ylabel("body rate [rad/s]")
+    _legend(axes)
+
+
+def _draw_energy(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
+    for piece in pieces:
+        scenario = piece.segment.scenario
+        energy, start = scenario.body().kinetic_energy(piece.states), scenario.body().kinetic_energy(scenario.start())
+        drift = (energy - start) / (start if start else 1.0)
+        axes.plot(_times(piece, pieces), drift, color=_GREY, **_style(piece, 1.0))
+    axes.set_ylabel("energy drift\n$(H - H_0)/H_0$")
+
+
+def _draw_momentum(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
+    for piece in pieces:
+        scenario = piece.segment.scenario
+        start = scenario.body().angular_momentum(scenario.start())
+        drift = (scenario.body().angular_momentum(piece.states) - start) / (float(so3.norm(start)) or 1.0)
+        for i, (name, colour) in enumerate(zip("xyz", COLOURS, strict=True)):
+            label = rf"$L_{name}$" if piece is pieces[0] else None
+            axes.plot(_times(piece, pieces), drift[:, i], color=colour, label=label, **_style(piece, 1.0))
+    axes.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
+    axes.set_xlabel("time since the first sample [s]")
+    _legend(axes)
+
+
+def _legend(axes: Axes) -> None:
+    """Above the axes, where it hides nothing."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
+
+
+def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
+    """The path of ω in the principal frame, on the ellipsoid ½ Σ Iᵢωᵢ² = H."""
+    body = piece.segment.scenario.body()
+    energy = float(body.kinetic_energy(piece.segment.scenario.start()))
+    if energy == 0.0:
+        axes.text2D(0.5, 0.5, "at rest: no polhode", transform=axes.transAxes, ha="center")
+        axes.set_axis_off()
+        return
+    radii = np.sqrt(2.0 * energy / body.principal_moments)
+    _draw_ellipsoid(axes, radii)
+    path = np.stack([piece.states.body_rate @ axis for axis in body.principal_axes.T], axis=-1)
+    _draw_on_surface(axes, path, radii, colour="#CC2222", width=2.6)
+    axes.plot(*path[:1].T, marker="o", ms=6, color="#CC2222", mec="white", zorder=20)
+    _label_polhode(axes, body, radii, whose)
+
+
+def _draw_ellipsoid(axes: Axes3D, radii: Array) -> None:
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.linspace(0, np.pi, 31))
+    sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
+    x, y, z = radii[:, np.newaxis, np.newaxis] * sphere
+    axes.plot_surface(x, y, z, color="#C9D6E8", alpha=0.5, linewidth=0, antialiased=False, shade=False)
+    for plane in range(3):
+        angle = np.linspace(0, 2 * np.pi, 181)
+        ring = np.insert(np.stack([np.cos(angle), np.sin(angle)], axis=-1), plane, 0.0, axis=-1)
+        _draw_on_surface(axes, radii * ring, radii, colour="#8A97A8", width=0.7)
+
+
+def _draw_on_surface(axes: Axes3D, path: Array, radii: Array, *, colour: str, width: float) -> None:
+    """A curve on the ellipsoid, faint where it runs behind, as the renderer does not sort lines by depth."""
+    elevation, azimuth = np.radians(_VIEW)
+    eye = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    facing = (path / radii**2) @ eye >= 0.0
+    for visible, alpha in ((False, 0.25), (True, 1.0)):
+        part = np.where((facing == visible)[:, np.newaxis], path, np.nan)
+        axes.plot(*part.T, color=colour, lw=width, alpha=alpha, zorder=10 if visible else 1, solid_capstyle="round")
+
+
+def _label_polhode(axes: Axes3D, body: RigidBody, radii: Array, whose: str) -> None:
+    reach = 1.05 * radii
+    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), zlim=(-reach[2], reach[2]))
+    axes.set_box_aspect(tuple(float(r) for r in radii / radii.max()), zoom=0.88)
+    axes.view_init(*_VIEW)
+    for i, set_label in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), start=1):
+        set_label(f"$\\omega_{i}$ [rad/s]", labelpad=8)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(_few_ticks())
+    moments = ", ".join(f"$I_{i}$ = {moment:.4g}" for i, moment in enumerate(body.principal_moments, start=1))
+    axes.set_title(f"{whose}polhode on the energy ellipsoid, principal frame\n{moments} kg m²", fontsize=10.5, y=1.0)
+    axes.text2D(0.5, -0.04, "dot: first sample; faint: behind", transform=axes.transAxes, ha="center", fontsize=9)
+
+
+def _few_ticks() -> object:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(nbins=4, symmetric=True)
+
+
+def _finish(figure: Figure, axes: Sequence[Axes], pieces: Sequence[RecordedSegment]) -> None:
+    for a in axes:
+        a.grid(alpha=0.3, lw=0.6)
+        a.margins(x=0.0)
+        a.label_outer()
+        for piece in pieces[1:]:
+            a.axvline((piece.segment.start_ns - pieces[0].stamps_ns[0]) * 1e-9, color="black", lw=0.8, ls="--")
+    figure.suptitle(_title(pieces), fontsize=11)
+
+
+def _title(pieces: Sequence[RecordedSegment]) -> str:
+    scenario = pieces[0].segment.scenario
+    inertia = ", ".join(f"{v:g}" for v in scenario.inertia)
+    rate = ", ".join(f"{v:g}" for v in scenario.initial_body_rate)
+    motion = scenario.motion
+    if motion == "moving_chart":
+        motion = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
+    count = sum(len(piece.samples) for piece in pieces)
+    samples = "1 sample" if count == 1 else f"{count} samples"
+    resets = {1: "", 2: ", 1 reset (dashed)"}.get(len(pieces), f", {len(pieces) - 1} resets (dashed)")
+    whose = "first segment: " if len(pieces) > 1 else ""
+    return (
+        f"torque-free body, {whose}inertia [{inertia}] kg m², initial body rate [{rate}] rad/s\n"
+        f"{motion.replace('_', ' ')}; {samples} at {scenario.rate:g} Hz{resets}"
+    )

@@ -1,0 +1,84 @@
+"""The coadjoint action of a Lie algebra: how a momentum turns when the frame that it is read in turns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import InputError
+
+if TYPE_CHECKING:
+    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+
+
+Array = NDArray[np.float64]
+
+INVARIANCE_TOLERANCE: Final = 1e-9
+"""How far the trace metric may be from invariant, relative to the structure constants."""
+
+
+def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Array:
+    """The momentum with components ωᶜ f[c,a,d] p_d, called ad*_ω p: it pairs with η as p does with [ω, η].
+
+    On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p (Marsden & Ratiu, *Introduction to Mechanics and Symmetry*,
+    on the Euler–Poincaré equations, left-invariant case).
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+        Of dimension d.
+    rate : ndarray, shape (..., d)
+        ω, 1/s, or any algebra element.
+    momentum : ndarray, shape (..., d)
+        p, kg m²/s; leading axes broadcast with those of the rate.
+
+    Returns
+    -------
+    ndarray, shape (..., d)
+    """
+    turning = np.tensordot(rate, group.structure_constants, axes=1)
+    return np.asarray((turning @ momentum[..., np.newaxis])[..., 0])
+
+
+def coadjoint_directions(group: MatrixLieGroup, momentum: Array) -> Array:
+    """The matrix whose column c is ad*_{T^c} p: its columns span the tangent space of the coadjoint orbit of p.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+    momentum : ndarray, shape (..., d)
+
+    Returns
+    -------
+    ndarray, shape (..., d, d)
+    """
+    return np.asarray(np.einsum("cad,...d->...ac", group.structure_constants, momentum))
+
+
+def invariant_metric(group: MatrixLieGroup) -> Array:
+    """The trace metric g, with which rates can be read as momenta: ad*_ω gω = 0.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+
+    Returns
+    -------
+    ndarray, shape (d, d)
+
+    Raises
+    ------
+    InputError
+        If g is not invariant, as on groups that are not compact: f[a,b,c] g[c,d] is not antisymmetric in b and d.
+    """
+    lowered = group.structure_constants @ group.trace_metric
+    scale = float(np.abs(lowered).max(initial=0.0))
+    off = float(np.abs(lowered + np.swapaxes(lowered, 1, 2)).max(initial=0.0))
+    if off > INVARIANCE_TOLERANCE * scale:
+        raise InputError(
+            f"the trace metric of {group.name} is not invariant: it changes by {off / scale:.3g} of the structure "
+            f"constants, the limit is {INVARIANCE_TOLERANCE:g}: give a group of orthogonal or unitary matrices"
+        )
+    return group.trace_metric

@@ -1,0 +1,148 @@
+"""The double cover SU(2) → SO(3), and unit quaternions as the elements of SU(2).
+
+Conventions
+-----------
+An element of SU(2) and a unit quaternion, scalar last, are the same four numbers:
+
+    U = w·1 − i(x σ¹ + y σ² + z σ³) = [[w − iz, −y − ix], [y − ix, w + iz]],
+
+products going to products. With the generators −iσᵃ/2 of `SU(2)`, U = exp(−i vᵃσᵃ/2) covers the rotation by the
+vector v, so that coordinates, angles and structure constants are those of SO(3). U and −U cover the same rotation.
+
+All functions are batched over leading axes.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
+from lie_rigid_body.groups.special_orthogonal import SO
+from lie_rigid_body.groups.special_unitary import SU
+from lie_rigid_body.lie import quaternion
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_SU2: Final = SU(2)
+_SO3: Final = SO(3)
+
+STEP_LIMIT: Final = 0.5 * np.pi
+"""Rotation angle between neighbours, rad, up to which `lift` takes them as points of one path."""
+
+
+def from_quaternion(q: ArrayLike) -> Complex:
+    """The element of SU(2) that a unit quaternion is.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., 4)
+        Unit quaternions, x, y, z, w.
+
+    Returns
+    -------
+    ndarray, shape (..., 2, 2), complex
+    """
+    q = np.asarray(q, dtype=np.float64)
+    _refuse_off_sphere(np.abs(quaternion.norm(q) - 1.0))
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    U = np.empty((*q.shape[:-1], 2, 2), dtype=np.complex128)
+    U[..., 0, 0], U[..., 0, 1] = w - 1j * z, -y - 1j * x
+    U[..., 1, 0], U[..., 1, 1] = y - 1j * x, w + 1j * z
+    return U
+
+
+def to_quaternion(U: ArrayLike) -> Real:
+    """The unit quaternion that an element of SU(2) is; inverse of `from_quaternion`, signs and all.
+
+    Parameters
+    ----------
+    U : array_like, shape (..., 2, 2), complex
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        x, y, z, w.
+    """
+    U = _SU2.as_elements(U)
+    a, b, c, d = U[..., 0, 0], U[..., 0, 1], U[..., 1, 0], U[..., 1, 1]
+    return np.asarray(0.5 * np.stack([-(b + c).imag, (c - b).real, (d - a).imag, (a + d).real], axis=-1))
+
+
+def rotation(U: ArrayLike) -> Real:
+    """The rotation that an element of SU(2) covers: R with U σʲ U† = Rⁱʲσⁱ.
+
+    Parameters
+    ----------
+    U : array_like, shape (..., 2, 2), complex
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    return quaternion.to_matrix(to_quaternion(U))
+
+
+def preimages(R: ArrayLike) -> tuple[Complex, Complex]:
+    """The two elements of SU(2), U and −U, that cover a rotation.
+
+    Parameters
+    ----------
+    R : array_like, shape (..., 3, 3)
+
+    Returns
+    -------
+    tuple of two ndarrays, shape (..., 2, 2), complex
+        First the one nearer to 1; for a half turn, where both are equally near, either may come first.
+    """
+    q = quaternion.from_matrix(_SO3.as_elements(R))
+    U = from_quaternion(np.where(q[..., 3:] < 0.0, -q, q))
+    return U, -U
+
+
+def lift(R: ArrayLike) -> Complex:
+    """The path in SU(2) over a path of rotations, from the preimage of its start nearer to 1.
+
+    A path around a full turn ends at the negative of its beginning, and closes after two turns.
+
+    Parameters
+    ----------
+    R : array_like, shape (N, 3, 3)
+        Rotations in the order of the path, neighbours at most π/2 apart.
+
+    Returns
+    -------
+    ndarray, shape (N, 2, 2), complex
+
+    Raises
+    ------
+    InputError
+        If the path has fewer than 1 point, or neighbours so far apart that the path between them is a guess.
+    """
+    R = np.asarray(R, dtype=np.float64)
+    if R.ndim != 3 or len(R) == 0:
+        raise InputError(f"a path needs shape (N, 3, 3) with N ≥ 1, given {R.shape}: stack its rotations")
+    q = to_quaternion(preimages(R)[0])
+    aligned = np.einsum("ki,ki->k", q[1:], q[:-1])
+    _refuse_coarse(2.0 * np.arccos(np.minimum(np.abs(aligned), 1.0)))
+    signs = np.cumprod(np.concatenate([[1.0], np.where(aligned < 0.0, -1.0, 1.0)]))
+    return from_quaternion(q * signs[:, np.newaxis])
+
+
+def _refuse_off_sphere(off: Real) -> None:
+    worst = np.max(off, initial=0.0)
+    if not worst <= ELEMENT_TOLERANCE:
+        raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
+
+
+def _refuse_coarse(steps: Real) -> None:
+    worst = np.max(steps, initial=0.0)
+    if worst > STEP_LIMIT + ELEMENT_TOLERANCE:
+        k = int(np.argmax(steps))
+        raise InputError(
+            f"the path turns by {worst:.3g} rad from point {k} to {k + 1} (limit π/2): sample it more finely"
+        )

@@ -1,0 +1,181 @@
+"""Hamiltonian mechanics of free motion on a matrix Lie group: momenta in place of rates, brackets in place of forces.
+
+The phase space of the momenta is the dual of the Lie algebra with its Lie–Poisson bracket, of the sign that goes with
+body components (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, on Lie–Poisson reduction;
+A. Lucas, arXiv 1111.1275).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
+from lie_rigid_body.groups.components import require_components
+from lie_rigid_body.groups.lagrangian import Lagrangian, require_metric
+
+if TYPE_CHECKING:
+    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+
+Array = NDArray[np.float64]
+
+
+class HamiltonsEquations(NamedTuple):
+    """Both halves of Hamilton's equations.
+
+    Attributes
+    ----------
+    rate : ndarray, shape (..., d)
+        ω = ∂H/∂p, with which A moves: Ȧ = A ωᵃTᵃ; 1/s.
+    momentum_rate : ndarray, shape (..., d)
+        ṗ = {p, H}, kg m²/s².
+    """
+
+    rate: Array
+    momentum_rate: Array
+
+
+class Hamiltonian:
+    """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+        Of dimension d.
+    inverse_metric : array_like, shape (d, d)
+        M⁻¹, symmetric positive definite, 1/(kg m²). From a Lagrangian, take `legendre_transform`.
+
+    Attributes
+    ----------
+    group : MatrixLieGroup
+    inverse_metric : ndarray, shape (d, d)
+        Read only.
+
+    Raises
+    ------
+    InputError
+        If M⁻¹ is of the wrong size, not finite, not symmetric or not positive definite.
+    """
+
+    __slots__ = ("group", "inverse_metric")
+
+    def __init__(self, group: MatrixLieGroup, inverse_metric: ArrayLike) -> None:
+        self.group = group
+        self.inverse_metric: Array = require_metric(inverse_metric, group.dimension)
+        self.inverse_metric.setflags(write=False)
+
+    def __repr__(self) -> str:
+        return f"Hamiltonian({self.group.name}, {self.inverse_metric.tolist()})"
+
+    def value(self, momentum: ArrayLike) -> Array:
+        """H(p).
+
+        Parameters
+        ----------
+        momentum : array_like, shape (..., d)
+            p in the body frame, kg m²/s.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            J.
+        """
+        p = require_components(self.group, momentum, "momenta")
+        return np.asarray(0.5 * np.sum(p * self.rates(p), axis=-1))
+
+    def rates(self, momentum: ArrayLike) -> Array:
+        """ω = ∂H/∂p = M⁻¹p.
+
+        Parameters
+        ----------
+        momentum : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+            1/s.
+        """
+        return np.asarray(require_components(self.group, momentum, "momenta") @ self.inverse_metric)
+
+    def equations(self, momentum: ArrayLike) -> HamiltonsEquations:
+        """Hamilton's equations, ω = ∂H/∂p and ṗᵃ = f[c,a,d] ωᶜ p_d.
+
+        Parameters
+        ----------
+        momentum : array_like, shape (..., d)
+
+        Returns
+        -------
+        HamiltonsEquations
+        """
+        p = require_components(self.group, momentum, "momenta")
+        rate = self.rates(p)
+        return HamiltonsEquations(rate, coadjoint_action(self.group, rate, p))
+
+
+def legendre_transform(lagrangian: Lagrangian) -> Hamiltonian:
+    """The Hamiltonian H(p) = pω − L(ω) at p = ∂L/∂ω.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+
+    Returns
+    -------
+    Hamiltonian
+    """
+    return Hamiltonian(lagrangian.group, lagrangian.inverse_metric)
+
+
+def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
+    """The Lagrangian L(ω) = pω − H(p) at ω = ∂H/∂p.
+
+    Parameters
+    ----------
+    hamiltonian : Hamiltonian
+
+    Returns
+    -------
+    Lagrangian
+    """
+    inverse = np.linalg.inv(hamiltonian.inverse_metric)
+    return Lagrangian(hamiltonian.group, 0.5 * (inverse + inverse.T))
+
+
+def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
+    """The brackets {pᵃ, pᵇ} = −f[a,b,c] p_c of the momenta themselves.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+    momentum : array_like, shape (..., d)
+
+    Returns
+    -------
+    ndarray, shape (..., d, d)
+        Antisymmetric; its rank is the dimension of the coadjoint orbit of p.
+    """
+    return coadjoint_directions(group, require_components(group, momentum, "momenta"))
+
+
+def lie_poisson_bracket(
+    group: MatrixLieGroup, momentum: ArrayLike, first_gradient: ArrayLike, second_gradient: ArrayLike
+) -> Array:
+    """The bracket {F, G}(p) = −p_c f[a,b,c] (∂F/∂pᵃ)(∂G/∂pᵇ), so that Ḟ = {F, H}.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+    momentum : array_like, shape (..., d)
+    first_gradient, second_gradient : array_like, shape (..., d)
+        ∂F/∂p and ∂G/∂p at the momentum; leading axes broadcast.
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    p = require_components(group, momentum, "momenta")
+    first, second = (require_components(group, v, "gradients") for v in (first_gradient, second_gradient))
+    return np.asarray(np.sum(first * coadjoint_action(group, second, p), axis=-1))

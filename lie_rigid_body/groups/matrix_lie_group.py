@@ -1,0 +1,317 @@
+"""Matrix Lie groups in general: one class for SO(n), SU(n), their products, and whatever a set of generators spans.
+
+Conventions
+-----------
+The generators Tᵃ are a basis of the algebra over the reals, with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, so that elements are exp(xᵃTᵃ)
+without factors of i (A. Lucas, arXiv 1111.1275). For SO(3) they are the basis of `so3.hat`. Coordinates x have shape
+(..., d), elements shape (..., n, n); leading axes are carried to the result.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups import exponential
+from lie_rigid_body.groups.elements import Elements, measured
+from lie_rigid_body.groups.generated import GeneratedElements, closed_algebra
+from lie_rigid_body.groups.matrix_lie_algebra import MatrixLieAlgebra
+from lie_rigid_body.groups.number_array import as_numbers
+
+Array = NDArray[Any]
+Real = NDArray[np.float64]
+
+ELEMENT_TOLERANCE: Final = 1e-9
+"""How far a matrix may be from fulfilling a group's equations and count as an element."""
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixLieGroup:
+    """A group of n×n matrices with its Lie algebra in coordinates.
+
+    Made by `SO`, `SU`, `U1`, `product` and `MatrixLieGroup.from_generators`.
+
+    Parameters
+    ----------
+    name : str
+        As in messages and plots.
+    algebra : MatrixLieAlgebra
+        Generators and structure constants.
+    trace_metric : ndarray, shape (d, d)
+        gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite; for the antisymmetric and antihermitian generators of a compact group
+        that is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), which makes the metric of their bases the
+        identity, and 1 for U(1) and for groups from generators; a product has the blocks of its factors.
+    elements : Elements
+        Membership, projection, logarithm and random elements.
+    """
+
+    name: str
+    algebra: MatrixLieAlgebra
+    trace_metric: Real
+    elements: Elements
+
+    @classmethod
+    def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:
+        """The connected group whose algebra is the real span of some matrices.
+
+        Generators give no equations for the elements, which limits what can be known of a matrix:
+
+        - `contains` and `log` recognise an element by its principal logarithm. Where that leaves the span, or does not
+          exist, or is lost to rounding, an element is not recognised, though it may be a true one: exp(xᵃTᵃ) with an
+          eigenvalue of xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
+        - `project` returns an element near the matrix, and refuses where the principal logarithm leads to none.
+        - `Ad`, `inverse` and motions take what nothing rules out: a finite invertible matrix with a determinant that
+          elements may have, whose Ad keeps the algebra. Others that do are those of the whole normaliser, as
+          diag(2, 2, 2, ⅛) for rigid motions of space.
+
+        Parameters
+        ----------
+        generators : array_like, shape (d, n, n)
+            Real or complex, linearly independent over the reals, closed under commutation within real combinations.
+            Largest entries within 1e-50 … 1e50, so that products of them are numbers.
+        name : str
+
+        Raises
+        ------
+        InputError
+            If a generator depends on those before it, is too small or large, or a commutator leaves the span; the
+            message names it.
+        """
+        algebra = closed_algebra(generators)
+        return cls(name, algebra, algebra.trace_metric(1.0), GeneratedElements(algebra))
+
+    @property
+    def dimension(self) -> int:
+        """Dimension d of the group: the number of its generators."""
+        return self.algebra.dimension
+
+    @property
+    def size(self) -> int:
+        """Size n of the matrices."""
+        return self.algebra.size
+
+    @property
+    def generators(self) -> Array:
+        """The matrices Tᵃ, shape (d, n, n), real or complex."""
+        return self.algebra.generators
+
+    @property
+    def structure_constants(self) -> Real:
+        """The constants fᵃᵇᶜ of [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, shape (d, d, d)."""
+        return self.algebra.structure_constants
+
+    @property
+    def adjoint_representation(self) -> Real:
+        """Matrices of ad Tᵃ, shape (d, d, d), with entry [a, c, b] equal to fᵃᵇᶜ; they obey the algebra of the Tᵃ."""
+        return self.algebra.adjoint_representation
+
+    @property
+    def identity(self) -> Array:
+        """The unit element, shape (n, n)."""
+        return np.eye(self.size, dtype=self.generators.dtype)
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>"
+
+    def as_matrices(self, A: ArrayLike) -> Array:
+        """The argument as n×n matrices of the group's number type, or an error that says what is wrong with it."""
+        A = as_numbers(f"matrices of {self.name}", A)
+        if A.shape[-2:] != (self.size, self.size):
+            raise InputError(
+                f"matrices of {self.name} need shape (..., {self.size}, {self.size}), given {A.shape}: "
+                "put rows and columns on the last two axes"
+            )
+        if np.iscomplexobj(A) and not np.iscomplexobj(self.generators):
+            raise InputError(
+                f"matrices of {self.name} are real, given {A.dtype}: give their real part if that is meant"
+            )
+        return A.astype(self.generators.dtype, copy=False)
+
+    def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Array:
+        """The argument as elements, or an error that says how far off the group it is.
+
+        For a group from generators it may be any matrix that nothing rules out; see `from_generators`.
+        """
+        A = self.as_matrices(A)
+        worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
+        if not worst <= tolerance:
+            raise InputError(
+                f"a matrix is {worst:.3g} off {self.name} (limit {tolerance:g}): "
+                "give an element of the group, or its projection by project()"
+            )
+        return A
+
+    def hat(self, x: ArrayLike) -> Array:
+        """The matrix xᵃTᵃ of the algebra.
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        return self.algebra.hat(x)
+
+    def vee(self, X: ArrayLike) -> Real:
+        """Coordinates of a matrix of the algebra; inverse of `hat`. Refuses what is not in the algebra.
+
+        Parameters
+        ----------
+        X : array_like, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+        """
+        return self.algebra.vee(self.as_matrices(X))
+
+    def exp(self, x: ArrayLike) -> Array:
+        """The element exp(xᵃTᵃ).
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        return exponential.exp(self.algebra.hat(x))
+
+    def log(self, A: ArrayLike) -> Real:
+        """Coordinates of the logarithm: the principal one, where its eigenvalues' imaginary parts lie within ±π.
+
+        For SU(n) the principal logarithm of an element may have a trace, and then lies outside the algebra; returned
+        is the logarithm of least norm within it, which is the principal one wherever that has no trace.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+            Elements, to within 1e-9.
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+
+        Raises
+        ------
+        InputError
+            If A is off the group, or no logarithm is singled out: an eigenvalue on the negative real axis (for SU(n):
+            two logarithms of equal norm); for a group from generators, also if A is not recognised.
+        """
+        return self.algebra.coordinates(self.elements.log(self.as_elements(A)))
+
+    def inverse(self, A: ArrayLike) -> Array:
+        """Inverses of elements, shape (..., n, n). Refuses what is off the group."""
+        return self.elements.inverse(self.as_elements(A))
+
+    def Ad(self, A: ArrayLike) -> Real:  # noqa: N802
+        """The matrix of hat(y) ↦ A hat(y) A⁻¹ in coordinates; Ad(AB) = Ad(A) Ad(B), Ad(exp x) = exp(ad x).
+
+        Refuses what is off the group.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+        """
+        A = self.as_elements(A)[..., np.newaxis, :, :]
+        return np.swapaxes(self.algebra.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
+
+    def ad(self, x: ArrayLike) -> Real:
+        """The matrix of y ↦ [x, y] in coordinates: xᵃfᵃᵇᶜ at [c, b].
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+        """
+        return self.algebra.ad(x)
+
+    def dexp(self, x: ArrayLike) -> Real:
+        """J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
+
+        For SO(3) this is `so3.left_jacobian`; with exp(x) hat(J ẋ) instead, J is ``dexp(-x)``
+        (Iserles et al., Acta Numerica 9 (2000), section 2.3).
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+        """
+        return self.algebra.dexp(x)
+
+    def dexpinv(self, x: ArrayLike) -> Real:
+        """The inverse of `dexp`, the rate of chart coordinates: ẋ = dexpinv(x) ω where exp(x) turns with rate ω.
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+
+        Raises
+        ------
+        InputError
+            Where dexp is singular: an eigenvalue of ad(x) is a non-zero multiple of 2πi.
+        """
+        return self.algebra.dexpinv(x)
+
+    def contains(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> NDArray[np.bool_]:
+        """Whether matrices are elements to within a tolerance, shape (...), of A with shape (..., n, n).
+
+        For a group from generators an element is recognised by its principal logarithm, so that one without, or
+        whose logarithm is lost to rounding, is not.
+        """
+        return measured(self.as_matrices(A), self.elements.distance) <= tolerance
+
+    def restored(self, A: ArrayLike) -> Array:
+        """Elements that round-off has carried a little off the group, shape (..., n, n), brought back if possible."""
+        return self.elements.restored(self.as_matrices(A))
+
+    def project(self, A: ArrayLike) -> Array:
+        """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+            Any matrices; for a group from generators, matrices near elements that `contains` recognises.
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+
+        Raises
+        ------
+        InputError
+            If no element is nearer than all others; for a group from generators, if none is found near A.
+        """
+        A = self.as_matrices(A)
+        if not np.all(np.isfinite(A)):
+            raise InputError(f"no nearest element of {self.name}: a matrix has entries that are not finite numbers")
+        return self.elements.project(A)
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Array:
+        """Independent random elements, shape (*shape, n, n).
+
+        By Haar measure for SO(n), SU(n), U(1) and their products; for a group from generators, the exponentials of
+        standard normal coordinates.
+        """
+        return self.elements.random(rng, shape)

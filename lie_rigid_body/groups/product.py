@@ -1,0 +1,117 @@
+"""Direct products of matrix groups, as block diagonal matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.elements import Elements
+from lie_rigid_body.groups.matrix_lie_algebra import MatrixLieAlgebra, frobenius
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+
+Array = NDArray[Any]
+Real = NDArray[np.float64]
+
+
+def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
+    """The direct product of groups: block diagonal matrices, coordinates one factor after the other.
+
+    Parameters
+    ----------
+    *groups : MatrixLieGroup
+        At least one. The product is complex if a factor is.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is no group.
+    """
+    if not groups:
+        raise InputError("product() of 0 groups (limit 1): give at least one group")
+    for given in groups:
+        if not isinstance(given, MatrixLieGroup):
+            raise InputError(f"product() of {given!r}, which is no MatrixLieGroup: give groups, as SO(3) or SU(2)")
+    dtype = np.result_type(*(group.generators.dtype for group in groups))
+    T = np.zeros((sum(g.dimension for g in groups), sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
+    metric = np.zeros((len(T), len(T)))
+    for group, rows, block in zip(groups, _slices([g.dimension for g in groups]), _blocks(groups), strict=True):
+        T[rows, block, block] = group.generators
+        metric[rows, rows] = group.trace_metric
+    metric.setflags(write=False)
+    return MatrixLieGroup(" × ".join(g.name for g in groups), MatrixLieAlgebra(T), metric, ProductElements(groups))
+
+
+def _slices(sizes: list[int]) -> list[slice]:
+    ends = list(accumulate(sizes))
+    return [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
+
+
+def _blocks(groups: tuple[MatrixLieGroup, ...]) -> list[slice]:
+    return _slices([group.size for group in groups])
+
+
+class ProductElements(Elements):
+    """Block diagonal matrices whose blocks are elements of the factors.
+
+    Parameters
+    ----------
+    groups : tuple of MatrixLieGroup
+    """
+
+    def __init__(self, groups: tuple[MatrixLieGroup, ...]) -> None:
+        self._factors = [
+            (g.elements, s, np.iscomplexobj(g.generators)) for g, s in zip(groups, _blocks(groups), strict=True)
+        ]
+
+    def _parts(self, A: Array) -> Iterator[tuple[Elements, slice, Array]]:
+        for elements, block, is_complex in self._factors:
+            part = A[..., block, block]
+            yield elements, block, part if is_complex else part.real
+
+    def _blockwise(self, A: Array, function: Callable[[Elements, Array], Array]) -> Array:
+        result = np.zeros_like(A)
+        for elements, block, part in self._parts(A):
+            result[..., block, block] = function(elements, part)
+        return result
+
+    def distance(self, A: Array) -> Real:
+        """The largest of the blocks' distances and of what lies outside the blocks."""
+        return self._largest(A, lambda elements, part: elements.distance(part))
+
+    def certain_distance(self, A: Array) -> Real:
+        """The largest of the blocks' certain distances and of what lies outside the blocks."""
+        return self._largest(A, lambda elements, part: elements.certain_distance(part))
+
+    def _largest(self, A: Array, distance: Callable[[Elements, Array], Real]) -> Real:
+        outside = frobenius(A - self._blockwise(A, lambda _, part: part))
+        return np.asarray(
+            np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
+        )
+
+    def project(self, A: Array) -> Array:
+        """The nearest element of each factor to its block."""
+        return self._blockwise(A, lambda elements, part: elements.project(part))
+
+    def restored(self, A: Array) -> Array:
+        """The blocks brought back, each by its own factor."""
+        return self._blockwise(A, lambda elements, part: elements.restored(part))
+
+    def inverse(self, A: Array) -> Array:
+        """The inverse of each block."""
+        return self._blockwise(A, lambda elements, part: elements.inverse(part))
+
+    def log(self, A: Array) -> Array:
+        """The logarithm of each block."""
+        return self._blockwise(A, lambda elements, part: elements.log(part))
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+        """Independent elements of the factors."""
+        size = self._factors[-1][1].stop
+        dtype = np.complex128 if any(is_complex for *_, is_complex in self._factors) else np.float64
+        A = np.zeros((*shape, size, size), dtype)
+        return self._blockwise(A, lambda elements, _: elements.random(rng, shape))

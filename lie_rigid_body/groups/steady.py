@@ -1,0 +1,230 @@
+"""Steady rotations: the motions whose rate does not change, and what becomes of a small push."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_metric
+from lie_rigid_body.groups.components import require_components
+from lie_rigid_body.groups.lagrangian import Lagrangian
+
+Array = NDArray[np.float64]
+
+STEADY_TOLERANCE: Final = 1e-9
+"""A rate that turns its own momentum by more than this, relative to both and to the structure constants, is refused."""
+
+_RANK: Final = 1e-10
+_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
+
+
+class Stability(Enum):
+    """What becomes of a small push that keeps the motion on its coadjoint orbit."""
+
+    STABLE = "stable"
+    """The energy is a strict extremum on the orbit, so that the motion stays near for ever (V. I. Arnold)."""
+
+    LINEARLY_STABLE = "linearly stable"
+    """The linearised motion stays bounded, its eigenvalues being imaginary and semisimple, but the energy is no strict
+    extremum: it does not bind the motion itself, which further integrals may (Manakov's, for a body in n dimensions)
+    or nothing. So turn a body in four dimensions in many a plane, and a spherical one about any axis."""
+
+    MARGINAL = "marginal"
+    """The linearised motion grows, but no faster than a power of time: an imaginary eigenvalue is not semisimple."""
+
+    UNSTABLE = "unstable"
+    """The linearised motion grows exponentially."""
+
+
+@dataclass(frozen=True)
+class SteadyRotation:
+    """A steady rotation with its linearised motion.
+
+    Parameters
+    ----------
+    rate : ndarray, shape (d,)
+        ω in the body frame, 1/s.
+    eigenvalues : ndarray, shape (m,)
+        Complex, of the linearised Euler equations on the coadjoint orbit of p = Mω, of dimension m; 1/s. Sorted by
+        real part, then by imaginary part.
+    stability : Stability
+    """
+
+    rate: Array
+    eigenvalues: NDArray[np.complex128]
+    stability: Stability
+
+    @property
+    def growth_rate(self) -> float:
+        """Largest real part of an eigenvalue, 1/s: a push grows by e in its inverse. Round-off, unless unstable."""
+        return float(self.eigenvalues.real.max(initial=0.0))
+
+    @property
+    def frequencies(self) -> Array:
+        """The imaginary parts above round-off, ascending, rad/s: with these a push oscillates about the rotation."""
+        imaginary = self.eigenvalues.imag
+        # a double eigenvalue 0 splits under round-off by its square root
+        noise = np.sqrt(_ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
+        return np.asarray(np.sort(imaginary[imaginary > noise]))
+
+
+def steady_axes(lagrangian: Lagrangian) -> Array:
+    """Directions about which the body turns steadily at any rate: Mω is a multiple of ω read as a momentum.
+
+    To read ω as a momentum takes the trace metric g, which is invariant: Mω = λgω makes ad*_ω Mω = λ ad*_ω gω = 0.
+    On SO(3) these are the principal axes; on SO(n) with a diagonal second moment, the coordinate planes. Where λ is
+    degenerate every combination is as good.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+        On a compact group, so that g is invariant.
+
+    Returns
+    -------
+    ndarray, shape (d, d)
+        Rows are directions with components of norm 1, in ascending order of λ.
+
+    Raises
+    ------
+    InputError
+        If g is not invariant.
+    """
+    lower = np.linalg.cholesky(lagrangian.metric)
+    # with ω = C⁻ᵀy and M = CCᵀ, the pencil Mω = λgω is the symmetric (Cᵀg⁻¹C) y = λy
+    values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_metric(lagrangian.group), lower))
+    axes = np.linalg.solve(lower.T, vectors[:, np.argsort(values, kind="stable")]).T
+    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+
+def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
+    """The stability of the body's steady rotation at a given rate.
+
+    A push off the orbit of p adds nothing but a slow drift along neighbouring steady motions, so it is left out.
+
+    The verdict rests on one resolution ε, round-off or what the rate itself is unsteady by: curvatures of the energy
+    on the orbit within ε of their terms count as 0, eigenvalues within √ε as equal, as a double eigenvalue splits by
+    that. An indefinite curvature with an odd number of negative directions is unstable however slow the growth, so that
+    on SO(3), where an orbit has two dimensions, the signs of the curvature decide alone.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+    rate : array_like, shape (d,)
+        ω in the body frame, 1/s.
+
+    Returns
+    -------
+    SteadyRotation
+
+    Raises
+    ------
+    InputError
+        If the rotation at this rate is not steady: ad*_ω Mω is not 0.
+
+    References
+    ----------
+    V. I. Arnold, *Mathematical Methods of Classical Mechanics*, appendix 2; J. E. Marsden, T. S. Ratiu, *Introduction
+    to Mechanics and Symmetry*, on the energy–Casimir method.
+    """
+    w = require_components(lagrangian.group, rate, "rates").copy()
+    resolution = max(_ROUND_OFF, _unsteadiness(lagrangian, w))
+    tangent, algebra = _orbit(lagrangian, w)
+    linear = tangent.T @ linearisation(lagrangian, w) @ tangent
+    signs = _signs(algebra.T @ _energy_curvature(lagrangian, w) @ algebra, resolution * _curvature_scale(lagrangian, w))
+    eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
+    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution))))
+
+
+def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
+    """The matrix of δp ↦ d/dt δp = ad*_{M⁻¹δp} p + ad*_ω δp about p = Mω.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+    rate : ndarray, shape (..., d)
+
+    Returns
+    -------
+    ndarray, shape (..., d, d)
+        1/s.
+    """
+    turning = np.tensordot(rate, lagrangian.group.structure_constants, axes=1)
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    return np.asarray(directions @ lagrangian.inverse_metric + turning)
+
+
+def _energy_curvature(lagrangian: Lagrangian, rate: Array) -> Array:
+    """The second derivative of H along s ↦ exp(s ad*_ξ) p, as a quadratic form in ξ."""
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    brackets = np.einsum("abd,b->da", lagrangian.group.structure_constants, rate)  # ξ ↦ [ξ, ω]
+    bent = directions.T @ brackets
+    return np.asarray(directions.T @ lagrangian.inverse_metric @ directions + 0.5 * (bent + bent.T))
+
+
+def _curvature_scale(lagrangian: Lagrangian, rate: Array) -> float:
+    """The size of the terms of `_energy_curvature`, which cancel for a body that is nearly a sphere."""
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    return float(np.linalg.norm(directions.T @ lagrangian.inverse_metric @ directions, 2))
+
+
+def _signs(form: Array, zero: float) -> NDArray[np.int_]:
+    """The signs of the eigenvalues of a quadratic form, 0 for those below a limit."""
+    values = np.linalg.eigvalsh(form)
+    return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
+
+
+def _orbit(lagrangian: Lagrangian, rate: Array) -> tuple[Array, Array]:
+    """Orthonormal columns: the tangent space of the orbit of p, and the algebra elements that move p along it."""
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    tangent, sizes, algebra = np.linalg.svd(directions)
+    on_orbit = sizes > _RANK * sizes.max(initial=0.0)
+    return tangent[:, on_orbit], algebra[on_orbit].T
+
+
+def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
+    """What the rate turns its own momentum by, relative to both and to the structure constants, if that is small."""
+    if rate.ndim != 1 or not np.isfinite(rate).all():
+        raise InputError(
+            f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "
+            "give one at a time"
+        )
+    momentum = lagrangian.momenta(rate)
+    size = float(np.linalg.norm(rate) * np.linalg.norm(momentum))
+    scale = size * float(np.abs(lagrangian.group.structure_constants).max(initial=0.0))
+    turned = float(np.linalg.norm(coadjoint_action(lagrangian.group, rate, momentum)))
+    if turned > STEADY_TOLERANCE * scale:
+        raise InputError(
+            f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} relative "
+            f"to both, the limit is {STEADY_TOLERANCE:g}: take a multiple of one of steady_axes"
+        )
+    return turned / scale if scale else 0.0
+
+
+def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float) -> Stability:
+    """From the linearised motion and the signs of the energy's curvature on the orbit, both of its dimension m."""
+    if np.all(signs > 0) or np.all(signs < 0):
+        return Stability.STABLE
+    size = float(np.linalg.norm(linear, 2))
+    # the determinant of the linearised motion has the sign of the curvature's: < 0 asks for a real pair ±λ
+    odd = bool(np.prod(signs) < 0)
+    # a mode that grows has no energy, which a form of one sign grants to none but its own zeros, and these stand still
+    indefinite = bool(signs.min() < 0 < signs.max())
+    if odd or (indefinite and eigenvalues.real.max() > split * size):
+        return Stability.UNSTABLE
+    return Stability.LINEARLY_STABLE if _semisimple(linear, eigenvalues, split * size) else Stability.MARGINAL
+
+
+def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:
+    """Whether every eigenvalue, with those within a distance of it, has as many eigenvectors as its multiplicity."""
+    for value in eigenvalues:
+        multiplicity = np.count_nonzero(np.abs(eigenvalues - value) <= 2.0 * split)
+        sizes = np.linalg.svd(linear - value * np.eye(len(linear)), compute_uv=False)
+        if np.count_nonzero(sizes <= 4.0 * split) < multiplicity:
+            return False
+    return True

@@ -1,0 +1,124 @@
+"""Messages of the truth and of the sensors, as they go out together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+from typing import Final
+
+from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder, MessageEncoder
+from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import ImuModel, Sensors
+from lie_rigid_body.simulation import ImuSamples, Samples, Taken
+
+POSE: Final = "pose"
+TWIST: Final = "twist"
+IMU_DATA: Final = "imu/data_raw"
+IMU_BIAS: Final = "imu/bias"
+MAG: Final = "imu/mag"
+
+SENSOR_TOPICS: Final = {IMU_DATA: IMU, IMU_BIAS: IMU, MAG: MAGNETIC_FIELD}
+"""The topics of the sensors by their relative names, and their message types."""
+
+
+@dataclass(frozen=True)
+class Messages:
+    """Messages of one topic.
+
+    Parameters
+    ----------
+    topic : str
+        Its relative name.
+    stamps_ns : list of int
+    payloads : sequence of bytes, as many
+    """
+
+    topic: str
+    stamps_ns: list[int]
+    payloads: Sequence[bytes]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What was taken at once, as messages.
+
+    Parameters
+    ----------
+    samples : Samples, N of them
+    poses, twists : sequence of bytes, N each
+    sensors : sequence of Messages
+    """
+
+    samples: Samples
+    poses: Sequence[bytes]
+    twists: Sequence[bytes]
+    sensors: Sequence[Messages] = ()
+
+    def in_order(self) -> Iterator[tuple[int, str, bytes]]:
+        """Stamp, topic and payload of every message; where stamps are equal: pose, twist, IMU, bias, magnetometer."""
+        stamps: list[int] = self.samples.stamps_ns.tolist()
+        if not self.sensors:
+            for stamp, pose, twist in zip(stamps, self.poses, self.twists, strict=True):
+                yield stamp, POSE, pose
+                yield stamp, TWIST, twist
+            return
+        truth = (Messages(POSE, stamps, self.poses), Messages(TWIST, stamps, self.twists))
+        everything = [
+            (stamp, messages.topic, payload)
+            for messages in (*truth, *self.sensors)
+            for stamp, payload in zip(messages.stamps_ns, messages.payloads, strict=True)
+        ]
+        everything.sort(key=itemgetter(0))
+        yield from everything
+
+
+def sensor_topics(sensors: Sensors) -> list[str]:
+    """Relative names of the topics that the sensors of a scenario have."""
+    imu = [IMU_DATA, IMU_BIAS] if sensors.imu is not None else []
+    return [*imu, *([MAG] if sensors.magnetometer is not None else [])]
+
+
+class BatchEncoder:
+    """What a simulation gives, as the bytes that go to publishers or into a bag.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._truth = MessageEncoder(scenario)
+        imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
+        self._imu = None if imu is None else _ImuMessages(imu)
+        self._field = None if magnetometer is None else MagneticFieldEncoder(magnetometer.frame, magnetometer.variance)
+
+    def encode(self, taken: Taken) -> Batch:
+        """The messages of what was taken."""
+        samples = taken.samples
+        return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._sensors(taken)))
+
+    def _sensors(self, taken: Taken) -> Iterator[Messages]:
+        # readings of a sensor that a reset has taken away are left out
+        if self._imu is not None and taken.imu is not None:
+            yield from self._imu.messages(taken.imu)
+        if self._field is not None and taken.magnetometer is not None:
+            stamps_ns = taken.magnetometer.stamps_ns
+            yield Messages(MAG, stamps_ns.tolist(), self._field.encode(stamps_ns, taken.magnetometer.magnetic_field))
+
+
+class _ImuMessages:
+    """The two topics of an IMU."""
+
+    def __init__(self, model: ImuModel) -> None:
+        self._data = ImuEncoder(model.frame, model.angular_velocity_variance, model.linear_acceleration_variance)
+        self._bias = ImuEncoder(model.frame)
+
+    def messages(self, samples: ImuSamples) -> Iterator[Messages]:
+        at, readings = samples.stamps_ns, samples.readings
+        data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration)
+        bias = self._bias.encode(at, readings.gyro_bias, readings.accelerometer_bias)
+        stamps: list[int] = at.tolist()
+        yield Messages(IMU_DATA, stamps, data)
+        yield Messages(IMU_BIAS, stamps, bias)

@@ -1,0 +1,166 @@
+"""Reading messages back: whole tracks at once, of either byte order."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.layout import FRAME, NS, Array, Integers, numbers_after
+
+_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """Messages of one type.
+
+    Parameters
+    ----------
+    stamps_ns : ndarray of int64, shape (N,), or None
+        None for messages without a header.
+    numbers : ndarray, shape (N, K)
+        Their float64 fields in order.
+    frame_ids : tuple of str
+        The distinct frame names, in order of appearance.
+    """
+
+    stamps_ns: Integers | None
+    numbers: Array
+    frame_ids: tuple[str, ...]
+
+
+def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
+    """Read poses or twists, of either byte order.
+
+    Parameters
+    ----------
+    payloads : sequence of bytes, N of them
+    numbers : int
+        How many float64 fields each has.
+    stamped : bool
+        Whether a std_msgs/Header comes first.
+
+    Returns
+    -------
+    Decoded
+
+    Raises
+    ------
+    BagError
+        Naming the first message that is not such a payload.
+    """
+    stamps = np.zeros(len(payloads), dtype=np.int64)
+    values = np.empty((len(payloads), numbers))
+    frames: dict[int, str] = {}
+    for indices in _alike(payloads, stamped):
+        _decode_alike(payloads, indices, stamped, stamps, values, frames)
+    distinct = tuple(dict.fromkeys(frames[i] for i in sorted(frames)))
+    return Decoded(stamps if stamped else None, values, distinct)
+
+
+def _alike(payloads: Sequence[bytes], stamped: bool) -> list[list[int]]:
+    """Message numbers grouped by all that decides the layout: size, encapsulation, length and text of the frame."""
+    groups: dict[tuple[int, bytes, bytes], list[int]] = {}
+    for i, payload in enumerate(payloads):
+        key = (len(payload), payload[:2], payload[12:FRAME] if stamped else b"")
+        groups.setdefault(key, []).append(i)
+    return list(groups.values())
+
+
+def _decode_alike(
+    payloads: Sequence[bytes],
+    indices: list[int],
+    stamped: bool,
+    stamps: Integers,
+    values: Array,
+    frames: dict[int, str],
+) -> None:
+    first = payloads[indices[0]]
+    order = _byte_order(first, indices[0])
+    length = _word(first, 12, order, indices[0]) if stamped else 0
+    start = numbers_after(FRAME + length) if stamped else 4
+    count = values.shape[1]
+    _require_size(first, start + 8 * count, indices[0])
+    rows = np.frombuffer(b"".join([payloads[i] for i in indices]), dtype=np.uint8).reshape(len(indices), -1)
+    values[indices] = _column(rows, start, 8 * count, f"{order}f8").reshape(-1, count)
+    if stamped:
+        stamps[indices] = _stamps(rows, order, indices)
+        _collect_frames(rows[:, FRAME : FRAME + length], indices, frames)
+
+
+def _column(rows: NDArray[np.uint8], start: int, size: int, kind: str) -> NDArray[np.generic]:
+    return np.ascontiguousarray(rows[:, start : start + size]).view(kind)
+
+
+def _stamps(rows: NDArray[np.uint8], order: str, indices: list[int]) -> Integers:
+    sec = _column(rows, 4, 4, f"{order}i4")[:, 0].astype(np.int64)
+    nanosec = _column(rows, 8, 4, f"{order}u4")[:, 0].astype(np.int64)
+    if (nanosec >= NS).any():
+        worst = int(np.argmax(nanosec >= NS))
+        raise BagError(f"message {indices[worst]} has a stamp of {nanosec[worst]} nanosec, not below 1e9")
+    return sec * NS + nanosec
+
+
+def _collect_frames(texts: NDArray[np.uint8], indices: list[int], frames: dict[int, str]) -> None:
+    """Note each frame name where it first appears among these messages."""
+    if texts.shape[1] == 0:
+        frames[indices[0]] = ""
+        return
+    names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
+    for name, at in zip(*np.unique(names, return_index=True), strict=True):
+        frames[indices[at]] = _string(bytes(name), indices[at])
+
+
+def decode_string(payload: bytes, index: int = 0) -> str:
+    """Read a std_msgs/String.
+
+    Parameters
+    ----------
+    payload : bytes
+    index : int
+        Number of the message, for the error.
+
+    Raises
+    ------
+    BagError
+        If the payload is not one.
+    """
+    length = _word(payload, 4, _byte_order(payload, index), index)
+    _require_size(payload, 8 + length, index)
+    return _string(payload[8 : 8 + length], index)
+
+
+def _byte_order(payload: bytes, index: int) -> str:
+    order = _ORDERS.get(payload[:2])
+    if order is None:
+        begin = payload[:4].hex(" ") or "nothing"
+        raise BagError(f"message {index} begins with {begin}, which is not plain CDR (00 00 or 00 01)")
+    return order
+
+
+def _word(payload: bytes, at: int, order: str, index: int) -> int:
+    if len(payload) < at + 4:
+        raise BagError(f"message {index} ends after {len(payload)} bytes, before its text")
+    value: int = struct.unpack_from(f"{order}I", payload, at)[0]
+    return value
+
+
+def _require_size(payload: bytes, size: int, index: int) -> None:
+    # a middleware may pad the end to a multiple of 4 or 8
+    if not size <= len(payload) < size + 8:
+        raise BagError(f"message {index} has {len(payload)} bytes where its type and text lengths make {size}")
+
+
+def _string(data: bytes, index: int) -> str:
+    if data and data[-1]:
+        raise BagError(f"message {index} has a text that does not end with a zero byte")
+    try:
+        return data[:-1].decode()
+    except UnicodeDecodeError:
+        raise BagError(f"message {index} has a text that is not UTF-8: {data[:40]!r}") from None

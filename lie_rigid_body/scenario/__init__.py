@@ -1,0 +1,5 @@
+"""A scenario: the parameters of one run, checked and frozen, and the files that hold them."""
+
+from lie_rigid_body.scenario.scenario import Scenario
+
+__all__ = ["Scenario"]

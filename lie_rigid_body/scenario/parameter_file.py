@@ -1,0 +1,262 @@
+"""Parameters from where ROS 2 users keep them: parameter files and ``name:=value`` assignments.
+
+Scalars are read as rcl reads them, which is not how YAML 1.1 does: ``1e-3`` is a number, ``010`` is eight, ``null`` is
+a word. So a file means the same to the node and to the headless verbs.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import yaml
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.scenario.shipped import scenario_files
+
+NODE_NAME: Final = "lie_rigid_body"
+PARAMETERS_KEY: Final = "ros__parameters"
+
+_NODE_ONLY: Final = re.compile(r"use_sim_time|start_type_description_service|qos_overrides\..*")
+"""Parameters that every ROS 2 node has, without a meaning where there is no node."""
+
+_TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"})
+_FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
+_INTEGER: Final = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
+_FLOAT: Final = re.compile(r"[-+]?((\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\.?inf|infinity|\.?nan)", re.IGNORECASE | re.ASCII)
+
+
+def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace: str = "/") -> dict[str, object]:
+    """The parameters that a ROS 2 parameter file gives a node.
+
+    Parameters
+    ----------
+    path : str or Path
+    node_name : str, optional
+    namespace : str, optional
+        Of the node.
+
+    Returns
+    -------
+    dict of str to object
+        By dotted name. Where several sections mean the node, the later one wins, as in rclpy: not the more exact one.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not such a file, or means other nodes only.
+    """
+    sections = read_sections(path)
+    full_name = f"{namespace.rstrip('/')}/{node_name}"
+    meant = [values for name, values in sections if _means(name, full_name)]
+    if not meant:
+        names = ", ".join(name for name, _ in sections)
+        raise InputError(f"{path} has no section for the node {full_name}, only for {names}: name one /**")
+    return dict(item for values in meant for item in _flatten(values))
+
+
+def read_sections(path: str | Path) -> list[tuple[str, Mapping[str, object]]]:
+    """The sections of a ROS 2 parameter file, whichever nodes they mean.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    list of (str, mapping of str to object)
+        Node names or patterns, and what the file gives these nodes.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a file.
+    """
+    content = _load(_read_text(Path(path)), str(path))
+    if not isinstance(content, dict):
+        raise InputError(f"{path} is not a parameter file: begin it with '/**:' and '{PARAMETERS_KEY}:' below that")
+    sections = list(_sections(content, "", str(path)))
+    if not sections:
+        raise InputError(f"{path} has no '{PARAMETERS_KEY}:': put it below '/**:', and 'name: value' lines below it")
+    return sections
+
+
+def parse_assignment(text: str) -> tuple[str, object]:
+    """The name and the value of a ``name:=value`` assignment.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    tuple of str and object
+
+    Raises
+    ------
+    InputError
+        If there is no ``:=``, no name or no value.
+    """
+    name, sign, value = text.partition(":=")
+    name = name.strip()
+    if not (sign and name and value.strip()):
+        raise InputError(f"-p {text!r} is not NAME:=VALUE: give for example -p rate:=200.0")
+    return name, _load(value, f"-p {text!r}")
+
+
+def gather(
+    scenario: str | None,
+    files: Sequence[str | Path],
+    assignments: Sequence[str],
+    node_name: str = NODE_NAME,
+    namespace: str = "/",
+) -> dict[str, object]:
+    """All parameters given, later ones over earlier ones: scenario, files in order, assignments in order.
+
+    Parameters
+    ----------
+    scenario : str or None
+        Name of a file of ``config/``.
+    files : sequence of paths
+    assignments : sequence of str
+    node_name, namespace : str, optional
+        Of the node that the files are read for.
+
+    Returns
+    -------
+    dict of str to object
+
+    Raises
+    ------
+    InputError
+    """
+    given: dict[str, object] = {}
+    for path in [*([scenario_file(scenario)] if scenario is not None else []), *files]:
+        given.update(read_parameter_file(path, node_name, namespace))
+    given.update(parse_assignment(text) for text in assignments)
+    return {name: value for name, value in given.items() if not _NODE_ONLY.fullmatch(name)}
+
+
+def file_that_gives(name: str, files: Sequence[str | Path], assignments: Sequence[str]) -> str | Path | None:
+    """The file whose value of a parameter wins in `gather`, or None if it came from elsewhere."""
+    if any(parse_assignment(text)[0] == name for text in assignments):
+        return None
+    return next((path for path in reversed(files) if name in read_parameter_file(path)), None)
+
+
+def scenario_file(name: str) -> Path:
+    """The parameter file of a shipped scenario.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name; lists them.
+    """
+    files = scenario_files()
+    if name not in files:
+        near = difflib.get_close_matches(name, files, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise InputError(f"--scenario {name!r} is unknown: {hint}there are {', '.join(files)}")
+    return files[name]
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"the parameter file {path} does not exist: give the path of a YAML file") from None
+    except IsADirectoryError:
+        raise InputError(f"the parameter file {path} is a folder: give a file in it") from None
+    except UnicodeDecodeError:
+        raise InputError(f"the parameter file {path} is not UTF-8 text: give a YAML file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"the parameter file {path} cannot be read: {reason}") from None
+
+
+class _Loader(yaml.SafeLoader):
+    """Plain scalars as rcl reads them, and no key twice."""
+
+
+def _plain(text: str) -> object:
+    """The value of an unquoted scalar: bool, int, float or else a word."""
+    if text in _TRUE or text in _FALSE:
+        return text in _TRUE
+    if integer := _INTEGER.fullmatch(text):
+        sign, digits = integer.groups()
+        base = 16 if digits[:2] in ("0x", "0X") else 8 if digits[0] == "0" else 10
+        return int(sign + digits, base)
+    if _FLOAT.fullmatch(text):
+        return float(text.replace(".i", "i").replace(".I", "I").replace(".n", "n").replace(".N", "N"))
+    return text
+
+
+def _construct_scalar(loader: _Loader, node: yaml.ScalarNode) -> object:
+    text = loader.construct_scalar(node)
+    if node.style in ("'", '"'):
+        return text
+    if text == "":
+        raise yaml.MarkedYAMLError(None, None, "a value is missing", node.start_mark)
+    return _plain(str(text))
+
+
+def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, object]:
+    mapping: dict[str, object] = {}
+    for key_node, value_node in node.value:
+        if not isinstance(key_node, yaml.ScalarNode):
+            raise yaml.MarkedYAMLError(None, None, "a key is not a word", key_node.start_mark)
+        key = str(key_node.value)
+        if key in mapping:
+            raise yaml.MarkedYAMLError(None, None, f"{key!r} is given twice", key_node.start_mark)
+        mapping[key] = loader.construct_object(value_node, deep=True)
+    return mapping
+
+
+_Loader.yaml_implicit_resolvers = {}
+_Loader.add_constructor("tag:yaml.org,2002:str", _construct_scalar)
+_Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
+
+
+def _load(text: str, source: str) -> Any:
+    try:
+        return yaml.load(text, _Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise InputError(f"{source}{where}: not readable as YAML: {error.problem or error.context}") from None
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        problem = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{source}: not readable as YAML: {problem}") from None
+
+
+def _sections(content: Mapping[str, object], name: str, source: str) -> Iterator[tuple[str, Mapping[str, object]]]:
+    """Every ``ros__parameters`` mapping, with the node name or pattern it stands under."""
+    for key, value in content.items():
+        if key == PARAMETERS_KEY:
+            if not name:
+                raise InputError(f"{source}: '{PARAMETERS_KEY}:' stands at the top: put it below '/**:'")
+            if not isinstance(value, Mapping):
+                raise InputError(f"{source}: '{PARAMETERS_KEY}:' of {name} holds {value!r}: give 'name: value' lines")
+            yield name, value
+        elif isinstance(value, Mapping):
+            yield from _sections(value, f"{name}/{key.lstrip('/')}", source)
+        else:
+            raise InputError(f"{source}: {key!r} stands outside of '{PARAMETERS_KEY}:': put it below that")
+
+
+def _means(pattern: str, full_name: str) -> bool:
+    """Whether a section's name means the node: ``*`` is one name, ``**`` any number of them."""
+    parts = (re.escape(part) for part in pattern.strip("/").split("/"))
+    expression = "".join({r"\*\*": r"(/\w+)*", r"\*": r"/\w+"}.get(part, f"/{part}") for part in parts)
+    return re.fullmatch(expression, full_name) is not None
+
+
+def _flatten(values: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flatten(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value

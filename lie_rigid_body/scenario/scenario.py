@@ -1,0 +1,193 @@
+"""The scenario: everything that determines a run, frozen, and validated once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import ClosedForm, Motion, MovingChart
+from lie_rigid_body.parameters import Value, require_frame_name
+from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
+
+LARGEST_TURN_PER_STEP: Final = 1.0
+"""rad: a moving chart that turned farther in one step would go where its Taylor expansion means nothing."""
+LARGEST_TURN_PER_READING: Final = 3.0
+"""rad: beyond half a turn, a rotation is taken for a shorter one the other way."""
+
+_BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
+_SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
+_OWN: Final = (
+    "inertia",
+    "initial_attitude_xyzw",
+    "initial_body_rate",
+    "rate",
+    "motion",
+    "method",
+    "max_step",
+    "world_frame",
+    "body_frame",
+    "stamped_twist",
+    "epoch_ns",
+)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A body, its start and the way it is sampled. Build it with `from_parameters`, which validates.
+
+    Attributes carry the names, types and units of the parameters (see ``PARAMETERS``); those of the sensors are kept
+    together, and as the models that they make.
+    """
+
+    inertia: tuple[float, ...]
+    initial_attitude_xyzw: tuple[float, ...]
+    initial_body_rate: tuple[float, ...]
+    rate: float
+    motion: str
+    method: str
+    max_step: float
+    world_frame: str
+    body_frame: str
+    stamped_twist: bool
+    epoch_ns: int
+    sensors: Sensors
+    sensor_parameters: tuple[tuple[str, Value], ...]
+
+    @classmethod
+    def from_parameters(cls, given: Mapping[str, object] | None = None) -> Scenario:
+        """The scenario of the given parameters, the rest at their defaults, validated as a whole.
+
+        Parameters
+        ----------
+        given : mapping of str to object, optional
+            Values as a YAML file or a ROS parameter gives them.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        ParameterError
+            Naming the parameter, its value, its limit and the remedy.
+        """
+        values = read_parameters(given or {})
+        of_sensors = {name: values[name] for name in _SENSORS}
+        scenario = cls(
+            **{name: values[name] for name in _OWN},  # type: ignore[arg-type]
+            sensors=Sensors.from_parameters(of_sensors),
+            sensor_parameters=tuple(of_sensors.items()),
+        )
+        scenario._validate()
+        return scenario
+
+    def parameters(self) -> dict[str, Value]:
+        """Names and values, in the order of the table; those of the sensors only if there is one."""
+        own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
+        return {**own, **dict(self.sensor_parameters)} if self.has_sensors else own
+
+    @property
+    def has_sensors(self) -> bool:
+        """Whether any sensor is on."""
+        return self.sensors.imu is not None or self.sensors.magnetometer is not None
+
+    def body(self) -> RigidBody:
+        """The body of this scenario."""
+        return RigidBody(self.inertia)
+
+    def start(self) -> State:
+        """The state at the start."""
+        return State(self.initial_attitude_xyzw, self.initial_body_rate)
+
+    def make_motion(self) -> Motion:
+        """A fresh motion from the start."""
+        if self.motion == "closed_form":
+            return ClosedForm(self.body(), self.start())
+        return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
+
+    def _validate(self) -> None:
+        for name in ("world_frame", "body_frame"):
+            require_frame_name(name, getattr(self, name))
+        with np.errstate(all="ignore"):  # what goes wrong is said below
+            body, start = self.body(), self._valid_start()
+            _require_ordinary_inertia(body)
+            _require_ordinary_motion(body, start)
+        fastest = math.sqrt(2.0 * float(body.kinetic_energy(start)) / float(body.principal_moments[0]))
+        if self.motion == "moving_chart":
+            self._require_small_steps(fastest)
+        self._require_small_turns(fastest)
+
+    def _valid_start(self) -> State:
+        try:
+            return self.start()
+        except ParameterError as error:
+            name = f"initial_{error.name}"
+            raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
+
+    def _require_small_steps(self, fastest: float) -> None:
+        step = min(self.max_step, 1.0 / self.rate)
+        if fastest * step > LARGEST_TURN_PER_STEP:
+            raise ParameterError(
+                "max_step",
+                f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, the limit is "
+                f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
+            )
+
+    def _require_small_turns(self, fastest: float) -> None:
+        imu = self.sensors.imu
+        if imu is not None and imu.gyro_rate == "integrated" and fastest > imu.rate * LARGEST_TURN_PER_READING:
+            raise ParameterError(
+                "imu_rate",
+                f"{imu.rate:g} Hz lets the body turn by up to {fastest / imu.rate:.3g} rad between readings, of which "
+                f"an integrated rate tells at most {LARGEST_TURN_PER_READING:g}: give at least "
+                f"{_rounded(fastest / LARGEST_TURN_PER_READING, ROUND_CEILING):g} Hz, or gyro_rate instantaneous",
+            )
+
+
+def _shorter(longest: float) -> str:
+    """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
+    step = _rounded(longest, ROUND_FLOOR)
+    return f"give at most {step:g} s, or " if step >= _BY_NAME["max_step"].minimum else ""
+
+
+def _rounded(value: float, rounding: str) -> float:
+    return float(Context(prec=3, rounding=rounding).create_decimal_from_float(value))
+
+
+def _require_ordinary_inertia(body: RigidBody) -> None:
+    if not (_is_ordinary(body.principal_moments) and _is_ordinary(1.0 / body.principal_moments)):
+        raise ParameterError(
+            "inertia",
+            f"principal moments {_listed(body.principal_moments)}, or their inverses, leave the range of double "
+            "precision: give moments between 1e-300 and 1e300 kg m²",
+        )
+
+
+def _require_ordinary_motion(body: RigidBody, start: State) -> None:
+    """Energy and momentum in the range of double precision; an energy may be so small that it is 0."""
+    energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
+    if not all(value == 0.0 or _is_ordinary(value) for value in (energy, momentum)):
+        raise ParameterError(
+            "initial_body_rate",
+            f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J and the momentum {momentum:g} kg m²/s, "
+            "which leave the range of double precision: give an ordinary rate, or zeros",
+        )
+
+
+def _is_ordinary(values: NDArray[np.float64]) -> bool:
+    """Whether positive numbers are finite, and not so small that they lose digits."""
+    return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
+
+
+def _listed(values: NDArray[np.float64]) -> str:
+    return ", ".join(f"{value:g}" for value in values)

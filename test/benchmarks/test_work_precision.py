@@ -1,0 +1,161 @@
+"""The benchmark's contenders are set up as they should be: their errors are finite, and fall with their steps."""
+
+from __future__ import annotations
+
+import json
+import sys
+from decimal import Decimal, localcontext
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+from peers import registry  # noqa: E402
+from peers.contender import Contender, step_text  # noqa: E402
+from peers.measurement import Row, ahead, measure  # noqa: E402
+from peers.table import MARK, replaced, short_table  # noqa: E402
+from peers.task import NS, TASKS, Task  # noqa: E402
+from peers.truth import errors, truth  # noqa: E402
+
+BRIEF = Task("brief", "two attitudes", np.array([NS, 2 * NS]), np.arange(2))
+DENSE = Task("dense", "a second at 1 kHz", np.arange(1, 1001) * (NS // 1000), np.array([131, 344, 475, 688, 901, 999]))
+
+ROUND_OFF = 1e-11
+"""What adds up in 2 s at short steps is less than this, rad."""
+
+ORDERS = {
+    "ours, moving chart rkmk1": 1,
+    "ours, moving chart rkmk2": 2,
+    "ours, moving chart rkmk4": 4,
+    "MuJoCo, Euler": 1,
+    "MuJoCo, implicitfast": 1,
+    "MuJoCo, RK4": 4,
+    "PyBullet, multibody": 1,
+    "PyBullet, rigid body": 1,
+}
+PEERS = ("SciPy, solve_ivp RK45", "SciPy, solve_ivp DOP853", "SciPy, odeint (LSODA)", "SciPy, ode dop853")
+FAMILIES = ("ours, closed form", *(f"ours, moving chart {name}" for name in METHODS), *list(ORDERS)[3:], *PEERS)
+
+
+@cache
+def errors_by_size(task: Task = BRIEF) -> dict[str, list[tuple[float, float]]]:
+    """Size of the setting and largest error, by family, the coarsest first."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for contender in registry.contenders(task):
+        error = float(errors(task, contender.run()).max())
+        found.setdefault(contender.family, []).append((contender.size, error))
+    return {family: sorted(pairs, reverse=True) for family, pairs in found.items()}
+
+
+def of_family(family: str, task: Task = BRIEF) -> list[tuple[float, float]]:
+    found = errors_by_size(task)
+    if family not in found:
+        pytest.skip(f"not installed: {' '.join(registry.missing())}")
+    return found[family]
+
+
+def test_the_truth_is_that_of_another_method():
+    points = json.loads((ROOT / "test/data/torque_free_truth.json").read_text())["asymmetric"]["truth"]
+    known = {point["t_ns"]: point["attitude_xyzw"] for point in points}
+    shared = sorted(known.keys() & truth().keys())
+    assert shared == [10 * NS, 1000 * NS]
+    with localcontext() as context:
+        context.prec = 50
+        for t in shared:
+            pairs = list(zip(map(Decimal, known[t]), truth()[t], strict=True))
+            sign = Decimal(1).copy_sign(sum(a * b for a, b in pairs))
+            assert max(abs(a - sign * b) for a, b in pairs) < Decimal("1e-39")
+
+
+def test_the_truth_has_every_judged_instant():
+    assert all(set(task.judged_ns) <= truth().keys() for task in TASKS)
+
+
+def test_the_angle_to_the_truth_is_that_of_the_rotation_between():
+    angles = np.array([1e-9, 3.0])
+    x, y, z, w = np.array([[float(c) for c in truth()[t]] for t in BRIEF.judged_ns]).T
+    s, c = np.sin(angles / 2), np.cos(angles / 2)
+    turned = np.stack([c * x + s * w, c * y + s * z, c * z - s * y, c * w - s * x], axis=1)
+    np.testing.assert_allclose(errors(BRIEF, -7.0 * turned), angles, rtol=1e-6)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_errors_are_finite_and_fall(family):
+    (_, coarsest), *_, (_, finest) = [(0.0, np.inf), *of_family(family)]
+    assert finest < 1e-2
+    assert finest <= max(coarsest, ROUND_OFF)
+
+
+@pytest.mark.parametrize(("family", "order"), ORDERS.items())
+def test_a_fixed_step_has_its_order(family, order):
+    used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
+    if family == "MuJoCo, RK4" and int(version("mujoco").split(".")[0]) < 4:
+        order = 2  # of a joint that turns; 4 since MuJoCo 4
+    slope = np.polyfit(*np.log(np.array(used)).T, 1)[0]
+    assert len(used) >= 3
+    assert slope == pytest.approx(order, abs=0.25)
+
+
+def test_the_closed_form_is_exact():
+    assert of_family("ours, closed form")[0][1] < 2e-15
+
+
+def test_a_spline_through_exact_attitudes_errs_between_them():
+    pairs = of_family("SciPy, RotationSpline", DENSE)
+    used = [(h, e) for h, e in pairs if h >= 0.01]
+    assert np.polyfit(*np.log(np.array(used)).T, 1)[0] > 3.0
+
+
+def test_the_default_moving_chart_is_the_unit():
+    for task in (BRIEF, DENSE):
+        assert [c.family for c in registry.contenders(task) if c.unit] == [f"ours, moving chart {DEFAULT_METHOD}"]
+
+
+def test_who_is_neither_matched_in_accuracy_nor_in_cost_is_ahead():
+    def row(ours: bool, error: float, cost: float) -> Row:
+        return Row(Contender("", "", 0.0, lambda: np.empty(0), ours), np.array([0.0, error]), cost)
+
+    ours = [row(True, 1e-3, 1.0), row(True, 1e-9, 3.0)]
+    behind = [row(False, 1e-3, 1.0), row(False, 1e-6, 3.0), row(False, 1e-2, 2.0)]
+    before = [row(False, 1e-6, 2.0), row(False, 1e-10, 9.0), row(False, 1.0, 0.5)]
+    assert ahead([*ours, *behind, *before]) == before
+
+
+def test_what_would_take_too_long_is_not_begun():
+    run = next(c for c in registry.contenders(BRIEF) if c.family == "ours, closed form")
+    slow = Contender("slow", "", 0.0, lambda: pytest.fail("it ran"))
+    rows = measure(BRIEF, [run, slow], {("slow", ""): 1e9})
+    assert [row.contender for row in rows] == [run]
+
+
+def test_only_the_table_of_a_page_is_exchanged():
+    fast = next(c for c in registry.contenders(BRIEF) if c.family == "ours, closed form")
+    unit = Contender("unit", "", 0.0, fast.run, ours=True, unit=True)
+    rows = measure(BRIEF, [fast, unit], {})
+    first, last = (MARK.format(edge=edge, name="brief") for edge in ("begin", "end"))
+    page = f"before\n{first}\nold\n{last}\nafter\n"
+    new = replaced(page, BRIEF, rows)
+    assert new.startswith(f"before\n{first}\n\n| ")
+    assert new.endswith(f" |\n\nAhead of all of ours: nobody.\n\n{last}\nafter\n")
+    assert "old" not in new
+    assert replaced(new, BRIEF, rows) == new
+    assert all(len(line) == len(short_table(rows).splitlines()[0]) for line in short_table(rows).splitlines())
+
+
+def test_the_page_has_a_place_for_every_table():
+    page = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
+    for task in TASKS:
+        assert all(page.count(MARK.format(edge=edge, name=task.name)) == 1 for edge in ("begin", "end"))
+
+
+@pytest.mark.parametrize(("step", "text"), [(0.002, "2 ms"), (0.0005, "500 µs"), (2.0**-7, "2⁻⁷ s"), (0.1, "100 ms")])
+def test_steps_for_the_eye(step, text):
+    assert step_text(step) == text

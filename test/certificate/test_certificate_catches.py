@@ -1,0 +1,233 @@
+"""Every kind of tampering is caught by the laws it breaks, and named with its place."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, with_numbers
+
+from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+SCENARIOS = {
+    "default": {},
+    "closed form": {"motion": "closed_form", "inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9]},
+    "products": {
+        "inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9],
+        "initial_body_rate": [0.4, -1.2, 0.7],
+        "epoch_ns": 10**18,
+    },
+    "symmetric": {"inertia": [1.0, 1.0, 1.8], "initial_body_rate": [0.3, 0.5, 1.1], "rate": 37.0},
+}
+COUNT = 300
+
+
+@pytest.fixture(scope="module", params=SCENARIOS)
+def bag(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bags") / "honest.mcap"
+    simulation = Simulation(Scenario.from_parameters(SCENARIOS[request.param]))
+    encoder = BatchEncoder(simulation.segment.scenario)
+    with BagWriter(path, stamped_twist=True) as writer:
+        writer.begin_segment(simulation.segment)
+        samples = simulation.take(COUNT)
+        writer.write(encoder.encode(Taken(samples, None, None)))
+    return path
+
+
+def certificate(bag, tmp_path, change) -> Certificate:
+    return certify(read_bag(tamper(bag, tmp_path / "tampered.mcap", change)))
+
+
+def broken(found: Certificate) -> set[str]:
+    laws = [law for segment in found.segments for law in segment.laws] + list(found.whole)
+    return {law.name for law in laws if not law.holds}
+
+
+def test_the_honest_bag_and_its_faithful_copy_are_certified(bag, tmp_path):
+    for path in (bag, tamper(bag, tmp_path / "copy.mcap", lambda messages: messages)):
+        found = certify(read_bag(path))
+        assert found.passed, found.messages
+        assert found.attitude_accuracy < 1e-10
+
+
+@pytest.mark.parametrize("factor", [1 + 1e-9, 1 - 1e-9])
+@pytest.mark.parametrize("which", ["one", "all"])
+def test_scaled_rate(bag, tmp_path, factor, which):
+    change = scaled_rate(factor)
+    found = certificate(
+        bag, tmp_path, on("/twist", at(170, change) if which == "one" else lambda ms: list(map(change, ms)))
+    )
+    assert {"kinetic energy", "Euler's equations"} <= broken(found) or which == "all"
+    assert "kinetic energy" in broken(found)
+    if which == "one":
+        assert found.segments[0].law("kinetic energy").sample == 170
+        assert any("kinetic energy" in m and "sample 170" in m for m in found.messages)
+    else:
+        assert "twist is the attitude's derivative" in broken(found)
+
+
+@pytest.mark.parametrize("index", [0, 1, 170, COUNT - 1])
+def test_flipped_quaternion(bag, tmp_path, index):
+    found = certificate(bag, tmp_path, on("/pose", at(index, flipped)))
+    assert broken(found) == {"sign continuity"}
+    assert any("changes sign" in m and str(max(index, 1)) in m for m in found.messages)
+
+
+def test_all_quaternions_flipped(bag, tmp_path):
+    """The declared start has a sign, and the path goes on from there."""
+    found = certificate(bag, tmp_path, on("/pose", lambda ms: list(map(flipped, ms))))
+    assert broken(found) == {"sign continuity"}
+    assert "sample 0" in found.messages[0]
+
+
+def test_messages_logged_late(bag, tmp_path):
+    found = certificate(bag, tmp_path, on("/pose", lambda ms: [m._replace(log_time=m.log_time + 1000) for m in ms]))
+    assert broken(found) == {"log times"}
+    assert "300 messages" in found.messages[0]
+
+
+@pytest.mark.parametrize("axis", [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.01, 2.0, 0.03]])
+@pytest.mark.parametrize("index", [0, 170, COUNT - 1])
+def test_rotated_by_a_hundred_millionth(bag, tmp_path, axis, index):
+    """About any axis, also (nearly) the momentum's own, where energy and momentum are blind."""
+    found = certificate(bag, tmp_path, on("/pose", at(index, rotated(1e-8, np.array(axis)))))
+    assert "twist is the attitude's derivative" in broken(found)
+    assert found.segments[0].law("twist is the attitude's derivative").sample in (index, index + 1)
+
+
+def test_all_rotated_by_a_hundred_millionth(bag, tmp_path):
+    turn = rotated(1e-8, np.array([0.3, 0.8, -0.5]))
+    found = certificate(bag, tmp_path, on("/pose", lambda ms: list(map(turn, ms))))
+    assert "closed form" in broken(found)
+
+
+@pytest.mark.parametrize("topic", ["/pose", "/twist"])
+@pytest.mark.parametrize("index", [0, 170, COUNT - 1])
+def test_dropped_message(bag, tmp_path, topic, index):
+    found = certificate(bag, tmp_path, on(topic, lambda ms: ms[:index] + ms[index + 1 :]))
+    assert broken(found) == {"stamps"}
+    assert found.messages == (f"{topic[1:]}: gap, sample {index} is missing",)
+
+
+def test_dropped_sample_on_both_topics(bag, tmp_path):
+    drop = lambda ms: ms[:170] + ms[171:]  # noqa: E731
+    found = certificate(bag, tmp_path, lambda ms: on("/twist", drop)(on("/pose", drop)(ms)))
+    assert found.messages == ("pose: gap, sample 170 is missing; twist: gap, sample 170 is missing",)
+
+
+@pytest.mark.parametrize("topic", ["/pose", "/twist"])
+def test_duplicated_message(bag, tmp_path, topic):
+    found = certificate(bag, tmp_path, on(topic, lambda ms: [*ms[:171], *ms[170:]]))
+    assert broken(found) == {"stamps"}
+    assert found.messages == (f"{topic[1:]}: duplicate of sample 170",)
+
+
+@pytest.mark.parametrize("topic", ["/pose", "/twist"])
+def test_swapped_messages(bag, tmp_path, topic):
+    found = certificate(bag, tmp_path, on(topic, lambda ms: [*ms[:170], ms[171], ms[170], *ms[172:]]))
+    assert broken(found) == {"stamps"}
+    assert found.messages == (f"{topic[1:]}: out of order, sample 171 stands before 170",)
+
+
+@pytest.mark.parametrize("topic", ["/pose", "/twist"])
+def test_swapped_contents_under_right_stamps(bag, tmp_path, topic):
+    def swap(ms: list[Message]) -> list[Message]:
+        a, b, n = ms[170], ms[171], 56 if topic == "/pose" else 48
+        return [
+            *ms[:170],
+            a._replace(data=a.data[:-n] + b.data[-n:]),
+            b._replace(data=b.data[:-n] + a.data[-n:]),
+            *ms[172:],
+        ]
+
+    assert "twist is the attitude's derivative" in broken(certificate(bag, tmp_path, on(topic, swap)))
+
+
+def test_stamp_moved_by_a_nanosecond(bag, tmp_path):
+    def move(message: Message) -> Message:
+        nanosec = int.from_bytes(message.data[8:12], "little")
+        return message._replace(data=message.data[:8] + (nanosec + 1).to_bytes(4, "little") + message.data[12:])
+
+    found = certificate(bag, tmp_path, on("/pose", at(171, move)))
+    assert "stamps" in broken(found)
+    assert "off the grid, sample 171" in found.messages[0]
+
+
+def with_inertia(change):
+    def changed(message: Message) -> Message:
+        content = json.loads(message.data[8:-1])
+        content["inertia"][-1] = change(content["inertia"][-1])
+        return message._replace(data=encode_string(json.dumps(content)))
+
+    return on("/lie_rigid_body/scenario", at(0, changed))
+
+
+@pytest.mark.parametrize("factor", [1 - 1e-6, 0.999, 0.9])
+def test_changed_inertia(bag, tmp_path, factor):
+    found = certificate(bag, tmp_path, with_inertia(lambda value: value * factor))
+    assert {"Euler's equations", "closed form", "kinetic energy"} & broken(found)
+    assert any("Euler's equations" in m or "kinetic energy" in m for m in found.messages)
+
+
+def test_inertia_changed_into_an_impossible_one(bag, tmp_path):
+    found = certificate(bag, tmp_path, with_inertia(lambda value: value * 10))
+    assert broken(found) == {"declaration"}
+    assert "triangle inequality" in found.messages[0]
+
+
+def test_inertia_given_by_hand(bag):
+    declared = Scenario.from_parameters(SCENARIOS["default"]).inertia
+    assert declared == (1.0, 2.0, 3.0)
+    assert not certify(read_bag(bag), [1.5, 2.25, 3.0]).passed
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
+def test_impossible_numbers(bag, tmp_path, value):
+    found = certificate(bag, tmp_path, on("/pose", at(170, lambda m: with_numbers(m, 4, lambda q: q * 0 + value))))
+    assert {"unit norm", "closed form"} <= broken(found)
+    found = certificate(bag, tmp_path, on("/twist", at(170, lambda m: with_numbers(m, 3, lambda w: w * 0 + value))))
+    assert "kinetic energy" in broken(found)
+
+
+def test_quaternion_of_wrong_length(bag, tmp_path):
+    found = certificate(bag, tmp_path, on("/pose", at(170, lambda m: with_numbers(m, 4, lambda q: q * (1 + 1e-14)))))
+    assert broken(found) == {"unit norm"}
+
+
+def test_moved_body_and_foreign_frame(bag, tmp_path):
+    found = certificate(
+        bag, tmp_path, on("/pose", at(170, lambda m: with_numbers(m, 7, lambda p: np.add(p, [1, 0, 0, 0, 0, 0, 0]))))
+    )
+    assert broken(found) == {"position and linear velocity"}
+    found = certificate(
+        bag, tmp_path, on("/pose", at(170, lambda m: m._replace(data=m.data.replace(b"world", b"wurld"))))
+    )
+    assert broken(found) == {"frames"}
+
+
+def test_another_start_is_declared(bag, tmp_path):
+    """Another start is declared than the one the bag was made from: every neighbour agrees, and yet."""
+    found = certificate(bag, tmp_path, on("/lie_rigid_body/scenario", at(0, _another_start)))
+    assert "closed form" in broken(found)
+
+
+def _another_start(message: Message) -> Message:
+    content = json.loads(message.data[8:-1])
+    content["initial_body_rate"][0] += 1e-7
+    return message._replace(data=encode_string(json.dumps(content)))
+
+
+def test_missing_end_is_noticed_by_the_count_at_the_end(bag):
+    recording = read_bag(bag)
+    shorter = replace(recording, expected_samples=COUNT + 1)
+    found = certify(shorter)
+    assert broken(found) == {"sample count"}
+    assert str(COUNT + 1) in found.messages[0]

@@ -1,0 +1,290 @@
+"""Chasles: the displacement of a body is found from its points, properly, and refused when they do not tell it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+from scipy.stats import special_ortho_group
+
+from lie_rigid_body import InputError
+from lie_rigid_body.groups import chasles
+from lie_rigid_body.lie import so3
+
+DIMENSIONS = range(2, 7)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def rotation_of(n, rng):
+    return special_ortho_group.rvs(n, random_state=rng)
+
+
+def flat_points(count, n, rank, rng):
+    """Points of a subspace through a far centre, turned out of the coordinate planes."""
+    inside = np.hstack([rng.normal(size=(count, rank)), np.zeros((count, n - rank))])
+    return inside @ rotation_of(n, rng).T + rng.normal(size=n)
+
+
+def assert_proper(rotation):
+    n = len(rotation)
+    np.testing.assert_allclose(rotation.T @ rotation, np.eye(n), rtol=0, atol=1e-14)
+    assert np.linalg.det(rotation) == pytest.approx(1.0, abs=1e-13)
+
+
+@given(st.integers(2, 6), seeds)
+def test_exact_displacements_are_found(n, seed):
+    rng = np.random.default_rng(seed)
+    A, t = rotation_of(n, rng), rng.normal(size=n)
+    x = rng.normal(size=(3 * n, n))
+    found = chasles(x, x @ A.T + t)
+    assert_proper(found.rotation)
+    np.testing.assert_allclose(found.rotation, A, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.translation, t, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.apply(x), x @ A.T + t, rtol=0, atol=1e-12)
+    assert found.residual < 1e-13
+
+
+@given(st.integers(2, 6), seeds)
+def test_as_few_as_n_points_of_a_hyperplane_hold_a_proper_rotation(n, seed):
+    rng = np.random.default_rng(seed)
+    A, t = rotation_of(n, rng), rng.normal(size=n)
+    x = flat_points(n, n, n - 1, rng)
+    found = chasles(x, x @ A.T + t)
+    assert_proper(found.rotation)
+    # the smallest singular value enters squared
+    tolerance = 1e-13 / found.determinacy
+    np.testing.assert_allclose(found.rotation, A, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(found.translation, t, rtol=0, atol=10 * tolerance)
+
+
+@pytest.mark.parametrize("n", DIMENSIONS)
+def test_half_turns_of_flat_bodies_are_not_taken_for_reflections(n):
+    rng = np.random.default_rng(n)
+    x = flat_points(10, n, n - 1, rng)
+    normal = np.linalg.svd(x - x.mean(axis=0))[2][-1]
+    other = np.linalg.svd(x - x.mean(axis=0))[2][0]
+    A = np.eye(n) - 2 * np.outer(normal, normal) - 2 * np.outer(other, other)
+    found = chasles(x, x @ A.T)
+    assert_proper(found.rotation)
+    np.testing.assert_allclose(found.rotation, A, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("n", DIMENSIONS)
+def test_reflected_bodies_get_the_rotation_that_turns_back_their_thinnest_direction(n):
+    rng = np.random.default_rng(n)
+    # exact second moments diag(n², …, 4, 1): each point with its mirror images along an axis
+    x = np.vstack([np.diag(np.arange(n, 0, -1.0)), -np.diag(np.arange(n, 0, -1.0))])
+    A = rotation_of(n, rng)
+    mirror = np.eye(n)
+    mirror[0, 0] = -1.0
+    turned_back = np.eye(n)
+    turned_back[0, 0] = turned_back[-1, -1] = -1.0
+    found = chasles(x, x @ (A @ mirror).T)
+    assert_proper(found.rotation)
+    np.testing.assert_allclose(found.rotation, A @ turned_back, rtol=0, atol=1e-13)
+    # only the thinnest pair misses, by 2 each
+    assert found.residual == pytest.approx(np.sqrt(2 * 2.0**2 / len(x)), rel=1e-13)
+    assert found.determinacy == pytest.approx((4 - 1) / n**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("reflected", [False, True])
+@pytest.mark.parametrize("n", DIMENSIONS)
+def test_no_other_rotation_fits_better(n, reflected):
+    rng = np.random.default_rng(10 * n + reflected)
+    x, w = rng.normal(size=(2 * n, n)), rng.uniform(0.1, 3.0, 2 * n)
+    y = rng.normal(size=(2 * n, n)) * 0.3 + x @ rotation_of(n, rng).T
+    if reflected:
+        y[:, 0] *= -1.0
+
+    def cost(rotation, translation):
+        return float(np.sqrt(np.sum(w[:, None] * (y - x @ rotation.T - translation) ** 2) / w.sum()))
+
+    found = chasles(x, y, w)
+    best = cost(found.rotation, found.translation)
+    assert found.residual == pytest.approx(best, rel=1e-12)
+    for size in (1e-3, 1e-1, 1.0):
+        for _ in range(20):
+            bend = rng.normal(size=(n, n)) * size
+            other = np.linalg.qr(found.rotation + bend - bend.T)[0]
+            other[:, 0] *= np.sign(np.linalg.det(other))
+            assert cost(other, (w @ y - other @ (w @ x)) / w.sum()) > best
+            assert cost(found.rotation, found.translation + size * rng.normal(size=n)) > best
+
+
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+def test_a_blind_minimiser_finds_the_same(mirror):
+    rng = np.random.default_rng(3)
+    x, w = rng.normal(size=(7, 3)), rng.uniform(0.5, 2.0, 7)
+    y = x @ so3.exp([0.4, -0.9, 0.7]).T * [mirror, 1.0, 1.0] + 0.1 * rng.normal(size=(7, 3)) + [1.0, 2.0, 3.0]
+
+    def cost(q):
+        return np.sum(w[:, None] * (y - x @ so3.exp(q[:3]).T - q[3:]) ** 2)
+
+    starts = rng.normal(size=(5, 6))
+    blind = min((minimize(cost, s, tol=1e-14) for s in starts), key=lambda result: result.fun)
+    found = chasles(x, y, w)
+    np.testing.assert_allclose(found.rotation, so3.exp(blind.x[:3]), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.translation, blind.x[3:], rtol=0, atol=1e-6)
+    assert found.residual == pytest.approx(np.sqrt(blind.fun / w.sum()), rel=1e-10)
+
+
+def test_scipy_finds_the_same_rotation_in_three_dimensions():
+    rng = np.random.default_rng(5)
+    x, w = rng.normal(size=(20, 3)), rng.uniform(0.5, 2.0, 20)
+    x -= w @ x / w.sum()
+    y = x @ so3.exp([2.0, 0.3, -1.0]).T + 0.05 * rng.normal(size=(20, 3))
+    y -= w @ y / w.sum()
+    theirs = Rotation.align_vectors(y, x, weights=w)[0].as_matrix()
+    np.testing.assert_allclose(chasles(x, y, w).rotation, theirs, rtol=0, atol=1e-13)
+
+
+def angles(first, second):
+    """Rotation vectors of an early guess at small angles, one number for each plane."""
+    turn = first.T @ second
+    return ((turn - turn.T) / 2)[np.triu_indices(len(turn), 1)]
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_errors_of_noisy_data_are_those_of_least_squares(n):
+    """In the plane of principal axes i, j: standard deviation noise/√(σᵢ² + σⱼ²), by first-order error analysis."""
+    rng = np.random.default_rng(n)
+    x = rng.normal(size=(30, n)) * np.arange(1.0, n + 1)
+    x -= x.mean(axis=0)
+    _, sigma, axes = np.linalg.svd(x, full_matrices=False)
+    axes[-1] *= np.linalg.det(axes)
+    A = rotation_of(n, rng)
+    noise, runs = 1e-5, 800
+    found = [chasles(x @ axes.T, x @ A.T + noise * rng.normal(size=x.shape)) for _ in range(runs)]
+    spread = np.array([angles(A @ axes.T, one.rotation) for one in found]).std(axis=0)
+    i, j = np.triu_indices(n, 1)
+    np.testing.assert_allclose(spread, noise / np.hypot(sigma[i], sigma[j]), rtol=0.1)
+    residual = np.sqrt(np.mean([one.residual**2 for one in found]))
+    freedoms = 30 * n - n - n * (n - 1) / 2
+    assert residual == pytest.approx(noise * np.sqrt(freedoms / 30), rel=0.02)
+
+
+def test_error_is_proportional_to_the_noise():
+    rng = np.random.default_rng(0)
+    x, A = rng.normal(size=(10, 4)), rotation_of(4, rng)
+    noise = rng.normal(size=x.shape)
+    sizes = np.logspace(-10, -3, 8)
+    errors = [np.linalg.norm(chasles(x, x @ A.T + s * noise).rotation - A) for s in sizes]
+    assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_point_of_weight_two_counts_as_two_points_and_of_weight_zero_as_none():
+    rng = np.random.default_rng(8)
+    x, y = rng.normal(size=(6, 3)), rng.normal(size=(6, 3))
+    one = chasles(x, y, [2.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+    other = chasles(x[[0, 0, 1, 2, 3, 4]], y[[0, 0, 1, 2, 3, 4]])
+    np.testing.assert_allclose(one.rotation, other.rotation, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(one.translation, other.translation, rtol=0, atol=1e-13)
+    assert one.residual == pytest.approx(other.residual, rel=1e-13)
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e-9, 1e9, 1e200])
+def test_the_unit_of_length_does_not_matter(unit):
+    rng = np.random.default_rng(4)
+    x, y = rng.normal(size=(6, 3)), rng.normal(size=(6, 3))
+    one, other = chasles(x, y), chasles(unit * x, y)
+    np.testing.assert_allclose(other.rotation, one.rotation, rtol=0, atol=1e-13)
+    both = chasles(unit * x, unit * y)
+    assert both.residual == pytest.approx(unit * one.residual, rel=1e-12)
+
+
+def test_a_far_origin_costs_only_the_digits_it_takes():
+    rng = np.random.default_rng(6)
+    A = rotation_of(3, rng)
+    x = rng.normal(size=(10, 3))
+    found = chasles(x + 1e6, x @ A.T - 1e7)
+    np.testing.assert_allclose(found.rotation, A, rtol=0, atol=1e-8)
+    assert found.residual < 1e-8
+
+
+@pytest.mark.parametrize(("n", "rank"), [(n, rank) for n in DIMENSIONS for rank in range(n - 1)])
+def test_too_flat_bodies_are_refused(n, rank):
+    rng = np.random.default_rng(n)
+    x = flat_points(4 * n, n, rank, rng)
+    exact = x @ rotation_of(n, rng).T + 1.0
+    for y in (exact, exact + 0.01 * rng.normal(size=x.shape)):
+        with pytest.raises(InputError, match=f"span rank {rank} in {n} dimensions, and at least {n - 1}.*add points"):
+            chasles(x, y)
+
+
+@pytest.mark.parametrize("n", DIMENSIONS)
+def test_fewer_points_than_dimensions_are_refused(n):
+    x = np.random.default_rng(n).normal(size=(n - 1, n))
+    with pytest.raises(InputError, match=f"rank {n - 2} in {n}"):
+        chasles(x, x)
+
+
+def test_a_line_far_away_is_still_a_line():
+    line = np.outer(np.linspace(-1.0, 1.0, 10_000), [0.3, -0.5, 0.7])
+    for offset in (0.0, 1.0, 1e4, 1e8):
+        with pytest.raises(InputError, match="span rank 1"):
+            chasles(line + offset, line @ so3.exp([0.1, 0.2, 0.3]).T)
+
+
+def test_a_body_squashed_onto_a_line_tells_no_rotation():
+    x = np.random.default_rng(1).normal(size=(10, 3))
+    with pytest.raises(InputError, match="span rank 1"):
+        chasles(x, x * [1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("n", DIMENSIONS)
+def test_mirror_images_of_symmetric_bodies_are_refused(n):
+    x = np.vstack([np.eye(n), -np.eye(n)])
+    A = rotation_of(n, np.random.default_rng(n))
+    mirror = np.diag([-1.0] + [1.0] * (n - 1))
+    np.testing.assert_allclose(chasles(x, x @ A.T).rotation, A, rtol=0, atol=1e-13)
+    with pytest.raises(InputError, match=r"mirror image.*must differ: undo the reflection"):
+        chasles(x, x @ (A @ mirror).T)
+
+
+@pytest.mark.parametrize(
+    ("points", "displaced", "weights", "said"),
+    [
+        (np.eye(3), np.eye(3)[:2], None, "one row for each point"),
+        (np.eye(3)[0], np.eye(3)[0], None, r"shape \(3,\) is not \(N, n\)"),
+        (np.ones((4, 1)), np.ones((4, 1)), None, "at least 2 coordinates"),
+        (np.eye(3), np.eye(3) * np.nan, None, "displaced: nan is not finite"),
+        (np.eye(3) * 1j, np.eye(3), None, "points: complex"),
+        ("here", "there", None, "not numbers"),
+        (np.zeros((0, 3)), np.zeros((0, 3)), None, r"shape \(0, 3\)"),
+        (np.eye(3), np.eye(3), [1.0, 1.0], "2 of them for 3 points"),
+        (np.eye(3), np.eye(3), [1.0, 1.0, -0.5], "-0.5 is not allowed"),
+        (np.eye(3), np.eye(3), [0.0, 0.0, 0.0], "some above 0"),
+        (np.eye(3), np.eye(3), [1.0, 1.0, 0.0], "span rank 1"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(points, displaced, weights, said):
+    with pytest.raises(InputError, match=said) as caught:
+        chasles(points, displaced, weights)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_result_is_read_only():
+    found = chasles(np.eye(3), np.eye(3))
+    for array in (found.rotation, found.translation):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_noisy_line_determines_no_rotation(seed):
+    rng = np.random.default_rng(seed)
+    line = np.outer(rng.normal(size=9), [1.0, 2.0, 3.0])
+    once, again = (line + 1e-3 * rng.normal(size=line.shape) for _ in range(2))
+    with pytest.raises(InputError, match="may be noise alone"):
+        chasles(once, again)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_noisy_plane_determines_one(seed):
+    rng = np.random.default_rng(seed)
+    plane = rng.normal(size=(9, 3)) * [1.0, 0.1, 0.0]
+    once, again = (plane + 1e-3 * rng.normal(size=plane.shape) for _ in range(2))
+    np.testing.assert_allclose(chasles(once, again).rotation, np.eye(3), atol=0.1)

@@ -1,0 +1,246 @@
+"""What free motion conserves: each invariant stands still along Euler's equations, and none is superfluous."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from group_bodies import (
+    ROTATIONS,
+    UNITARY,
+    affine_line,
+    derivative_along,
+    diagonal_body,
+    gradient,
+    random_metric,
+    skewed_rotations,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups import (
+    SO,
+    SU,
+    Lagrangian,
+    legendre_transform,
+    manakov_integrals,
+    metric_at,
+    momentum_matrix,
+    pfaffian,
+    rotation_casimirs,
+    spatial_momentum,
+    unitary_casimirs,
+)
+
+seeds = st.integers(0, 2**32 - 1)
+dimensions = pytest.mark.parametrize("n", ROTATIONS)
+FEW = settings(max_examples=25)
+
+
+def random_second_moment(rng, n):
+    turned = SO(n).random(rng)
+    k = turned @ np.diag(rng.uniform(0.3, 2.0, n)) @ turned.T
+    return (k + k.T) / 2
+
+
+def metric_of(group, k):
+    t = group.generators
+    m = -0.5 * (np.einsum("ij,ajk,bki->ab", k, t, t) + np.einsum("ij,bjk,aki->ab", k, t, t))
+    return (m + m.T) / 2
+
+
+def casimirs_of(group):
+    casimirs = unitary_casimirs if np.iscomplexobj(group.generators) else rotation_casimirs
+    return lambda p: casimirs(momentum_matrix(group, p))
+
+
+def assert_still(invariants, p, rate):
+    """The derivative along ṗ is round-off beside the sizes of gradient and ṗ."""
+    sizes = np.linalg.norm(gradient(invariants, p), axis=0) * np.linalg.norm(rate)
+    assert np.all(np.abs(derivative_along(invariants, p, rate)) <= 1e-12 * sizes)
+
+
+def rank(gradients):
+    """The rank of gradients (d, count), each measured by its own length."""
+    sizes = np.linalg.svd(gradients / np.linalg.norm(gradients, axis=0), compute_uv=False)
+    return int(np.sum(sizes > 1e-9))
+
+
+@pytest.mark.parametrize("group", [*ROTATIONS.values(), *UNITARY.values()], ids=lambda g: g.name)
+@FEW
+@given(seed=seeds)
+def test_energy_and_casimirs_stand_still_for_any_body(group, seed):
+    rng = np.random.default_rng(seed)
+    body, p = Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=group.dimension)
+    rate = body.momentum_rate(body.rates(p))
+    assert_still(casimirs_of(group), p, rate)
+    assert_still(lambda q: legendre_transform(body).value(q)[..., np.newaxis], p, rate)
+
+
+@dimensions
+@FEW
+@given(seed=seeds)
+def test_manakovs_integrals_stand_still_for_a_body_with_second_moment(n, seed):
+    group, rng = ROTATIONS[n], np.random.default_rng(seed)
+    k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
+    body = Lagrangian(group, metric_of(group, k))
+    assert_still(lambda q: manakov_integrals(momentum_matrix(group, q), k), p, body.momentum_rate(body.rates(p)))
+
+
+@pytest.mark.parametrize("n", [4, 5, 6])
+def test_manakovs_integrals_move_for_other_metrics(n):
+    """Also with K in place of K²: the test above can fail."""
+    group, rng = ROTATIONS[n], np.random.default_rng(31)
+    k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
+    integrals = lambda q: manakov_integrals(momentum_matrix(group, q), k)  # noqa: E731
+    other = Lagrangian(group, random_metric(rng, group.dimension))
+    assert np.abs(derivative_along(integrals, p, other.momentum_rate(other.rates(p)))).max() > 1e-2
+    body = Lagrangian(group, metric_of(group, k @ k))
+    assert np.abs(derivative_along(integrals, p, body.momentum_rate(body.rates(p)))).max() > 1e-2
+
+
+@dimensions
+def test_manakovs_integrals_count_half_of_dimension_and_rank(n):
+    """As many as Liouville's theorem asks for, and the energy and the Casimirs are functions of them."""
+    group, rng = ROTATIONS[n], np.random.default_rng(32)
+    k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
+    manakov = gradient(lambda q: manakov_integrals(momentum_matrix(group, q), k), p)
+    body = legendre_transform(Lagrangian(group, metric_of(group, k)))
+    energy = gradient(lambda q: body.value(q)[..., np.newaxis], p)
+    casimirs = gradient(casimirs_of(group), p)
+    assert manakov.shape[1] == n * n // 4 == (group.dimension + n // 2) // 2
+    assert rank(manakov) == n * n // 4
+    assert rank(np.hstack([manakov, energy, casimirs])) == n * n // 4
+    assert rank(np.hstack([manakov, rng.normal(size=(group.dimension, 1))])) == n * n // 4 + 1
+
+
+@dimensions
+def test_manakovs_integrals_commute(n):
+    """They are in involution under the Lie–Poisson bracket: with their number, Liouville integrability."""
+    group, rng = ROTATIONS[n], np.random.default_rng(33)
+    k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
+    slopes = gradient(lambda q: manakov_integrals(momentum_matrix(group, q), k), p)
+    slopes /= np.linalg.norm(slopes, axis=0)
+    brackets = np.einsum("abc,c,ax,by->xy", group.structure_constants, p, slopes, slopes)
+    np.testing.assert_allclose(brackets, 0.0, atol=1e-11 * np.linalg.norm(p))
+
+
+@dimensions
+def test_manakovs_integrals_are_the_coefficients_of_the_polynomials(n):
+    rng = np.random.default_rng(34)
+    k, p = random_second_moment(rng, n), momentum_matrix(ROTATIONS[n], rng.normal(size=ROTATIONS[n].dimension))
+    found, row = manakov_integrals(p, k), 0
+    for power in range(2, n + 1):
+        orders = range(2, power + 1, 2)
+        for parameter in (0.0, 0.5, -1.3):
+            whole = np.trace(np.linalg.matrix_power(p + parameter * k @ k, power))
+            without = parameter**power * np.trace(np.linalg.matrix_power(k @ k, power))
+            terms = sum(found[row + i] * parameter ** (power - m) for i, m in enumerate(orders))
+            assert terms == pytest.approx(whole - without, rel=1e-11, abs=1e-11)
+        row += len(orders)
+    assert row == len(found)
+
+
+def test_manakovs_integrals_of_a_top_are_its_momentum_and_energy():
+    """n = 3: tr P² = −2|p|², and tr(P²K²) is a combination of |p|² and the energy."""
+    rng = np.random.default_rng(35)
+    k = np.array([0.4, 0.7, 1.1])
+    body = legendre_transform(Lagrangian(SO(3), diagonal_body(SO(3), k)))
+    p = rng.normal(size=(10, 3))
+    found = manakov_integrals(momentum_matrix(SO(3), p), np.diag(k))
+    square = np.sum(p**2, axis=-1)
+    np.testing.assert_allclose(found[:, 0], -2.0 * square, rtol=1e-14)
+    # the second is −3 Σ (kᵢ² + kⱼ²) pₗ², and kᵢ² + kⱼ² = s² − q − (sq − r)/(kᵢ + kⱼ) in the symmetric functions s, q, r
+    s, q, r = k.sum(), k[0] * k[1] + k[1] * k[2] + k[2] * k[0], k.prod()
+    expected = -3.0 * ((s * s - q) * square - 2.0 * (s * q - r) * body.value(p))
+    np.testing.assert_allclose(found[:, 1], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("group", "count"), [(SO(3), 1), (SO(4), 2), (SO(5), 2), (SO(6), 3), (SU(2), 1), (SU(3), 2)])
+def test_the_casimirs_are_as_many_as_the_rank(group, count):
+    p = np.random.default_rng(36).normal(size=group.dimension)
+    slopes = gradient(casimirs_of(group), p)
+    assert slopes.shape == (group.dimension, count)
+    assert rank(slopes) == count
+    if not np.iscomplexobj(group.generators):
+        n = group.size
+        powers = lambda q: np.stack(  # noqa: E731
+            [np.trace(np.linalg.matrix_power(momentum_matrix(group, q), k), axis1=-2, axis2=-1) for k in (2, 4, 6)], -1
+        )
+        assert rank(np.hstack([slopes, gradient(powers, p)[:, : n // 2]])) == count
+
+
+@dimensions
+def test_casimirs_of_rotations_are_what_they_are_called(n):
+    group, rng = ROTATIONS[n], np.random.default_rng(37)
+    p = momentum_matrix(group, rng.normal(size=(4, group.dimension)))
+    expected = [np.trace(np.linalg.matrix_power(p, k), axis1=-2, axis2=-1) for k in range(2, n, 2)]
+    if n % 2 == 0:
+        expected.append(pfaffian(p))
+    np.testing.assert_allclose(rotation_casimirs(p), np.stack(expected, axis=-1), rtol=1e-13)
+
+
+def test_casimirs_of_su3_are_those_of_the_eigenvalues():
+    group = SU(3)
+    p = momentum_matrix(group, np.random.default_rng(38).normal(size=8))
+    eigenvalues = np.linalg.eigvalsh(-1j * p)
+    np.testing.assert_allclose(unitary_casimirs(p), [np.sum(eigenvalues**2), np.sum(eigenvalues**3)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("group", [*ROTATIONS.values(), *UNITARY.values(), skewed_rotations()], ids=lambda g: g.name)
+def test_eulers_equations_are_a_commutator(group):
+    """Ṗ = [P, Ω] for any body, and the spatial momentum matrix is A P A⁻¹."""
+    rng = np.random.default_rng(39)
+    body, w = Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=group.dimension)
+    p, big_w = body.momenta(w), group.hat(w)
+    big_p = momentum_matrix(group, p)
+    np.testing.assert_allclose(momentum_matrix(group, body.momentum_rate(w)), big_p @ big_w - big_w @ big_p, atol=1e-13)
+    a = group.random(rng)
+    there = momentum_matrix(group, spatial_momentum(group, a, p))
+    np.testing.assert_allclose(there, a @ big_p @ group.inverse(a), atol=1e-13)
+
+
+@dimensions
+def test_the_momentum_matrix_of_a_body_is_k_omega_plus_omega_k(n):
+    group, rng = ROTATIONS[n], np.random.default_rng(40)
+    k, w = random_second_moment(rng, n), rng.normal(size=group.dimension)
+    omega = group.hat(w)
+    found = momentum_matrix(group, Lagrangian(group, metric_of(group, k)).momenta(w))
+    np.testing.assert_allclose(found, k @ omega + omega @ k, atol=1e-14 * 10)
+
+
+def test_wrong_shapes_are_refused():
+    with pytest.raises(InputError, match=r"given \(3, 3\) and \(4, 4\)"):
+        manakov_integrals(np.zeros((3, 3)), np.eye(4))
+    for function in (rotation_casimirs, unitary_casimirs):
+        with pytest.raises(InputError, match="Casimirs need P"):
+            function(np.zeros((0, 0)))
+
+
+@pytest.mark.parametrize("group", [SO(3), SU(2)], ids=lambda g: g.name)
+@pytest.mark.parametrize(("factor", "said"), [(2.0, r"off S.\(\d\) \(limit 1e-09\)"), (np.nan, "inf off")])
+def test_no_spatial_momentum_and_no_metric_off_the_group(group, factor, said):
+    with pytest.raises(InputError, match=said):
+        spatial_momentum(group, factor * group.identity, np.ones(3))
+    with pytest.raises(InputError, match=said):
+        metric_at(Lagrangian(group, np.eye(3)), factor * group.identity)
+
+
+def test_a_group_without_invariant_metric_has_no_momentum_matrix():
+    with pytest.raises(InputError, match=r"trace metric of .* is not invariant"):
+        momentum_matrix(affine_line(), np.ones(2))
+
+
+@pytest.mark.parametrize(
+    ("momentum", "second_moment", "said"),
+    [
+        (np.zeros((3, 3)), np.diag([1.0, 1.0, -1.0]), "second moment"),
+        (np.zeros((3, 3)), [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "symmetric"),
+        (np.zeros((3, 3)), np.full((3, 3), np.nan), "not finite"),
+        (np.eye(3), np.eye(3), "antisymmetric"),
+        (1j * np.zeros((3, 3)), np.eye(3), "complex"),
+    ],
+)
+def test_no_integrals_of_what_is_no_body(momentum, second_moment, said):
+    with pytest.raises(InputError, match=said):
+        manakov_integrals(momentum, second_moment)

@@ -1,0 +1,152 @@
+"""The Lagrangian on a group: Euler's equations for n = 3, the paper's form for compact groups, conservation for all."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from group_bodies import COMPACT, GROUPS, diagonal_body, random_metric
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups import SO, Lagrangian, metric_at, require_metric, spatial_momentum
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_case(group, seed):
+    rng = np.random.default_rng(seed)
+    return Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=(5, group.dimension))
+
+
+@given(seeds)
+def test_on_so3_they_are_eulers_equations(seed):
+    body, w = random_case(SO(3), seed)
+    torque = np.cross(w @ body.metric, w)
+    np.testing.assert_allclose(body.momentum_rate(w), torque, rtol=0, atol=1e-13 * np.abs(w).max() ** 2)
+    np.testing.assert_allclose(
+        body.acceleration(w), np.linalg.solve(body.metric, torque.T).T, rtol=0, atol=1e-12 * np.abs(w).max() ** 2
+    )
+
+
+@pytest.mark.parametrize("name", COMPACT)
+def test_for_compact_groups_they_are_the_papers_equations(name):
+    body, w = random_case(COMPACT[name], 1)
+    f = body.group.structure_constants
+    paper = np.einsum("adc,db,nb,nc->na", f, body.metric, w, w)
+    np.testing.assert_allclose(
+        body.acceleration(w) @ body.metric, paper, rtol=0, atol=1e-13 * (1 + np.abs(paper).max())
+    )
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_momentum_pairs_with_the_bracket(name):
+    """ṗ is defined by ⟨ṗ, η⟩ = ⟨p, [ω, η]⟩, the bracket being that of the matrices."""
+    group = GROUPS[name]
+    body, w = random_case(group, 2)
+    p, rate = body.momenta(w), body.momentum_rate(w)
+    for eta, component in zip(np.eye(group.dimension), rate.T, strict=True):
+        x, y = group.hat(w), group.hat(eta)
+        bracket = group.vee(x @ y - y @ x)
+        np.testing.assert_allclose(
+            component, np.sum(p * bracket, axis=-1), rtol=0, atol=1e-12 * (1 + np.abs(rate).max())
+        )
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_spatial_momentum_and_energy_stand_still(name):
+    """Along A exp(t hat ω) with p + tṗ the spatial momentum changes in third order only, the energy not at all."""
+    group = GROUPS[name]
+    body, w = random_case(group, 3)
+    a, h = group.random(np.random.default_rng(3)), 1e-3
+    p, rate = body.momenta(w), body.momentum_rate(w)
+    before, after = (spatial_momentum(group, a @ group.exp(t * w), p + t * rate) for t in (-h, h))
+    scale = 1 + np.abs(after).max()
+    change = np.abs(after - before).max() / scale
+    halved = spatial_momentum(group, a @ group.exp(0.5 * h * w), p + 0.5 * h * rate) - spatial_momentum(
+        group, a @ group.exp(-0.5 * h * w), p - 0.5 * h * rate
+    )
+    # odd in t, so that what is left is of third order: halving the time divides it by eight
+    assert np.abs(halved).max() / scale <= change / 7.9 + 1e-13
+    assert change < 1e3 * h**3
+    np.testing.assert_allclose(np.sum(w * rate, axis=-1), 0.0, atol=1e-12 * (1 + np.abs(rate).max()))
+
+
+@pytest.mark.parametrize("name", COMPACT)
+def test_a_metric_proportional_to_the_unit_has_geodesics_of_constant_rate(name):
+    body = Lagrangian(COMPACT[name], 2.5 * np.eye(COMPACT[name].dimension))
+    w = np.random.default_rng(4).normal(size=(20, body.group.dimension))
+    np.testing.assert_allclose(body.acceleration(w), 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_batches_are_their_rows(name):
+    body, w = random_case(GROUPS[name], 5)
+    w = w[:4].reshape(2, 2, -1)
+    for function in (body.value, body.momenta, body.rates, body.chart_force, body.momentum_rate, body.acceleration):
+        rows = np.array([[function(v) for v in pair] for pair in w])
+        np.testing.assert_allclose(function(w), rows, rtol=1e-13, atol=1e-14)
+
+
+def test_the_metric_in_space_keeps_energy_and_turns_momentum():
+    body, w = random_case(SO(4), 6)
+    group = body.group
+    a = group.random(np.random.default_rng(6))
+    there = Lagrangian(group, metric_at(body, a))
+    in_space = w @ group.Ad(a).T
+    np.testing.assert_allclose(there.value(in_space), body.value(w), rtol=1e-13)
+    np.testing.assert_allclose(there.momenta(in_space), spatial_momentum(group, a, body.momenta(w)), atol=1e-13)
+    # the momentum of the space frame stands still; what M(A₀) gives is that of the frame frozen at A₀, turned
+    np.testing.assert_allclose(
+        there.momentum_rate(in_space), spatial_momentum(group, a, body.momentum_rate(w)), atol=1e-12
+    )
+
+
+def test_the_metric_in_space_is_the_second_moment_turned():
+    group, k = SO(5), np.array([1.0, 2.0, 0.5, 3.0, 4.0])
+    a = group.random(np.random.default_rng(7))
+    turned, t = a @ np.diag(k) @ a.T, group.generators
+    expected = -0.5 * np.einsum("ij,ajk,bki->ab", turned, t, t) - 0.5 * np.einsum("ij,bjk,aki->ab", turned, t, t)
+    np.testing.assert_allclose(metric_at(Lagrangian(group, diagonal_body(group, k)), a), expected, atol=1e-14 * 8)
+
+
+@pytest.mark.parametrize(
+    ("metric", "said"),
+    [
+        (np.eye(2), r"shape \(2, 2\), the group needs \(3, 3\): give"),
+        (np.ones(3), r"shape \(3,\)"),
+        ("heavy", "not an array of real numbers: give 3 rows"),
+        (np.diag([1.0, np.nan, 1.0]), "not finite, it has nan"),
+        ([[1.0, 0.5, 0.0], [0.4, 1.0, 0.0], [0.0, 0.0, 1.0]], r"not symmetric: M\[0,1\] = 0.5 but M\[1,0\] = 0.4"),
+        (np.diag([1.0, 0.0, 1.0]), "smallest eigenvalue is 0 where the largest is 1"),
+        (np.diag([1.0, -1.0, 2.0]), "smallest eigenvalue is -1 where the largest is 2"),
+        (np.zeros((3, 3)), "not positive definite"),
+        (np.diag([1.0, 1.0, 1e-16]), "not positive definite"),
+    ],
+)
+def test_what_is_no_metric_is_refused(metric, said):
+    with pytest.raises(InputError, match=said) as error:
+        require_metric(metric, 3)
+    assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match=said):
+        Lagrangian(SO(3), metric)
+
+
+def test_a_metric_symmetric_to_round_off_is_averaged_and_others_are_kept_to_the_bit():
+    m = random_metric(np.random.default_rng(8), 3)
+    kept = require_metric(m, 3)
+    np.testing.assert_array_equal(kept, m)
+    assert kept is not m
+    m[0, 1] += 4e-16
+    averaged = require_metric(m, 3)
+    np.testing.assert_array_equal(averaged, averaged.T)
+
+
+def test_rates_of_the_wrong_length_are_refused():
+    with pytest.raises(InputError, match=r"rates on .* need shape \(\.\.\., 6\), given \(3,\)"):
+        Lagrangian(SO(4), np.eye(6)).acceleration(np.ones(3))
+
+
+def test_the_metric_of_a_lagrangian_cannot_be_written():
+    with pytest.raises(ValueError, match="read-only"):
+        Lagrangian(SO(3), np.eye(3)).metric[0, 0] = 2.0

@@ -1,0 +1,96 @@
+"""The inertia on the rotation group of n dimensions: the kinetic energy of points, and the formula of the paper."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from lie_rigid_body import InputError
+from lie_rigid_body.groups import mass_matrix
+from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics import moments_of_points, rotated_second_moment
+from random_masses import dimensions, plane_generators, random_points, rotation_of, seeds
+
+UNIT = np.eye(3)
+
+
+@given(dimensions, seeds)
+def test_kinetic_energy_is_that_of_the_points(n, seed):
+    """½ Σ m |ẋ|² with ẋ = A Ω y in body components, and with ẋ = Ω A y in world components."""
+    rng = np.random.default_rng(seed)
+    y, m = random_points(n, rng)
+    T, A = plane_generators(n), rotation_of(n, rng)
+    rate = rng.normal(size=len(T))
+    turn = np.tensordot(rate, T, 1)
+    K = moments_of_points(y, m).second_moment
+    for velocities, M in (
+        ([A @ turn @ point for point in y], mass_matrix(K, T)),
+        ([turn @ A @ point for point in y], mass_matrix(K, T, A)),
+    ):
+        energy = sum(0.5 * a * v @ v for a, v in zip(m, velocities, strict=True))
+        assert 0.5 * rate @ M @ rate == pytest.approx(energy, rel=1e-11)
+        np.testing.assert_array_equal(M, M.T)
+
+
+@given(dimensions, seeds)
+def test_the_formula_of_the_paper_entry_by_entry(n, seed):
+    rng = np.random.default_rng(seed)
+    K, A = moments_of_points(*random_points(n, rng)).second_moment, rotation_of(n, rng)
+    change = rng.normal(size=(n * (n - 1) // 2,) * 2)
+    T = np.tensordot(change, plane_generators(n), 1)
+    turned = A @ K @ A.T
+    expected = [[-0.5 * np.trace(turned @ (a @ b + b @ a)) for b in T] for a in T]
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(mass_matrix(K, T, A), expected, rtol=0, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize("n", range(2, 7))
+def test_diagonal_second_moments_give_sums_of_pairs(n):
+    k = np.random.default_rng(n).uniform(0.1, 2.0, n)
+    expected = np.diag([k[i] + k[j] for i, j in combinations(range(n), 2)])
+    np.testing.assert_allclose(mass_matrix(np.diag(k), plane_generators(n)), expected, rtol=1e-15, atol=0)
+
+
+def test_attitudes_are_batched():
+    rng = np.random.default_rng(1)
+    K, T = moments_of_points(*random_points(4, rng)).second_moment, plane_generators(4)
+    attitudes = rotation_of(4, rng)[None, None] @ np.stack([rotation_of(4, rng) for _ in range(6)]).reshape(2, 3, 4, 4)
+    M, turned = mass_matrix(K, T, attitudes), rotated_second_moment(K, attitudes)
+    assert M.shape == (2, 3, 6, 6)
+    assert turned.shape == (2, 3, 4, 4)
+    for index in np.ndindex(2, 3):
+        np.testing.assert_allclose(M[index], mass_matrix(K, T, attitudes[index]), rtol=0, atol=1e-13 * M.max())
+        np.testing.assert_allclose(
+            turned[index], rotated_second_moment(K, attitudes[index]), rtol=0, atol=1e-13 * np.trace(K)
+        )
+
+
+def test_definite_unless_a_whole_plane_is_empty():
+    T = plane_generators(5)
+    assert np.linalg.eigvalsh(mass_matrix(np.diag([1.0, 2.0, 3.0, 4.0, 0.0]), T))[0] == pytest.approx(1.0)
+    assert np.linalg.eigvalsh(mass_matrix(np.diag([1.0, 2.0, 3.0, 0.0, 0.0]), T))[0] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (
+            lambda: mass_matrix(np.diag([1, 1, -1e-9]), so3.hat(UNIT)),
+            "smallest eigenvalue -1e-09 is below 0 by more than round-off",
+        ),
+        (lambda: mass_matrix([[1, 0.1], [0, 1]], plane_generators(2)), "differ by 0.1, more than round-off"),
+        (lambda: mass_matrix([[1, 1e-9], [0, 1]], plane_generators(2)), "differ by 1e-09, more than round-off"),
+        (lambda: mass_matrix(np.ones((2, 3)), plane_generators(2)), "is not square"),
+        (lambda: mass_matrix(UNIT, plane_generators(4)), "does not go with a 3×3"),
+        (lambda: mass_matrix(UNIT, np.stack([UNIT])), "number 0 plus its transpose has an entry of 2"),
+        (lambda: mass_matrix(UNIT, 1j * so3.hat(UNIT)), "generators: complex"),
+        (lambda: mass_matrix(UNIT, so3.hat(UNIT), np.eye(4)), "rotation: shape"),
+    ],
+)
+def test_impossible_inertias_are_refused_in_one_line(build, said):
+    with pytest.raises(InputError, match=said) as caught:
+        build()
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,135 @@
+"""Sensor messages: the same bytes as rclpy's where it is installed, and what other libraries read in them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mcap.records import Schema
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder
+from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, definition
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+FRAMES = ["w", "ab", "imu", "imu_", "imu_l", "imu_li", "imu_lin", "imu_link", "å", "körper", "刚体"]
+STAMPS = np.array([0, 1, 999_999_999, 10**9, (2**31 - 1) * 10**9 + 999_999_999])
+RATES = np.array([[0.01, 1, 0.01], [-0.0, 5e-324, 1e308], [1 / 3, -2 / 3, 0.1], [0, 0, -0.0], [1e-9, 1e9, np.pi]])
+FORCES = RATES[::-1] * [1.0, -0.5, 1.5]
+FIELDS = RATES[[2, 0, 4, 1, 3]] * 1e-5
+DIAGONAL = [0, 4, 8]
+
+
+def imu_messages(frame: str = "imu_link") -> list[bytes]:
+    return ImuEncoder(frame, 0.1, 1 / 3).encode(STAMPS, RATES, FORCES)
+
+
+def field_messages(frame: str = "imu_link") -> list[bytes]:
+    return MagneticFieldEncoder(frame, 1e-16).encode(STAMPS, FIELDS)
+
+
+def decode_by_schema(message_type: str, payload: bytes) -> SimpleNamespace:
+    schema = Schema(1, definition(message_type).encode(), "ros2msg", message_type)
+    decode = DecoderFactory().decoder_for("cdr", schema)
+    assert decode is not None
+    return decode(payload)
+
+
+def decode_by_rosbags(message_type: str, payload: bytes) -> SimpleNamespace:
+    return STORE.deserialize_cdr(payload, message_type)
+
+
+DECODERS = pytest.mark.parametrize("decode", [decode_by_schema, decode_by_rosbags])
+
+
+def xyz(vector: SimpleNamespace) -> list[float]:
+    return [vector.x, vector.y, vector.z]
+
+
+def require_header(message: SimpleNamespace, k: int, frame: str) -> None:
+    assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == STAMPS[k]
+    assert message.header.frame_id == frame
+
+
+def diagonal(variance: float) -> list[float]:
+    return (np.eye(3) * variance).ravel().tolist()
+
+
+@DECODERS
+@pytest.mark.parametrize("frame", FRAMES)
+def test_others_read_the_imu(decode: object, frame: str) -> None:
+    for k, payload in enumerate(imu_messages(frame)):
+        message = decode(IMU, payload)  # type: ignore[operator]
+        require_header(message, k, frame)
+        assert (xyz(message.orientation), message.orientation.w) == ([0.0, 0.0, 0.0], 1.0)
+        assert list(message.orientation_covariance) == [-1.0, *[0.0] * 8]
+        assert xyz(message.angular_velocity) == RATES[k].tolist()
+        assert list(message.angular_velocity_covariance) == diagonal(0.1)
+        assert xyz(message.linear_acceleration) == FORCES[k].tolist()
+        assert list(message.linear_acceleration_covariance) == diagonal(1 / 3)
+
+
+@DECODERS
+@pytest.mark.parametrize("frame", FRAMES)
+def test_others_read_the_magnetic_field(decode: object, frame: str) -> None:
+    for k, payload in enumerate(field_messages(frame)):
+        message = decode(MAGNETIC_FIELD, payload)  # type: ignore[operator]
+        require_header(message, k, frame)
+        assert xyz(message.magnetic_field) == FIELDS[k].tolist()
+        assert list(message.magnetic_field_covariance) == diagonal(1e-16)
+
+
+def test_covariances_are_unknown_unless_given() -> None:
+    imu = decode_by_schema(IMU, ImuEncoder("imu_link").encode(STAMPS, RATES, FORCES)[0])
+    field = decode_by_schema(MAGNETIC_FIELD, MagneticFieldEncoder("imu_link").encode(STAMPS, FIELDS)[0])
+    assert list(imu.orientation_covariance) == [-1.0, *[0.0] * 8]
+    for covariance in (
+        imu.angular_velocity_covariance,
+        imu.linear_acceleration_covariance,
+        field.magnetic_field_covariance,
+    ):
+        assert list(covariance) == [0.0] * 9
+
+
+@pytest.mark.parametrize("message_type", [IMU, MAGNETIC_FIELD])
+def test_definitions_are_those_of_jazzy(message_type: str) -> None:
+    for name, fields in get_types_from_msg(definition(message_type), message_type).items():
+        assert fields[1] == STORE.fielddefs[name][1], name
+
+
+def test_batches_of_any_size_give_the_same_bytes() -> None:
+    imu, field = ImuEncoder("imu_link", 0.1, 1 / 3), MagneticFieldEncoder("imu_link", 1e-16)
+    one_by_one = [slice(k, k + 1) for k in range(len(STAMPS))]
+    assert [imu.encode(STAMPS[k], RATES[k], FORCES[k])[0] for k in one_by_one] == imu_messages()
+    assert [field.encode(STAMPS[k], FIELDS[k])[0] for k in one_by_one] == field_messages()
+    assert imu.encode(STAMPS[:0], RATES[:0], FORCES[:0]) == []
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize("frame", FRAMES)
+def test_bytes_equal_rclpy_serialisation(frame: str) -> None:
+    from rclpy.serialization import deserialize_message, serialize_message
+    from sensor_msgs.msg import Imu, MagneticField
+    from test_cdr import without_padding
+
+    for k, (imu_bytes, field_bytes) in enumerate(zip(imu_messages(frame), field_messages(frame), strict=True)):
+        imu, field = Imu(), MagneticField()
+        for message in (imu, field):
+            message.header.frame_id = frame
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(STAMPS[k].item(), 10**9)
+        imu.orientation_covariance[0] = -1.0
+        imu.angular_velocity_covariance[DIAGONAL] = 0.1
+        imu.linear_acceleration_covariance[DIAGONAL] = 1 / 3
+        field.magnetic_field_covariance[DIAGONAL] = 1e-16
+        for vector, values in (
+            (imu.angular_velocity, RATES),
+            (imu.linear_acceleration, FORCES),
+            (field.magnetic_field, FIELDS),
+        ):
+            vector.x, vector.y, vector.z = values[k].tolist()
+        assert without_padding(imu_bytes, frame) == without_padding(serialize_message(imu), frame)
+        assert without_padding(field_bytes, frame) == without_padding(serialize_message(field), frame)
+        assert deserialize_message(imu_bytes, Imu) == imu
+        assert deserialize_message(field_bytes, MagneticField) == field

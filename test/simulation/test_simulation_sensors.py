@@ -1,0 +1,203 @@
+"""Sensors beside the truth: it does not feel them, and each of their stamps comes once, with what was true then."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+
+from lie_rigid_body import ClosedForm
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, BatchEncoder
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+EPOCH = 1_234_567_890_123_456_789
+NS = 1_000_000_000
+BODY = {"inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9], "initial_body_rate": [0.7, -1.3, 0.4]}
+NOISY = {"gyro_noise_density": 1e-3, "gyro_bias_random_walk": 1e-4, "magnetometer_noise_density": 1e-8}
+RATES = {"rate": 59.94, "imu_rate": 333.3, "magnetometer_rate": 7.0}
+ORDER = [POSE, TWIST, IMU_DATA, IMU_BIAS, MAG]
+
+Message = tuple[int, str, bytes]
+
+
+def scenario(**given: object) -> Scenario:
+    return Scenario.from_parameters({"motion": "closed_form", **BODY, **given})
+
+
+def definition(rate: float, first_ns: int, until_ns: int) -> list[int]:
+    """The stamps of the definition, from one to another."""
+    period, stamps, k = NS / Fraction(repr(rate)), [], 0
+    while EPOCH + round(k * period) <= until_ns:
+        stamps.append(EPOCH + round(k * period))
+        k += 1
+    return [stamp for stamp in stamps if stamp >= first_ns]
+
+
+def messages(simulation: Simulation, taken: Taken) -> list[Message]:
+    return list(BatchEncoder(simulation.segment.scenario).encode(taken).in_order())
+
+
+class Stamps:
+    """The stamps that came out of a simulation."""
+
+    def __init__(self) -> None:
+        self.truth: list[int] = []
+        self.imu: list[int] = []
+        self.field: list[int] = []
+
+    def add(self, taken: Taken) -> None:
+        assert taken.imu is not None
+        assert taken.magnetometer is not None
+        self.truth += taken.samples.stamps_ns.tolist()
+        self.imu += taken.imu.stamps_ns.tolist()
+        self.field += taken.magnetometer.stamps_ns.tolist()
+
+
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_the_truth_does_not_feel_the_sensors(motion: str) -> None:
+    alone = Simulation(scenario(motion=motion, rate=59.94))
+    beside = Simulation(scenario(motion=motion, **RATES, **NOISY))
+    for until in (3 * 10**8, 10**9, 3 * 10**9):
+        one, other = (simulation.take_until(until, 10**6).samples for simulation in (alone, beside))
+        assert one.stamps_ns.tobytes() == other.stamps_ns.tobytes()
+        assert one.states.attitude_xyzw.tobytes() == other.states.attitude_xyzw.tobytes()
+        assert one.states.body_rate.tobytes() == other.states.body_rate.tobytes()
+
+
+@pytest.mark.parametrize("rate", [3.0, 7.0, 29.97, 333.3, 999.9, 1024.0, 48000.0])
+def test_stamps_of_a_sensor_are_those_of_the_definition(rate: float) -> None:
+    simulation, seen = Simulation(scenario(imu_rate=rate, magnetometer_rate=rate), EPOCH), Stamps()
+    until = EPOCH + round(200 * NS / rate)
+    while simulation.next_stamp_ns <= until:
+        seen.add(simulation.take_until(until, 17))
+    assert seen.imu == seen.field == definition(rate, EPOCH, until)
+
+
+@given(st.lists(st.tuples(st.integers(0, 40_000_000), st.booleans()), max_size=30))
+def test_each_stamp_comes_once_whatever_the_resets(events: list[tuple[int, bool]]) -> None:
+    """Resets at once one after the other, and between the samples of the truth, among them."""
+    simulation, seen, now = Simulation(scenario(**RATES), EPOCH), Stamps(), EPOCH
+    for later, with_reset in [*events, (0, False)]:
+        now += later
+        if with_reset:
+            simulation.reset(scenario(**RATES, initial_body_rate=[0.0, 1.0, later * 1e-9]))
+        while simulation.next_stamp_ns <= now:
+            seen.add(simulation.take_until(now, 5))
+    assert seen.truth == definition(59.94, EPOCH, now)
+    assert seen.imu == definition(333.3, EPOCH, now)
+    assert seen.field == definition(7.0, EPOCH, now)
+
+
+@pytest.mark.parametrize("at_ns", [0, 1, 10_000_000, 16_683_350, 123_456_789])
+def test_another_rate_leaves_no_gap_and_no_overlap(at_ns: int) -> None:
+    simulation, seen = Simulation(scenario(**RATES), EPOCH), Stamps()
+    seen.add(simulation.take_until(EPOCH + at_ns, 10**6))
+    segment = simulation.reset(scenario(rate=100.0, imu_rate=250.0, magnetometer_rate=30.0))
+    start = segment.start_ns
+    assert (start, segment.first_sample) == (definition(59.94, EPOCH + at_ns + 1, EPOCH + NS)[0], 0)
+    seen.add(simulation.take_until(start + NS // 10, 10**6))
+    for stamps, before, after in ((seen.truth, 59.94, 100.0), (seen.imu, 333.3, 250.0), (seen.field, 7.0, 30.0)):
+        old = definition(before, EPOCH, start - 1)
+        assert stamps[: len(old)] == old
+        assert stamps[len(old) :] == [start + round(k * NS / after) for k in range(int(0.1 * after) + 1)]
+
+
+def test_sensors_feel_a_reset_from_its_stamp_on() -> None:
+    """What they read before is of the motion before, also if it is taken after."""
+    simulation = Simulation(scenario(rate=10.0, imu_rate=100.0), EPOCH)
+    simulation.take_until(EPOCH + 20_000_000, 100)
+    segment = simulation.reset(scenario(rate=10.0, imu_rate=100.0, initial_body_rate=[0.0, 0.0, 2.0]))
+    imu = simulation.take_until(segment.start_ns + 200_000_000, 100).imu
+    assert imu is not None
+    old, new = (ClosedForm(s.body(), s.start()) for s in (scenario(), segment.scenario))
+    before = imu.stamps_ns < segment.start_ns
+    assert before.sum() == 7
+    for part, motion, start in ((before, old, EPOCH), (~before, new, segment.start_ns)):
+        true = motion.at(imu.stamps_ns[part] - start).body_rate
+        np.testing.assert_allclose(imu.readings.angular_velocity[part], true, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_readings_are_of_the_state_at_their_stamps(motion: str) -> None:
+    given = {"accelerometer_mode": "pivot_gravity", "gravity": 9.81, "magnetic_field": [1e-6, 2e-5, -4e-5]}
+    simulation = Simulation(scenario(motion=motion, **RATES, **given), EPOCH)
+    taken = simulation.take_until(EPOCH + 2 * NS, 10**6)
+    assert taken.imu is not None
+    assert taken.magnetometer is not None
+    truth = ClosedForm(simulation.segment.scenario.body(), simulation.segment.scenario.start())
+    at_imu, at_field = (truth.at(track.stamps_ns - EPOCH) for track in (taken.imu, taken.magnetometer))
+    np.testing.assert_allclose(taken.imu.readings.angular_velocity, at_imu.body_rate, rtol=0, atol=1e-9)
+    up = np.einsum("nji,j->ni", matrices(at_imu.attitude_xyzw), [0.0, 0.0, 9.81])
+    np.testing.assert_allclose(taken.imu.readings.linear_acceleration, up, rtol=0, atol=1e-7)
+    field = np.einsum("nji,j->ni", matrices(at_field.attitude_xyzw), given["magnetic_field"])
+    np.testing.assert_allclose(taken.magnetometer.magnetic_field, field, rtol=0, atol=1e-13)
+
+
+def matrices(attitude_xyzw: np.ndarray) -> np.ndarray:
+    """World from body, by SciPy."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(attitude_xyzw).as_matrix()
+
+
+@pytest.fixture(scope="module")
+def at_once() -> list[Message]:
+    simulation = Simulation(scenario(**RATES, **NOISY), EPOCH)
+    return messages(simulation, simulation.take_until(EPOCH + 2 * NS, 10**6))
+
+
+@given(st.lists(st.tuples(st.integers(0, 400_000_000), st.integers(1, 60)), max_size=15))
+@settings(max_examples=40)
+def test_how_it_is_cut_makes_no_difference(at_once: list[Message], cuts: list[tuple[int, int]]) -> None:
+    simulation, parts, now = Simulation(scenario(**RATES, **NOISY), EPOCH), [], EPOCH
+    for later, at_most in [*cuts, (2 * NS, 1000)]:
+        now = min(now + later, EPOCH + 2 * NS)
+        parts += messages(simulation, simulation.take_until(now, at_most))
+    while simulation.next_stamp_ns <= EPOCH + 2 * NS:
+        parts += messages(simulation, simulation.take_until(EPOCH + 2 * NS, 1000))
+    assert parts == at_once
+
+
+def test_at_equal_stamps_the_truth_comes_first() -> None:
+    simulation = Simulation(scenario(rate=100.0, imu_rate=200.0, magnetometer_rate=50.0), EPOCH)
+    found = messages(simulation, simulation.take_until(EPOCH + NS, 10**6))
+    assert [(stamp, ORDER.index(topic)) for stamp, topic, _ in found] == sorted(
+        (stamp, ORDER.index(topic)) for stamp, topic, _ in found
+    )
+    assert [topic for stamp, topic, _ in found if stamp == EPOCH] == ORDER
+    assert len(found) == 2 * 101 + 2 * 201 + 51
+
+
+def test_a_bag_recorded_without_ros_holds_the_same_bytes(at_once: list[Message], tmp_path: Path) -> None:
+    given = {**BODY, **RATES, **NOISY, "motion": "closed_form", "epoch_ns": EPOCH}
+    assignments = [argument for name, value in given.items() for argument in ("-p", f"{name}:={value}")]
+    command = [sys.executable, "-m", "lie_rigid_body", "record", str(tmp_path / "a.mcap"), "--duration", "2"]
+    subprocess.run([*command, *assignments, "--quiet"], check=True, timeout=60)
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        found = [
+            (message.log_time, channel.topic.removeprefix("/"), message.data)
+            for _, channel, message in make_reader(stream).iter_messages(log_time_order=False)
+            if channel.topic != "/lie_rigid_body/scenario"
+        ]
+    assert found == [message for message in at_once if message[0] < EPOCH + 2 * NS]
+
+
+def test_a_reset_computes_nothing_ahead() -> None:
+    """Between samples of a day's distance an IMU has many millions of readings."""
+    scenario = Scenario.from_parameters({"rate": 1e-5, "imu_rate": 1e6, "motion": "closed_form"})
+    simulation = Simulation(scenario)
+    first = simulation.take_until(0, 1)
+    segment = simulation.reset(scenario)
+    assert segment.start_ns == 10**14
+    later = simulation.take_until(10**14, 100)
+    assert first.imu is not None
+    assert later.imu is not None
+    assert later.imu.stamps_ns.tolist() == [1000 * k for k in range(1, 101)]
