@@ -11,21 +11,23 @@ import pytest
 PACKAGE = "lie_rigid_body"
 SOURCES = Path(__file__).parent.parent / PACKAGE
 
-# What each room may import of the package besides itself and `errors`. A room is a folder or a module of the package,
-# and its own __init__ is the room "".
-SCENARIO = {"compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
+# What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
+# package, and its own __init__ is the room "".
+SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
+    "arrays": set(),
     "compilation": set(),
+    "arithmetic": {"compilation"},
     "lie": set(),
     "mechanics": {"lie"},
-    "motion": {"compilation", "lie", "mechanics"},
+    "motion": {"arithmetic", "compilation", "lie", "mechanics"},
     "groups": {"lie", "mechanics", "motion"},
     "parameters": set(),
     "sensors": {"lie", "mechanics", "parameters"},
-    "scenario": SCENARIO - {"scenario", "compilation"},
+    "scenario": SCENARIO - {"scenario", "arithmetic", "compilation"},
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
     "recording": SCENARIO | {"simulation", "messages"},
@@ -37,7 +39,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "": SCENARIO | {"simulation"},
     "__main__": {"console"},
 }
-PURE = {"groups", "lie", "mechanics", "motion"}
+PURE = {"arithmetic", "groups", "lie", "mechanics", "motion"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
 ROS = {"ament_index_python", "builtin_interfaces", "launch", "launch_ros", "rclpy", "rosidl_runtime_py"}
@@ -85,7 +87,12 @@ def head(module: str) -> str:
 
 
 def wall_between_rooms(module: str, target: str) -> bool:
-    return head(target) == PACKAGE and room(target) not in {room(module), "errors", *MAY_IMPORT.get(room(module), ())}
+    return head(target) == PACKAGE and room(target) not in {
+        room(module),
+        "errors",
+        "arrays",
+        *MAY_IMPORT.get(room(module), ()),
+    }
 
 
 def wall_around_ros(module: str, target: str) -> bool:

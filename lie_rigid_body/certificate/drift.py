@@ -13,6 +13,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.certificate.conditions import Conditions
 from lie_rigid_body.certificate.propagation import Propagation
 from lie_rigid_body.certificate.step_error import StepError
@@ -21,7 +22,7 @@ from lie_rigid_body.motion import Method
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, SpinningFrame
 
 Array = NDArray[np.float64]
 
@@ -106,7 +107,7 @@ class MoserVeselovDrift:
         cls, body: RigidBody, start: State, stepper: Method, fastest: float, period: float, max_step: float
     ) -> MoserVeselovDrift:
         """Of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
-        with working_precision():
+        with working_precision(DIGITS):
             frame = SpinningFrame.of(body, start)
             terms = stepper.order // 2
             series = preprocessed_inertia(Invariants.of(frame), terms + _MORE_TERMS)

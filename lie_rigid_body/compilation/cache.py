@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
-import inspect
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 
@@ -33,14 +34,44 @@ def _is_own_folder(path: Path) -> bool:
 
 
 def _digest(loop: Callable[..., None]) -> str:
-    """Of every source beside the loop's own and beside this, as numba itself notices only a change of the one file; of
-    Python and of the libraries that make the code.
+    """A digest of all source that the compiled code is made from, of Python, and of the libraries that make it.
+
+    Numba itself notices only a change of the loop's own file, while the code holds kernels and constants of others.
     """
-    folders = (Path(__file__).parent, Path(inspect.getfile(loop)).parent)
-    sources = [path for folder in folders for path in sorted(folder.glob("*.py"))]
-    content = b"".join(path.read_bytes() for path in sources)
+    files = _source_files(loop.__module__) | set(Path(__file__).parent.glob("*.py"))
+    content = b"".join(hashlib.sha256(path.read_bytes()).digest() for path in sorted(files))
     makers = [sys.version, *(_version(name) for name in ("numba", "llvmlite", "numpy"))]
     return hashlib.sha256(content + "".join(makers).encode()).hexdigest()[:16]
+
+
+def _source_files(module: str) -> set[Path]:
+    """The file of a module, and those of everything in its package that it imports, directly or not."""
+    package, waiting, found = module.partition(".")[0], {module}, dict[str, Path]()
+    while waiting:
+        name = waiting.pop()
+        spec = find_spec(name)
+        if spec is None or spec.origin is None:
+            continue
+        found[name] = Path(spec.origin)
+        imported = set(_imports(found[name].read_bytes(), name if spec.submodule_search_locations else spec.parent))
+        waiting |= {one for one in imported if one.partition(".")[0] == package and one not in found}
+    return set(found.values())
+
+
+def _imports(source: bytes, package: str | None) -> Iterator[str]:
+    """Modules that a source of a package imports, and names in them that may be modules as well."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = resolve_name("." * node.level + (node.module or ""), package)
+            yield base
+            yield from (f"{base}.{alias.name}" for alias in node.names if _is_package(base))
+
+
+def _is_package(name: str) -> bool:
+    spec = find_spec(name)
+    return spec is not None and spec.submodule_search_locations is not None
 
 
 def _version(name: str) -> str:

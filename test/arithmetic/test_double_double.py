@@ -1,6 +1,9 @@
+"""Double-double arithmetic against exact fractions and mpmath: on floats, on arrays and compiled the same bits."""
+
 from __future__ import annotations
 
 from fractions import Fraction
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -8,9 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from lie_rigid_body.motion.closed_form import double_double
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
-from lie_rigid_body.motion.closed_form.precision import PI
+from lie_rigid_body.arithmetic import double_double
+from lie_rigid_body.arithmetic.decimals import PI
+from lie_rigid_body.arithmetic.double_double import DoubleDouble
+from lie_rigid_body.arithmetic.elementary import arctangent
+from lie_rigid_body.compilation import Work, compiler
 
 RANDOM = np.random.default_rng(20)
 SIZE = 300
@@ -23,11 +28,11 @@ def numbers(size: int = SIZE) -> np.ndarray:
 
 def pairs(size: int = SIZE) -> DoubleDouble:
     hi = numbers(size)
-    return DoubleDouble(hi, hi * RANDOM.uniform(-0.5, 0.5, size=size) * 2.0**-53)
+    return hi, hi * RANDOM.uniform(-0.5, 0.5, size=size) * 2.0**-53
 
 
 def exact(x: DoubleDouble) -> list[Fraction]:
-    return [Fraction(float(h)) + Fraction(float(lo)) for h, lo in zip(*np.broadcast_arrays(x.hi, x.lo), strict=True)]
+    return [Fraction(float(h)) + Fraction(float(lo)) for h, lo in zip(*np.broadcast_arrays(*x), strict=True)]
 
 
 def test_sums_and_products_of_doubles_lose_nothing():
@@ -78,10 +83,93 @@ def test_the_remainder_differs_by_an_integer_and_is_at_most_a_half(n: int, part:
 
 
 def pair(x: float) -> DoubleDouble:
-    return DoubleDouble(np.array([x]), np.zeros(1))
+    return np.array([x]), np.zeros(1)
 
 
 def test_a_decimal_is_rounded_to_32_digits():
     hi, lo = double_double.from_decimal(PI)
     with mp.workdps(60):
         assert abs(mpf(float(hi)) + mpf(float(lo)) - mp.pi) < mpf(2) ** -106
+
+
+def fraction(pair: DoubleDouble) -> Fraction:
+    return Fraction(float(pair[0])) + Fraction(float(pair[1]))
+
+
+PARTS = st.floats(1e-12, 1e12)
+LOWS = st.floats(-0.5, 0.5)
+
+
+@settings(max_examples=200, deadline=None)
+@given(PARTS, LOWS, PARTS, LOWS, st.booleans())
+def test_operations_keep_100_bits_on_floats_and_arrays(a: float, rest: float, b: float, other: float, negative: bool):
+    b = -b if negative else b
+    x, y = (a, a * rest * 2.0**-53), (b, b * other * 2.0**-53)
+    p, q, ulp = fraction(x), fraction(y), Fraction(2) ** -100
+    for operation, truth, size in (
+        (double_double.add, p + q, max(abs(p), abs(q)) * 2),
+        (double_double.subtract, p - q, max(abs(p), abs(q)) * 2),
+        (double_double.multiply, p * q, abs(p * q)),
+        (double_double.divide, p / q, abs(p / q)),
+    ):
+        result = operation(x, y)
+        assert abs(fraction(result) - truth) <= size * ulp
+        assert_same_in_arrays(result, operation(in_array(x), in_array(y)))
+    root = double_double.square_root(x)
+    assert abs(fraction(root) ** 2 - p) <= 2 * p * ulp
+    assert_same_in_arrays(root, double_double.square_root(in_array(x)))
+
+
+def as_mp(pair: DoubleDouble) -> mpf:
+    return mpf(float(pair[0])) + mpf(float(pair[1]))
+
+
+def in_array(pair: DoubleDouble) -> DoubleDouble:
+    return np.full(9, pair[0]), np.full(9, pair[1])
+
+
+def assert_same_in_arrays(pair: DoubleDouble, many: DoubleDouble) -> None:
+    for part, column in zip(pair, many, strict=True):
+        np.testing.assert_array_equal(column, np.full(9, part))
+
+
+def test_the_root_of_nothing_is_nothing():
+    assert double_double.square_root((0.0, 0.0)) == (0.0, 0.0)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(0.0, 1.0) | st.integers(0, 64).map(lambda k: k / 64.0), LOWS)
+def test_arctangent_of_a_pair(x: float, rest: float):
+    tangent = (x, x * rest * 2.0**-53)
+    angle = arctangent(tangent)
+    with mp.workdps(50):
+        assert abs(as_mp(angle) - mp.atan(as_mp(tangent))) <= mpf(2) ** -66
+    assert_same_in_arrays(angle, arctangent(in_array(tangent)))
+
+
+def every_operation(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
+    """The results of all operations on pairs, hi and lo by turns, into the columns of ``out``."""
+    for i in range(len(a)):
+        x, y = (a[i, 0], a[i, 1]), (b[i, 0], b[i, 1])
+        results = (
+            double_double.add(x, y),
+            double_double.subtract(x, y),
+            double_double.multiply(x, y),
+            double_double.divide(x, y),
+            double_double.square_root((abs(x[0]), x[1])),
+        )
+        for k in range(5):
+            out[i, 2 * k], out[i, 2 * k + 1] = results[k]
+
+
+@pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
+def test_compiled_code_gives_the_same_bits(monkeypatch):
+    a, b = np.stack(pairs(), axis=-1), np.stack(pairs(), axis=-1)
+    plain, compiled = np.empty((SIZE, 10)), np.empty((SIZE, 10))
+    every_operation(a, b, plain)
+    # the loop is this test's own, and nothing to keep
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
+    work = Work(every_operation, "void(float64[:,::1], float64[:,::1], float64[:,::1])", 1)
+    assert work.compile()
+    work.compiled_for(0)(a, b, compiled)
+    np.testing.assert_array_equal(compiled, plain)

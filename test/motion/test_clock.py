@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.motion.closed_form import double_double
+from lie_rigid_body.arithmetic import double_double
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock, endless_phase, turns
 from lie_rigid_body.motion.closed_form.hyperbolic_states import folded_phase
-from lie_rigid_body.motion.closed_form.precision import working_precision
 
 PERIODS = st.sampled_from(["1", "6.28318530717958647692528676655900576839433879875021", "1e-3", "137.25"])
 RATES = st.decimals("-1e4", "1e4", places=30, allow_nan=False)

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from lie_rigid_body.arithmetic.decimals import PI, working_precision
+from lie_rigid_body.arithmetic.elementary import sine_cosine
 from lie_rigid_body.motion.closed_form.circular_wave import CircularNumbers, CircularWave, circular_crest
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicNumbers, HyperbolicWave, hyperbolic_crest
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.polhode import Polhode
-from lie_rigid_body.motion.closed_form.precision import PI, working_precision
-from lie_rigid_body.motion.closed_form.sine import sine_cosine
 from lie_rigid_body.motion.closed_form.wave import Crest
 
 # up to K, but not beyond it by round-off, where the reference's amplitude would fold back
@@ -61,14 +60,14 @@ def drift_of(m1: str, characteristic: str) -> np.ndarray:
 
 def circular(wave: CircularWave, turns: np.ndarray) -> Crest:
     polynomials = wave.sn, wave.cn, wave.dn, wave.denominator, wave.sine, wave.cosine
-    sine, cosine = sine_cosine(DoubleDouble(turns, np.zeros_like(turns)))
+    sine, cosine = sine_cosine((turns, np.zeros_like(turns)))
     return circular_crest(CircularNumbers(2.0 * wave.nome, *polynomials), sine, cosine)
 
 
 def hyperbolic(wave: HyperbolicWave, phase: np.ndarray) -> Crest:
     polynomials = wave.sn, wave.cn, wave.dn, wave.denominator, wave.sine, wave.cosine
     numbers = HyperbolicNumbers(np.exp(-2.0 * wave.quarter), *polynomials)
-    return hyperbolic_crest(numbers, DoubleDouble(phase, np.zeros_like(phase)))
+    return hyperbolic_crest(numbers, (phase, np.zeros_like(phase)))
 
 
 @pytest.mark.parametrize("m1", CIRCULAR + HYPERBOLIC)

@@ -5,8 +5,8 @@ from decimal import Decimal
 import pytest
 from mpmath import mp, mpf
 
+from lie_rigid_body.arithmetic.decimals import PI, working_precision
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first, mean_third, symmetric_first
-from lie_rigid_body.motion.closed_form.precision import PI, working_precision
 
 TOLERANCE = mpf("1e-60")
 M1 = ["1", "0.75", "0.5", "0.1", "1e-5", "1e-12", "1e-30", "1e-100", "1e-600"]

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_one
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
-from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
 
 ATTITUDE = [0.1, -0.7, 0.3, -0.5]

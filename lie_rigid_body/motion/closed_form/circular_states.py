@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, from_integer
+from lie_rigid_body.arithmetic.elementary import sine_cosine
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.circular_wave import (
     CircularNumbers,
@@ -14,10 +17,8 @@ from lie_rigid_body.motion.closed_form.circular_wave import (
 )
 from lie_rigid_body.motion.closed_form.clock import turns, turns_from_zero
 from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.samples import BLOCK, Sample, put, store
-from lie_rigid_body.motion.closed_form.sine import sine_cosine
 
 
 class Circular(NamedTuple):
@@ -41,9 +42,9 @@ def circular_row(motion: GeneralMotion, wave: CircularWave) -> list[Number]:
 def circular(row: Sequence[Number]) -> Circular:
     """The constants from their row."""
     rate, start, half_rate = (
-        DoubleDouble(row[0], row[1]),
-        DoubleDouble(row[2], row[3]),
-        DoubleDouble(row[4], row[5]),
+        (row[0], row[1]),
+        (row[2], row[3]),
+        (row[4], row[5]),
     )
     return Circular(rate, start, half_rate, circular_numbers(row, 6), course(row, 31))
 

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from lie_rigid_body.arithmetic.numbers import Number, each
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import Number
-from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.theta import Cubic, cubic, value
 from lie_rigid_body.motion.closed_form.wave import Crest

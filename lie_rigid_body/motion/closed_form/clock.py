@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, add, from_decimal, multiply, remainder
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form import double_double, pairs
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
 
 _SECONDS = Decimal("1e-9")
 
@@ -39,12 +39,12 @@ class Clock:
     def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> Clock:
         """A clock from a rate in units per second, a start and a period in the same units."""
         turns = _SECONDS * rate / period, start / period
-        rate_turns, start_turns = (double_double.from_decimal(x - x.to_integral_value()) for x in turns)
-        return cls(rate_turns, start_turns, double_double.from_decimal(period))
+        rate_turns, start_turns = (from_decimal(x - x.to_integral_value()) for x in turns)
+        return cls(rate_turns, start_turns, from_decimal(period))
 
     def begin(self) -> Number:
         """The phase at the start."""
-        return pairs.multiply(self.start, self.period)[0]
+        return multiply(self.start, self.period)[0]
 
 
 @dataclass(frozen=True)
@@ -57,26 +57,26 @@ class EndlessClock:
     @classmethod
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
         """A clock from a positive rate in units per second and a start in the same units."""
-        return cls(double_double.from_decimal(min(_SECONDS * rate, _FASTEST)), double_double.from_decimal(start))
+        return cls(from_decimal(min(_SECONDS * rate, _FASTEST)), from_decimal(start))
 
     def begin(self) -> Number:
         """The phase at the start."""
-        return self.start.hi
+        return self.start[0]
 
 
 @kernel
 def turns(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
     """The phase of a `Clock` at these nanoseconds since the start, in turns in [−½, ½]."""
-    return double_double.remainder(double_double.add(double_double.multiply(rate, time), start))
+    return remainder(add(multiply(rate, time), start))
 
 
 @kernel
 def turns_from_zero(rate: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
     """The same for a clock that starts at 0."""
-    return double_double.remainder(double_double.multiply(rate, time))
+    return remainder(multiply(rate, time))
 
 
 @kernel
 def endless_phase(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
     """The phase of an `EndlessClock` at these nanoseconds since the start."""
-    return double_double.add(double_double.multiply(rate, time), start)
+    return add(multiply(rate, time), start)

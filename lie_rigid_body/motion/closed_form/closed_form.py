@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.memory import samples_at_once
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final, Literal, TypeAlias
 
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.herpolhode import precession_rate
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.polhode import Polhode, frame_and_polhode
-from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 

@@ -11,25 +11,23 @@ from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 
-from lie_rigid_body.motion.closed_form.double_double import Number
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.ordinary import Shape, Verdict, about_largest, judged
-from lie_rigid_body.motion.closed_form.ordinary_motion import OrdinaryFrame
-from lie_rigid_body.motion.closed_form.pairs import (
+from lie_rigid_body.arithmetic.double_double import (
     ONE,
     ZERO,
-    Pair,
+    DoubleDouble,
     add,
     choose,
     divide,
     multiply,
-    size,
+    scaled,
     subtract,
-    times,
 )
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude
+from lie_rigid_body.motion.closed_form.ordinary import Shape, Verdict, about_largest, judged
+from lie_rigid_body.motion.closed_form.ordinary_motion import OrdinaryFrame
 
 Matrix = tuple[Triple, Triple, Triple]
-Vector = tuple[Pair, Pair, Pair]
+Vector = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
 
 APART: Final = 2.0**-10
 """The least difference of two moments, of the largest: the refinement divides by it."""
@@ -87,7 +85,7 @@ class Coupled(NamedTuple):
         rows = tuple((a, b, c) for a, b, c in zip(*columns, strict=True))
         return OrdinaryFrame(
             moments=(choose(up, moments[0], moments[2]), moments[1], choose(up, moments[2], moments[0])),
-            rate=(times(first, s1), times(components[1], s2), times(third, s3)),
+            rate=(scaled(first, s1), scaled(components[1], s2), scaled(third, s3)),
             sense=sense,
             axes=(rows[0], rows[1], rows[2]),
             frame=_conjugate_quaternion((rows[0], rows[1], rows[2])),
@@ -95,15 +93,15 @@ class Coupled(NamedTuple):
 
     def _sizes(self) -> Triple:
         x, y, z = self.rate
-        a, b, c = (size(axis[0] * x + axis[1] * y + axis[2] * z) for axis in self.axes)
+        a, b, c = (magnitude(axis[0] * x + axis[1] * y + axis[2] * z) for axis in self.axes)
         return a, b, c
 
     def _refined(self) -> tuple[Vector, list[Vector]]:
         """Moments and axes."""
         rows, axes = [_exactly(row) for row in self.inertia], [_exactly(axis) for axis in self.axes]
         images = [_exact_image(rows, axis) for axis in axes]
-        entries: dict[tuple[int, int], Pair] = {}
-        defects: dict[tuple[int, int], Pair] = {}
+        entries: dict[tuple[int, int], DoubleDouble] = {}
+        defects: dict[tuple[int, int], DoubleDouble] = {}
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
             entries[i, j] = entries[j, i] = _dot(axes[i], images[j])
             defects[i, j] = defects[j, i] = subtract(ONE if i == j else ZERO, _dot(axes[i], axes[j]))
@@ -137,7 +135,7 @@ def _exact_image(rows: list[Vector], vector: Vector) -> Vector:
     return x, y, z
 
 
-def _dot(a: Vector, b: Vector) -> Pair:
+def _dot(a: Vector, b: Vector) -> DoubleDouble:
     return add(add(multiply(a[0], b[0]), multiply(a[1], b[1])), multiply(a[2], b[2]))
 
 

@@ -11,14 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble
+from lie_rigid_body.arithmetic.elementary import sine_cosine
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude, sqrt
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
-from lie_rigid_body.motion.closed_form.elementary import magnitude, square_root
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.placement import multiply
 from lie_rigid_body.motion.closed_form.samples import Sample
-from lie_rigid_body.motion.closed_form.sine import sine_cosine
 from lie_rigid_body.motion.closed_form.wave import Crest
 
 _NEGLIGIBLE: Final = 1e-307
@@ -84,7 +83,7 @@ def state(course: Course, crest: Crest, half_turn: DoubleDouble) -> Sample:
     n1, n2, n3 = course.directions
     n1, n2, upright = n1 * crest.cn, n2 * crest.sn, 1.0 + n3 * crest.dn
     x, y, z, w = turned(course.attitude, (c * n2 + s * n1, s * n2 - c * n1, s * upright, c * upright))
-    size = 1.0 / square_root((x * x + y * y) + (z * z + w * w))
+    size = 1.0 / sqrt((x * x + y * y) + (z * z + w * w))
     r1, r2, r3 = course.rates
     f = (crest.cn, crest.sn, crest.dn)
     return x * size, y * size, z * size, w * size, dot(r1, f), dot(r2, f), dot(r3, f)
@@ -100,7 +99,7 @@ def half_turn_with_libration(course: Course, crest: Crest, half_turn: DoubleDoub
     along = along + _NEGLIGIBLE
     scale = 1.0 / (along + magnitude(across))
     across, along = across * scale, along * scale
-    s, c = course.sense * across, along + square_root(along * along + across * across)
+    s, c = course.sense * across, along + sqrt(along * along + across * across)
     sine, cosine = sine_cosine(half_turn)
     return sine * c + cosine * s, cosine * c - sine * s
 

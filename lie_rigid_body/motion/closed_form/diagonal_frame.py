@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.double_double import Array
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.ordinary import Shape, about_largest, judged
 from lie_rigid_body.motion.closed_form.ordinary_motion import OrdinaryFrame
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from decimal import Decimal, getcontext
 
-from lie_rigid_body.motion.closed_form.precision import PI, root
+from lie_rigid_body.arithmetic.decimals import PI, root
 
 
 def _round_off() -> Decimal:

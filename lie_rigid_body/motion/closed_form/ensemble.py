@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.motion.closed_form.double_double import Array, Number
+from lie_rigid_body.arithmetic.decimals import working_precision
+from lie_rigid_body.arithmetic.numbers import Number
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.evaluation import Evaluation, Formulas, formulas_and_row
 from lie_rigid_body.motion.closed_form.exact import is_steady
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_motions
 from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
-from lie_rigid_body.motion.closed_form.precision import working_precision
 from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 

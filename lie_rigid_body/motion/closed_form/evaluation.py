@@ -12,17 +12,13 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, from_integer, from_integers
+from lie_rigid_body.arithmetic.numbers import Number
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import Work
 from lie_rigid_body.motion.closed_form import circular_states, hyperbolic_states, separatrix_states, steady_states
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.double_double import (
-    Array,
-    DoubleDouble,
-    Number,
-    from_integer,
-    from_integers,
-)
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
 from lie_rigid_body.motion.closed_form.samples import BLOCK, COLUMNS, SIGNATURE, Sample

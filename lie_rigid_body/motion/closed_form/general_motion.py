@@ -9,19 +9,17 @@ from functools import lru_cache
 
 import numpy as np
 
+from lie_rigid_body.arithmetic.decimals import PI, Vector
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
-from lie_rigid_body.motion.closed_form.double_double import Number
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first
 from lie_rigid_body.motion.closed_form.herpolhode import mean_rate
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.placement import Start, world
 from lie_rigid_body.motion.closed_form.polhode import Polhode
-from lie_rigid_body.motion.closed_form.precision import PI
-from lie_rigid_body.motion.closed_form.principal_axes import Vector
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 from lie_rigid_body.motion.closed_form.wave import Wave
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from decimal import Decimal
 
+from lie_rigid_body.arithmetic.decimals import PI
 from lie_rigid_body.motion.closed_form.elliptic_integrals import mean_third
 from lie_rigid_body.motion.closed_form.periods import Periods
 from lie_rigid_body.motion.closed_form.polhode import Polhode
-from lie_rigid_body.motion.closed_form.precision import PI
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 
 

@@ -6,13 +6,19 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 
+from lie_rigid_body.arithmetic.double_double import (
+    DoubleDouble,
+    fast_two_sum,
+    from_integer,
+    multiply,
+    remainder,
+    two_sum,
+)
+from lie_rigid_body.arithmetic.elementary import exponential
+from lie_rigid_body.arithmetic.numbers import Number, magnitude, nearest
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form import double_double
 from lie_rigid_body.motion.closed_form.clock import turns, turns_from_zero
 from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, fast_two_sum, from_integer, nearest
-from lie_rigid_body.motion.closed_form.elementary import magnitude
-from lie_rigid_body.motion.closed_form.exponential import exponential
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import (
     HyperbolicNumbers,
@@ -51,8 +57,8 @@ def hyperbolic_row(motion: GeneralMotion, wave: HyperbolicWave, period: DoubleDo
 @kernel
 def hyperbolic(row: Sequence[Number]) -> Hyperbolic:
     """The constants from their row."""
-    rate, start = DoubleDouble(row[0], row[1]), DoubleDouble(row[2], row[3])
-    period, half_rate = DoubleDouble(row[4], row[5]), DoubleDouble(row[6], row[7])
+    rate, start = (row[0], row[1]), (row[2], row[3])
+    period, half_rate = (row[4], row[5]), (row[6], row[7])
     return Hyperbolic(rate, start, period, half_rate, row[8], hyperbolic_numbers(row, 9), course(row, 34))
 
 
@@ -62,17 +68,17 @@ def hyperbolic_state(constants: Hyperbolic, time: DoubleDouble) -> Sample:
     phase, parity = folded_phase(turns(constants.rate, constants.start, time), constants.period)
     crest = hyperbolic_crest(constants.wave, phase)
     half_turn = turns_from_zero(constants.half_rate, time)
-    growth = double_double.two_sum(half_turn.hi, constants.drift * phase.hi)
-    half_turn = double_double.remainder(fast_two_sum(growth.hi, growth.lo + half_turn.lo))
+    growth = two_sum(half_turn[0], constants.drift * phase[0])
+    half_turn = remainder(fast_two_sum(growth[0], growth[1] + half_turn[1]))
     return state(constants.course, turned_over(crest, parity), half_turn)
 
 
 @kernel
 def folded_phase(turns: DoubleDouble, period: DoubleDouble) -> tuple[DoubleDouble, Number]:
     """The phase less the half turn nearest to it, and −1 where that is one, else 1."""
-    half = 0.5 * nearest(2.0 * turns.hi)
-    folded = fast_two_sum(turns.hi - half, turns.lo)
-    return double_double.multiply(folded, period), 1.0 - 4.0 * magnitude(half)
+    half = 0.5 * nearest(2.0 * turns[0])
+    folded = fast_two_sum(turns[0] - half, turns[1])
+    return multiply(folded, period), 1.0 - 4.0 * magnitude(half)
 
 
 @kernel

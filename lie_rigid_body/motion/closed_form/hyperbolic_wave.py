@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final, NamedTuple
 
+from lie_rigid_body.arithmetic.decimals import PI
+from lie_rigid_body.arithmetic.double_double import DoubleDouble
+from lie_rigid_body.arithmetic.elementary import exponential
+from lie_rigid_body.arithmetic.numbers import Number, each, sign
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form import theta
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number
-from lie_rigid_body.motion.closed_form.elementary import sign
-from lie_rigid_body.motion.closed_form.exponential import exponential
-from lie_rigid_body.motion.closed_form.pairs import each
 from lie_rigid_body.motion.closed_form.periods import Periods
-from lie_rigid_body.motion.closed_form.precision import PI
 from lie_rigid_body.motion.closed_form.theta import Cubic, cubic, value
 from lie_rigid_body.motion.closed_form.wave import Crest
 
@@ -101,9 +100,9 @@ def hyperbolic_numbers(row: Sequence[Number], k: int) -> HyperbolicNumbers:
 @kernel
 def hyperbolic_crest(wave: HyperbolicNumbers, phase: DoubleDouble) -> Crest:
     """The functions at χ in [−X, X]."""
-    side = sign(phase.hi)
-    decay, fall = exponential(side * phase.hi)
-    rest = decay * (side * phase.lo)
+    side = sign(phase[0])
+    decay, fall = exponential(side * phase[0])
+    rest = decay * (side * phase[1])
     decay, fall = decay - rest, fall - rest
     square = decay * decay
     inverse = 1.0 / (1.0 + square)

@@ -14,24 +14,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from lie_rigid_body.motion.closed_form.arctangent import arctangent
-from lie_rigid_body.motion.closed_form.double_double import Number, from_decimal
-from lie_rigid_body.motion.closed_form.pairs import (
+from lie_rigid_body.arithmetic.decimals import PI, working_precision
+from lie_rigid_body.arithmetic.double_double import (
     ONE,
     ZERO,
-    Pair,
+    DoubleDouble,
     add,
     choose,
     divide,
+    from_decimal,
     multiply,
-    root,
+    scaled,
     square_root,
     subtract,
-    times,
 )
-from lie_rigid_body.motion.closed_form.precision import PI, working_precision
+from lie_rigid_body.arithmetic.elementary import arctangent
+from lie_rigid_body.arithmetic.numbers import Number, sqrt
 
-_TWO: Final[Pair] = (2.0, 0.0)
+_TWO: Final[DoubleDouble] = (2.0, 0.0)
 with working_precision(40):
     _HALF_PI: Final = from_decimal(PI / 2)
 
@@ -41,18 +41,18 @@ class Ladder(NamedTuple):
 
     Attributes
     ----------
-    gaps, shortfalls : list of Pair
+    gaps, shortfalls : list of DoubleDouble
         d and e before each step. In all further steps both are below 1e-20.
-    factor : Pair
+    factor : DoubleDouble
         The arithmetic-geometric mean over ½(a + b).
     """
 
-    gaps: list[Pair]
-    shortfalls: list[Pair]
-    factor: Pair
+    gaps: list[DoubleDouble]
+    shortfalls: list[DoubleDouble]
+    factor: DoubleDouble
 
     @classmethod
-    def of(cls, gap: Pair, steps: int) -> Ladder:
+    def of(cls, gap: DoubleDouble, steps: int) -> Ladder:
         """The ladder from a first gap: this many steps in pairs, which leave a gap below 2e-5, and two in doubles."""
         gaps, shortfalls, factor = [], [], ONE
         for _ in range(steps):
@@ -60,7 +60,7 @@ class Ladder(NamedTuple):
             rest = subtract(_TWO, e)
             gaps.append(gap)
             shortfalls.append(e)
-            factor = multiply(factor, times(rest, 0.5))
+            factor = multiply(factor, scaled(rest, 0.5))
             gap = divide(e, rest)
         hi, lo = multiply(gap, gap)
         factor = multiply(factor, subtract(ONE, (0.25 * hi, 0.25 * lo + 0.078125 * hi * hi)))
@@ -73,16 +73,16 @@ class Ladder(NamedTuple):
         return cls(gaps, shortfalls, factor)
 
 
-def mean_sum(ratio: Pair, shortfalls: Sequence[Pair], steps: int) -> Pair:
+def mean_sum(ratio: DoubleDouble, shortfalls: Sequence[DoubleDouble], steps: int) -> DoubleDouble:
     """The sum ΣQ of DLMF 19.8.6 from the first ε of 19.8.7.
 
     With p² = ab (1 + ε)/(1 − ε), one step takes ε to (ε² − e)/(2 − e − ε²).
 
     Parameters
     ----------
-    ratio : Pair
+    ratio : DoubleDouble
         ε₀.
-    shortfalls : sequence of Pair
+    shortfalls : sequence of DoubleDouble
         Those of the means.
     steps : int
         As many as are taken in pairs; two more are taken in doubles.
@@ -90,7 +90,7 @@ def mean_sum(ratio: Pair, shortfalls: Sequence[Pair], steps: int) -> Pair:
     term = total = ONE
     padded = [*shortfalls, *[ZERO] * steps]
     for e in padded[:steps]:
-        term = times(multiply(term, ratio), 0.5)
+        term = scaled(multiply(term, ratio), 0.5)
         total = add(total, term)
         square = multiply(ratio, ratio)
         ratio = divide(subtract(square, e), subtract(subtract(_TWO, e), square))
@@ -105,7 +105,9 @@ def _next(ratio: Number, shortfall: Number) -> Number:
     return (square - shortfall) / (2.0 - shortfall - square)
 
 
-def phase_squares(sine_square: Pair, cosine_square: Pair, gaps: Sequence[Pair], steps: int) -> tuple[Pair, Pair]:
+def phase_squares(
+    sine_square: DoubleDouble, cosine_square: DoubleDouble, gaps: Sequence[DoubleDouble], steps: int
+) -> tuple[DoubleDouble, DoubleDouble]:
     """The squares of sine and cosine of πu/2K from sn²u and cn²u, all in proportion.
 
     From one step to the next, u/K stays what it is and tan² changes by (dn + k′)/((1 + d)(1 + dn)), k′ = b/a (DLMF
@@ -113,9 +115,9 @@ def phase_squares(sine_square: Pair, cosine_square: Pair, gaps: Sequence[Pair], 
 
     Parameters
     ----------
-    sine_square, cosine_square : Pair
+    sine_square, cosine_square : DoubleDouble
         Not negative, not both 0.
-    gaps : sequence of Pair
+    gaps : sequence of DoubleDouble
         Those of the means of 1 and k′.
     steps : int
         As many as are taken in pairs. The others are taken in doubles, for which the gap should be below 0.2.
@@ -129,13 +131,13 @@ def phase_squares(sine_square: Pair, cosine_square: Pair, gaps: Sequence[Pair], 
     loss: Number = 0.0
     for gap, _ in gaps[steps:]:
         sine, ratio = s[0] * (1.0 - loss), (1.0 - gap) / (1.0 + gap)
-        delta = root((c[0] + ratio * ratio * sine) / (c[0] + sine))
+        delta = sqrt((c[0] + ratio * ratio * sine) / (c[0] + sine))
         part = gap * (2.0 + ratio + delta) / ((1.0 + gap) * (1.0 + delta))
         loss = loss + part - loss * part
     return add(s, (-s[0] * loss, 0.0)), c
 
 
-def angle(sine_square: Pair, cosine_square: Pair) -> Pair:
+def angle(sine_square: DoubleDouble, cosine_square: DoubleDouble) -> DoubleDouble:
     """The angle in [0, ½π] from the squares of its sine and its cosine, in proportion."""
     steep = sine_square[0] > cosine_square[0]
     ratio = divide(choose(steep, cosine_square, sine_square), choose(steep, sine_square, cosine_square))
@@ -143,14 +145,14 @@ def angle(sine_square: Pair, cosine_square: Pair) -> Pair:
     return choose(steep, subtract(_HALF_PI, slope), slope)
 
 
-def imaginary_phase(inverse_square: Pair, gaps: Sequence[Pair]) -> Number:
+def imaginary_phase(inverse_square: DoubleDouble, gaps: Sequence[DoubleDouble]) -> Number:
     """1/sinh(πa/2K) from 1/sc²(a|m1), for a ≤ ½K′, in doubles: the same steps for an imaginary argument."""
     square = inverse_square[0]
     # the part by which it grows, for it is small
     growth: Number = 0.0
     for d, _ in gaps:
         stretch = 1.0 + d
-        part = d + 2.0 * d / (square * (stretch + root(stretch * stretch + 4.0 * d / square)))
+        part = d + 2.0 * d / (square * (stretch + sqrt(stretch * stretch + 4.0 * d / square)))
         growth = growth + part + growth * part
         square = square * ((1.0 + part) * (1.0 + part))
     value = square_root(inverse_square)
@@ -159,6 +161,6 @@ def imaginary_phase(inverse_square: Pair, gaps: Sequence[Pair]) -> Number:
 
 def nome(gap: Number) -> Number:
     """The nome exp(−πK′/K) from the first gap of the means of 1 and k′, at most 0.18 (DLMF 19.5.6)."""
-    half = 0.5 * gap / (1.0 + root(1.0 - gap * gap))
+    half = 0.5 * gap / (1.0 + sqrt(1.0 - gap * gap))
     power = (half * half) * (half * half)
     return half * (1.0 + power * (2.0 + power * (15.0 + 150.0 * power)))

@@ -15,8 +15,7 @@ from __future__ import annotations
 
 from typing import Any, Final, NamedTuple, TypeAlias
 
-from lie_rigid_body.motion.closed_form.double_double import Number
-from lie_rigid_body.motion.closed_form.numbers import Triple
+from lie_rigid_body.arithmetic.numbers import Number, Triple
 
 Verdict: TypeAlias = Any
 """A bool, or an array of them."""

@@ -5,29 +5,28 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Final, NamedTuple
 
-from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
-from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.double_double import Number, from_decimal, of_parts
-from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
-from lie_rigid_body.motion.closed_form.landen import Ladder, angle, imaginary_phase, nome, phase_squares
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.ordinary import Shape
-from lie_rigid_body.motion.closed_form.ordinary_polhode import OrdinaryPolhode, Pairs
-from lie_rigid_body.motion.closed_form.pairs import (
+from lie_rigid_body.arithmetic.decimals import PI, working_precision
+from lie_rigid_body.arithmetic.double_double import (
     ZERO,
-    Pair,
+    DoubleDouble,
     add,
     choose,
     divide,
+    from_decimal,
     multiply,
-    root,
+    scaled,
     square_root,
     subtract,
-    times,
 )
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, sqrt
+from lie_rigid_body.motion.closed_form.circular_wave import CircularWave
+from lie_rigid_body.motion.closed_form.clock import Clock
+from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
+from lie_rigid_body.motion.closed_form.hyperbolic_wave import HyperbolicWave
+from lie_rigid_body.motion.closed_form.landen import Ladder, angle, imaginary_phase, nome, phase_squares
+from lie_rigid_body.motion.closed_form.ordinary import Shape
+from lie_rigid_body.motion.closed_form.ordinary_polhode import OrdinaryPolhode, Pairs
 from lie_rigid_body.motion.closed_form.placement import Start, world
-from lie_rigid_body.motion.closed_form.precision import PI, working_precision
 
 with working_precision(40):
     _TURN: Final = from_decimal(2 * PI)
@@ -46,7 +45,7 @@ class OrdinaryFrame(NamedTuple):
 
     Attributes
     ----------
-    moments, rate : 3 Pair
+    moments, rate : 3 DoubleDouble
     sense : number
     axes : 3 rows of 3 numbers
         Columns are the frame's axes in the body frame.
@@ -86,9 +85,9 @@ def ordinary_motion(start: OrdinaryFrame, attitude: Quadruple, shape: Shape) -> 
 
 
 def _half_turn_clock(polhode: OrdinaryPolhode, ladder: Ladder, steps: int) -> Clock:
-    circulation = times(polhode.circulation_rate(ladder), polhode.sense)
+    circulation = scaled(polhode.circulation_rate(ladder), polhode.sense)
     rate = subtract(polhode.precession_rate(ladder, steps), circulation)
-    return Clock(of_parts(multiply(times(rate, 0.5), _PER_NANOSECOND)), of_parts(ZERO), of_parts(_TURN))
+    return Clock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
 
 
 def _circular(polhode: OrdinaryPolhode, start: OrdinaryFrame, ladder: Ladder) -> tuple[Clock, CircularWave]:
@@ -99,7 +98,7 @@ def _circular(polhode: OrdinaryPolhode, start: OrdinaryFrame, ladder: Ladder) ->
     outer = divide(multiply(j1, polhode.c3), multiply(j3, polhode.c1))
     near = inner[0] > outer[0]
     value = imaginary_phase(choose(near, inner, outer), ladder.gaps)
-    upright = 1.0 + root(1.0 + value * value)
+    upright = 1.0 + sqrt(1.0 + value * value)
     larger = (value / upright) * (value / upright)
     decay, codecay = choose(near, (larger, q / larger), (q / larger, larger))
     fall, _ = choose(near, (2.0 / upright, 0.0), (1.0 - decay, 0.0))
@@ -115,23 +114,23 @@ def _hyperbolic(polhode: OrdinaryPolhode, start: OrdinaryFrame, ladder: Ladder) 
     comean = multiply(add(polhode.a, square_root(polhode.excess)), complementary.factor)
     # 2πK/K′
     period = multiply(_TURN, divide(comean, mean))
-    quarter = times(period, 0.25)
+    quarter = scaled(period, 0.25)
     wave = HyperbolicWave.of_nome(
         q=nome(complementary.gaps[0][0]),
         quarter=quarter[0],
-        sine=root(sine[0] / size),
-        cosine=root(cosine[0] / size),
+        sine=sqrt(sine[0] / size),
+        cosine=sqrt(cosine[0] / size),
         drift=divide(angle(sine, cosine), quarter)[0],
     )
     return _clock(polhode, start, ladder, period, _COARSE_STEPS), wave
 
 
-def _clock(polhode: OrdinaryPolhode, start: OrdinaryFrame, ladder: Ladder, period: Pair, steps: int) -> Clock:
+def _clock(polhode: OrdinaryPolhode, start: OrdinaryFrame, ladder: Ladder, period: DoubleDouble, steps: int) -> Clock:
     size = angle(*phase_squares(polhode.sine_square, polhode.cosine_square, ladder.gaps, steps))
     turns = multiply(size, _PER_TURN)
     backward = start.sense * start.rate[1][0] < 0.0
     return Clock(
-        rate=of_parts(multiply(polhode.circulation_rate(ladder), _PER_NANOSECOND)),
-        start=of_parts(choose(backward, times(turns, -1.0), turns)),
-        period=of_parts(period),
+        rate=multiply(polhode.circulation_rate(ladder), _PER_NANOSECOND),
+        start=choose(backward, scaled(turns, -1.0), turns),
+        period=period,
     )

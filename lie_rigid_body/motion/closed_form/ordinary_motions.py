@@ -8,9 +8,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.coupled_frame import Coupled, coupled, one_coupled
 from lie_rigid_body.motion.closed_form.diagonal_frame import diagonal_frames, judged_diagonal, one_diagonal
-from lie_rigid_body.motion.closed_form.double_double import Array
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.ordinary import Shape
 from lie_rigid_body.motion.closed_form.ordinary_motion import OrdinaryFrame, ordinary_motion

@@ -8,11 +8,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lie_rigid_body.motion.closed_form.double_double import Number
+from lie_rigid_body.arithmetic.double_double import (
+    ONE,
+    DoubleDouble,
+    add,
+    divide,
+    multiply,
+    scaled,
+    square_root,
+    subtract,
+)
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.motion.closed_form.landen import Ladder, mean_sum
-from lie_rigid_body.motion.closed_form.pairs import ONE, Pair, add, divide, multiply, square_root, subtract, times
 
-Pairs = tuple[Pair, Pair, Pair]
+Pairs = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
 
 
 @dataclass(frozen=True)
@@ -21,43 +30,43 @@ class OrdinaryPolhode:
 
     Attributes
     ----------
-    moments : 3 Pair
+    moments : 3 DoubleDouble
         J₁, J₂, J₃ of its `PrincipalFrame`.
     sense : number
         ±1.
-    d21, d31, d32 : Pair
+    d21, d31, d32 : DoubleDouble
         |J₂ − J₁|, |J₃ − J₁|, |J₃ − J₂|.
-    c1, c3 : Pair
+    c1, c3 : DoubleDouble
         |l² − 2HJ₁|, |l² − 2HJ₃|.
-    momentum : Pair
+    momentum : DoubleDouble
         l.
-    sine_square, cosine_square : Pair
+    sine_square, cosine_square : DoubleDouble
         c3 sn²u₀ and c3 cn²u₀.
-    a, b : Pair
+    a, b : DoubleDouble
         a² = d32 c1, b² = m1 a².
-    excess : Pair
+    excess : DoubleDouble
         m a².
     """
 
     moments: Pairs
     sense: Number
-    d21: Pair
-    d31: Pair
-    d32: Pair
-    c1: Pair
-    c3: Pair
-    momentum: Pair
-    sine_square: Pair
-    cosine_square: Pair
-    a: Pair
-    b: Pair
-    excess: Pair
+    d21: DoubleDouble
+    d31: DoubleDouble
+    d32: DoubleDouble
+    c1: DoubleDouble
+    c3: DoubleDouble
+    momentum: DoubleDouble
+    sine_square: DoubleDouble
+    cosine_square: DoubleDouble
+    a: DoubleDouble
+    b: DoubleDouble
+    excess: DoubleDouble
 
     @classmethod
     def of(cls, moments: Pairs, rate: Pairs, sense: Number) -> OrdinaryPolhode:
         """The polhode from the moments, the initial ω and the sense of a `PrincipalFrame`."""
         j1, j2, j3 = moments
-        d21, d31, d32 = (times(subtract(p, q), sense) for p, q in ((j2, j1), (j3, j1), (j3, j2)))
+        d21, d31, d32 = (scaled(subtract(p, q), sense) for p, q in ((j2, j1), (j3, j1), (j3, j2)))
         q1, q2, q3 = (multiply(j, multiply(w, w)) for j, w in zip(moments, rate, strict=True))
         sine_square, cosine_square, transverse = multiply(d32, q2), multiply(d31, q1), multiply(d21, q2)
         c1, c3 = add(transverse, multiply(d31, q3)), add(sine_square, cosine_square)
@@ -97,22 +106,22 @@ class OrdinaryPolhode:
         total = add(self.a, square_root(self.excess))
         return Ladder.of(divide(multiply(self.b, self.b), multiply(total, total)), steps)
 
-    def circulation_rate(self, ladder: Ladder) -> Pair:
+    def circulation_rate(self, ladder: Ladder) -> DoubleDouble:
         """The rate πλ/2K of the phase πu/2K, rad/s."""
         j1, j2, j3 = self.moments
-        mean = multiply(times(add(self.a, self.b), 0.5), ladder.factor)
+        mean = multiply(scaled(add(self.a, self.b), 0.5), ladder.factor)
         return divide(mean, square_root(multiply(multiply(j1, j2), j3)))
 
-    def precession_rate(self, ladder: Ladder, steps: int) -> Pair:
+    def precession_rate(self, ladder: Ladder, steps: int) -> DoubleDouble:
         """Mean rate, rad/s, at which the third axis circles the momentum; see `herpolhode.precession_rate`."""
         j1, _, j3 = self.moments
         third = self._mean_third(ladder, steps)
         share, rest = multiply(j1, self.c3), multiply(j3, self.c1)
         swing = divide(add(share, multiply(rest, third)), add(share, rest))
-        weighted = add(j1, times(multiply(self.d31, swing), self.sense))
+        weighted = add(j1, scaled(multiply(self.d31, swing), self.sense))
         return divide(multiply(self.momentum, weighted), multiply(j1, j3))
 
-    def _mean_third(self, ladder: Ladder, steps: int) -> Pair:
+    def _mean_third(self, ladder: Ladder, steps: int) -> DoubleDouble:
         """(1 − n) Π(n|m)/K with 1 − n = m1/(1 − ν); see `elliptic_integrals.mean_third`."""
         j1, _, j3 = self.moments
         one = multiply(j1, self.d32)
@@ -120,4 +129,4 @@ class OrdinaryPolhode:
         far = multiply(add(one, multiply(j3, self.d21)), self.a)
         total = mean_sum(divide(subtract(near, far), add(near, far)), ladder.shortfalls, steps)
         n1 = divide(multiply(near, self.b), multiply(far, self.a))
-        return add(n1, multiply(subtract(ONE, n1), times(total, 0.5)))
+        return add(n1, multiply(subtract(ONE, n1), scaled(total, 0.5)))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first, symmetric_first
 from lie_rigid_body.motion.closed_form.polhode import Polhode
-from lie_rigid_body.motion.closed_form.precision import PHASE_DIGITS, working_precision
+from lie_rigid_body.motion.closed_form.principal_axes import PHASE_DIGITS
 
 _INFINITY = Decimal("Infinity")
 

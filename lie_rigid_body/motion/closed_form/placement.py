@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from lie_rigid_body.motion.closed_form.double_double import Number
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.pairs import each, root
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, each, sqrt
 from lie_rigid_body.motion.closed_form.wave import Wave
 
 
@@ -52,13 +50,13 @@ def world(start: Start, frame: Quadruple, attitude: Quadruple, sense: Number) ->
     half_turn = 0.5 * sense * start.libration()
     untilted = _turn_and_untilt(each(math.sin, half_turn), each(math.cos, half_turn), *start.direction)
     x, y, z, w = multiply(untilted, frame)
-    size = root(x * x + y * y + z * z + w * w)
+    size = sqrt(x * x + y * y + z * z + w * w)
     return multiply(attitude, (-x / size, -y / size, -z / size, w / size))
 
 
 def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -> Quadruple:
     """exp(ψ e₃) ⊗ conj(b(n)) from the sine and cosine of ψ/2; see `general_motion`."""
-    scale = 1.0 / root(2.0 + 2.0 * n3)
+    scale = 1.0 / sqrt(2.0 + 2.0 * n3)
     upright = (1.0 + n3) * scale
     return (c * n2 + s * n1) * scale, (s * n2 - c * n1) * scale, s * upright, c * upright
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import Decimal
 
+from lie_rigid_body.arithmetic.decimals import Vector, root, working_precision
 from lie_rigid_body.motion.closed_form.elliptic_integrals import symmetric_first
 from lie_rigid_body.motion.closed_form.exact import separatrix_determinant
-from lie_rigid_body.motion.closed_form.precision import PHASE_DIGITS, root, working_precision
-from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, Vector
+from lie_rigid_body.motion.closed_form.principal_axes import PHASE_DIGITS, PrincipalAxes
 from lie_rigid_body.motion.closed_form.principal_frame import PrincipalFrame
 
 

@@ -6,12 +6,20 @@ do for the closed form.
 
 from __future__ import annotations
 
-from decimal import Decimal, getcontext
-from typing import NamedTuple
+from decimal import Decimal
+from typing import Final, NamedTuple
 
-from lie_rigid_body.motion.closed_form.precision import COUPLED_DIGITS, DIGITS, root
+from lie_rigid_body.arithmetic.decimals import Vector
+from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
 
-Vector = tuple[Decimal, Decimal, Decimal]
+DIGITS: Final = 50
+"""Decimal digits carried where nothing asks for more: no sum cancels, and time multiplies some rates by 1e10 rad."""
+
+COUPLED_DIGITS: Final = 80
+"""Digits carried with products of inertia, where moments may differ by round-off."""
+
+PHASE_DIGITS: Final = 24
+"""Digits of what is rounded to a double in the end, or is no rate that time multiplies."""
 
 
 class PrincipalAxes(NamedTuple):
@@ -32,39 +40,7 @@ def digits_for(entries: list[float]) -> int:
 
 
 def principal_axes(inertia: list[list[float]]) -> PrincipalAxes:
-    """Cyclic Jacobi rotations (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., sec. 8.5).
-
-    Each rotation is applied to every entry it concerns and no other, so blocks that are uncoupled stay exactly so.
-
-    Parameters
-    ----------
-    inertia : 3 rows of 3
-        Symmetric positive definite, kg m², body frame.
-    """
-    a = [[Decimal(entry) for entry in row] for row in inertia]
-    v = [[Decimal(int(i == j)) for j in range(3)] for i in range(3)]
-    tiny = Decimal(1).scaleb(-2 * getcontext().prec)
-    while any(a[p][q] != 0 for p, q in ((0, 1), (0, 2), (1, 2))):
-        for p, q in ((0, 1), (0, 2), (1, 2)):
-            if a[p][q] ** 2 <= tiny * a[p][p] * a[q][q]:
-                a[p][q] = a[q][p] = Decimal(0)
-            else:
-                _rotate(a, v, p, q)
-    order = sorted(range(3), key=lambda i: a[i][i])
-    first, second, third = ((v[0][i], v[1][i], v[2][i]) for i in order)
-    return PrincipalAxes((a[order[0]][order[0]], a[order[1]][order[1]], a[order[2]][order[2]]), (first, second, third))
-
-
-def _rotate(a: list[list[Decimal]], v: list[list[Decimal]], p: int, q: int) -> None:
-    """One rotation in the plane of axes p and q that makes a[p][q] zero."""
-    half_cotangent = (a[q][q] - a[p][p]) / (2 * a[p][q])
-    t = 1 / (abs(half_cotangent) + root(half_cotangent * half_cotangent + 1))
-    t = -t if half_cotangent < 0 else t
-    c = 1 / root(t * t + 1)
-    s, r = t * c, 3 - p - q
-    a[p][p], a[q][q] = a[p][p] - t * a[p][q], a[q][q] + t * a[p][q]
-    a[p][q] = a[q][p] = Decimal(0)
-    a[r][p], a[r][q] = c * a[r][p] - s * a[r][q], s * a[r][p] + c * a[r][q]
-    a[p][r], a[q][r] = a[r][p], a[r][q]
-    for row in v:
-        row[p], row[q] = c * row[p] - s * row[q], s * row[p] + c * row[q]
+    """The principal axes of an inertia, kg m², body frame, given as 3 rows of 3."""
+    moments, axes = diagonalised(inertia)
+    i, j, k = sorted(range(3), key=moments.__getitem__)
+    return PrincipalAxes((moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lie_rigid_body.motion.closed_form.precision import dot
-from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes, Vector
+from lie_rigid_body.arithmetic.decimals import Vector, dot
+from lie_rigid_body.motion.closed_form.principal_axes import PrincipalAxes
 
 
 @dataclass(frozen=True)

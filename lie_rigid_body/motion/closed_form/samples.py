@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final, TypeAlias
 
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form.double_double import Number
 
 Sample: TypeAlias = tuple[Number, Number, Number, Number, Number, Number, Number]
 """x y z w and the body rate."""

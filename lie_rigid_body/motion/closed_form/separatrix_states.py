@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, from_integer
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.clock import endless_phase, turns_from_zero
 from lie_rigid_body.motion.closed_form.course import Course, course, course_row, state
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
 from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
 from lie_rigid_body.motion.closed_form.hyperbolic_wave import (
     HyperbolicNumbers,
@@ -39,8 +40,8 @@ def separatrix_row(motion: GeneralMotion, wave: HyperbolicWave) -> list[Number]:
 @kernel
 def separatrix(row: Sequence[Number]) -> Separatrix:
     """The constants from their row."""
-    rate, start = DoubleDouble(row[0], row[1]), DoubleDouble(row[2], row[3])
-    return Separatrix(rate, start, DoubleDouble(row[4], row[5]), hyperbolic_numbers(row, 6), course(row, 31))
+    rate, start = (row[0], row[1]), (row[2], row[3])
+    return Separatrix(rate, start, (row[4], row[5]), hyperbolic_numbers(row, 6), course(row, 31))
 
 
 @kernel

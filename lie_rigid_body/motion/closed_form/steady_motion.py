@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
+from lie_rigid_body.arithmetic.decimals import PI, dot
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.clock import Clock
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
-from lie_rigid_body.motion.closed_form.precision import PI, dot
 
 
 @dataclass(frozen=True)

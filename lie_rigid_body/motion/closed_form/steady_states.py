@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, from_integer
+from lie_rigid_body.arithmetic.elementary import sine_cosine
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, sqrt
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.closed_form.clock import turns_from_zero
 from lie_rigid_body.motion.closed_form.course import quadruple, triple
-from lie_rigid_body.motion.closed_form.double_double import DoubleDouble, Number, from_integer
-from lie_rigid_body.motion.closed_form.elementary import square_root
-from lie_rigid_body.motion.closed_form.numbers import Quadruple, Triple
 from lie_rigid_body.motion.closed_form.placement import multiply
 from lie_rigid_body.motion.closed_form.samples import BLOCK, Sample, put, store
-from lie_rigid_body.motion.closed_form.sine import sine_cosine
 from lie_rigid_body.motion.closed_form.steady_motion import SteadyMotion
 
 
@@ -35,7 +34,7 @@ def steady_row(motion: SteadyMotion) -> list[Number]:
 @kernel
 def steady(row: Sequence[Number]) -> Steady:
     """The constants from their row."""
-    return Steady(DoubleDouble(row[0], row[1]), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
+    return Steady((row[0], row[1]), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
 
 
 @kernel
@@ -44,7 +43,7 @@ def steady_state(constants: Steady, time: DoubleDouble) -> Sample:
     s, c = sine_cosine(turns_from_zero(constants.half_rate, time))
     p, q, (u, v, w) = constants.attitude, constants.across, constants.body_rate
     x, y, z, r = p[0] * c + q[0] * s, p[1] * c + q[1] * s, p[2] * c + q[2] * s, p[3] * c + q[3] * s
-    size = 1.0 / square_root((x * x + y * y) + (z * z + r * r))
+    size = 1.0 / sqrt((x * x + y * y) + (z * z + r * r))
     return x * size, y * size, z * size, r * size, u, v, w
 
 

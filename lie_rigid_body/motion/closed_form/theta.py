@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form.double_double import Number
 
 Cubic = tuple[Number, Number, Number, Number]
 """Coefficients from the constant up."""

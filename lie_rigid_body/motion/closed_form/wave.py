@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from lie_rigid_body.motion.closed_form.double_double import Number
+from lie_rigid_body.arithmetic.numbers import Number
 
 
 class Crest(NamedTuple):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.moser_veselov.principal_axes import Matrix, PrincipalAxes
+from lie_rigid_body.motion.moser_veselov.spinning_frame import PrincipalAxes
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def _quaternion_product(p: list[Decimal], q: list[Decimal]) -> list[Decimal]:
     ]
 
 
-def _rotation_quaternion(r: Matrix) -> list[Decimal]:
+def _rotation_quaternion(r: Sequence[Sequence[Decimal]]) -> list[Decimal]:
     """The unit quaternion of a rotation matrix, from the largest column of 4 qqᵀ (S. W. Shepperd, 1978)."""
     (a, b, c), (d, e, f), (g, h, i) = r
     columns = [

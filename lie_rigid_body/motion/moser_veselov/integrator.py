@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.motion.moser_veselov.frame_change import FrameChange, rotated
 from lie_rigid_body.motion.moser_veselov.loop import LENGTH, LOOP, SAMPLE_SIZE, STATE_SIZE
 from lie_rigid_body.motion.moser_veselov.motion_constants import MotionConstants, motion_constants, pairs
-from lie_rigid_body.motion.moser_veselov.principal_axes import PrincipalAxes
-from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, PrincipalAxes, SpinningFrame
 from lie_rigid_body.motion.starts import Starts
 
 Array = NDArray[np.float64]
@@ -80,7 +80,7 @@ def moser_veselov_integrators(starts: Starts, max_step: float, order: int) -> li
     Bodies of equal inertia share their axes, and those of equal rate as well the constants of their motion.
     """
     found: dict[int, MoserVeselovIntegrator] = {}
-    with working_precision():
+    with working_precision(DIGITS):
         motions = list(_motions(starts))
         constants = motion_constants([frame for _, frame, _ in motions], order)
         for (change, frame, same), numbers in zip(motions, constants, strict=True):

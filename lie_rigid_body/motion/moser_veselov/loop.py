@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, divide, fast_two_sum, multiply
 from lie_rigid_body.compilation import Loop, kernel
-from lie_rigid_body.motion.moser_veselov.double_double import Pair, divide, fast_two_sum, multiply
 from lie_rigid_body.motion.moser_veselov.restoration import restored_attitude, restored_momentum
 from lie_rigid_body.motion.moser_veselov.step import moved_momentum, step_rotation, turned
 from lie_rigid_body.motion.moser_veselov.step_constants import step_constants
@@ -31,7 +31,7 @@ SAMPLE_SIZE: Final = 7
 
 
 @kernel
-def step_length(unit: Pair, span: int, count: int) -> Pair:
+def step_length(unit: DoubleDouble, span: int, count: int) -> DoubleDouble:
     """The length of one of ``count`` equal steps in ``span`` nanoseconds, if one nanosecond is ``unit``."""
     low = span & 0xFFFFFFFF
     time = fast_two_sum(float(span - low), float(low))
@@ -50,7 +50,7 @@ def prepare(state: Any, constants: Any, span: int, count: int) -> None:
 
 
 @kernel
-def pair(values: Any, place: int) -> Pair:
+def pair(values: Any, place: int) -> DoubleDouble:
     """The number at a place and the next."""
     return values[place], values[place + 1]
 

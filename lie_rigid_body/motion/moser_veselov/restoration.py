@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, add, multiply, subtract
+from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.moser_veselov.double_double import Pair, add, multiply, subtract
 from lie_rigid_body.motion.moser_veselov.step import Four, Three, increased
 
 DIFFERENCES: Final = 30
@@ -44,7 +45,9 @@ def restored_momentum(n: Three, constants: Any) -> Three:
 
 
 @kernel
-def from_nearest_axis(a: float, b: float, c: float, constants: Any) -> tuple[Pair, Pair, Pair, Pair]:
+def from_nearest_axis(
+    a: Number, b: Number, c: Number, constants: Any
+) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]:
     """With eₖ of the axis whose squared component is the largest: eⱼ − eₖ for each j, and 2H − eₖ of the start."""
     e12, e13, e23 = pair_at(constants, 0), pair_at(constants, 2), pair_at(constants, 4)
     if a >= b and a >= c:
@@ -56,13 +59,13 @@ def from_nearest_axis(a: float, b: float, c: float, constants: Any) -> tuple[Pai
 
 
 @kernel
-def pair_at(constants: Any, place: int) -> Pair:
+def pair_at(constants: Any, place: int) -> DoubleDouble:
     """One of the differences."""
     return constants[DIFFERENCES + place], constants[DIFFERENCES + place + 1]
 
 
 @kernel
-def negative(a: Pair) -> Pair:
+def negative(a: DoubleDouble) -> DoubleDouble:
     """−a."""
     return -a[0], -a[1]
 
@@ -111,6 +114,6 @@ def cross(a: Three, b: Three) -> Three:
 
 
 @kernel
-def minor(a: Pair, b: Pair, c: Pair, d: Pair) -> Pair:
+def minor(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) -> DoubleDouble:
     """The difference ab − cd."""
     return subtract(multiply(a, b), multiply(c, d))

@@ -9,20 +9,48 @@ order 1 whatever the body.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
+from decimal import Decimal
 from typing import Final
 
+from lie_rigid_body.arithmetic.decimals import Vector, dot
+from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.moser_veselov.principal_axes import PrincipalAxes, Vector
 
-_DIGITS: Final = 60
+DIGITS: Final = 60
+"""Decimal digits carried."""
 
 
-def working_precision() -> AbstractContextManager[Context]:
-    """Decimal arithmetic of many digits and unlimited range, inside a ``with`` block."""
-    return localcontext(Context(prec=_DIGITS, Emin=MIN_EMIN, Emax=MAX_EMAX))
+@dataclass(frozen=True)
+class PrincipalAxes:
+    """The principal axes of a body, that of the intermediate moment second, in a cyclic order of the body's own.
+
+    Attributes
+    ----------
+    tensor : 3 rows of 3 Decimal
+        The inertia in the body frame, kg m².
+    moments : tuple of 3 Decimal
+        kg m²
+    axes : 3 vectors
+        Of unit length, in the body frame, right-handed.
+    diagonal : bool
+        Whether the axes are the body's own.
+    """
+
+    tensor: list[Vector]
+    moments: Vector
+    axes: tuple[Vector, Vector, Vector]
+    diagonal: bool
+
+    @classmethod
+    def of(cls, inertia: Sequence[Sequence[float]]) -> PrincipalAxes:
+        """Those of an inertia tensor, in the decimal precision in force."""
+        tensor = [(Decimal(x), Decimal(y), Decimal(z)) for x, y, z in inertia]
+        moments, axes = diagonalised(inertia)
+        middle = sorted(range(3), key=moments.__getitem__)[1]
+        i, j, k = (middle - 1) % 3, middle, (middle + 1) % 3
+        diagonal = all(tensor[p][q] == 0 for p, q in ((0, 1), (0, 2), (1, 2)))
+        return cls(tensor, (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]), diagonal)
 
 
 @dataclass(frozen=True)
@@ -59,11 +87,11 @@ class SpinningFrame:
     def about(cls, principal: PrincipalAxes, body_rate: Sequence[float]) -> SpinningFrame:
         """The frame of a motion of a body whose axes are known."""
         rate = [Decimal(component) for component in body_rate]
-        total = [_dot(row, rate) for row in principal.tensor]
-        size = _dot(total, total).sqrt()
+        total = [dot(row, rate) for row in principal.tensor]
+        size = dot(total, total).sqrt()
         if size == 0:
             return cls._scaled(principal, (Decimal(0), Decimal(0), Decimal(1)), size)
-        a, b, c = (_dot(axis, total) / size for axis in principal.axes)
+        a, b, c = (dot(axis, total) / size for axis in principal.axes)
         return cls._scaled(principal, (a, b, c), size)
 
     @classmethod
@@ -80,7 +108,3 @@ class SpinningFrame:
         scaled = (e1 / fastest, e2 / fastest, e3 / fastest)
         energy = scaled[0] * m1 + scaled[2] * m3
         return cls(scaled, momentum, energy, m1, m3, size * fastest)
-
-
-def _dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

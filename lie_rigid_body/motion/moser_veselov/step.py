@@ -7,18 +7,18 @@ that the errors that remain are as good as random. The attitude's increments are
 
 from __future__ import annotations
 
-import math
 from typing import Any, TypeAlias
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, fast_two_sum, two_product, two_sum
+from lie_rigid_body.arithmetic.numbers import Number, sqrt
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.moser_veselov.double_double import Pair, fast_two_sum, two_product, two_sum
 
-Three: TypeAlias = tuple[Pair, Pair, Pair]
-Four: TypeAlias = tuple[Pair, Pair, Pair, Pair]
+Three: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
+Four: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]
 
 
 @kernel
-def increased(value: Pair, hi: float, lo: float) -> Pair:
+def increased(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
     """A value with an increment added, given as a double and a smaller one that it lacks."""
     total, error = two_sum(value[0], hi)
     return two_sum(total, value[1] + (error + lo))
@@ -49,7 +49,7 @@ def moved_momentum(n: Three, step: Any, at: int) -> Three:
 
 
 @kernel
-def scaled_sum(before: Pair, after: Pair, hi: float, lo: float) -> Pair:
+def scaled_sum(before: DoubleDouble, after: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
     """ρ₀ρⱼ = ½dⱼ (nⱼ + nⱼ⁺), not normalised."""
     total, error = two_sum(before[0], after[0])
     product, rest = two_product(total, hi)
@@ -57,14 +57,16 @@ def scaled_sum(before: Pair, after: Pair, hi: float, lo: float) -> Pair:
 
 
 @kernel
-def step_rotation(before: Three, after: Three, step: Any, at: int) -> tuple[Pair, Pair, Pair, float]:
+def step_rotation(
+    before: Three, after: Three, step: Any, at: int
+) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]:
     """The vector part ρ of the step's quaternion, and 1 − ρ₀."""
     v1 = scaled_sum(before[0], after[0], step[at + 14], step[at + 15])
     v2 = scaled_sum(before[1], after[1], step[at + 16], step[at + 17])
     v3 = scaled_sum(before[2], after[2], step[at + 18], step[at + 19])
     s, s_lo = sum_of_squares(v1, v2, v3)
-    square = 0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)
-    scalar = math.sqrt(square)
+    square = 0.5 + 0.5 * sqrt(1.0 - 4.0 * s)
+    scalar = sqrt(square)
     # 1 − ρ₀² and 1 − ρ₀
     t = (s + s_lo) / square
     less = t / (1.0 + scalar)
@@ -75,7 +77,7 @@ def step_rotation(before: Three, after: Three, step: Any, at: int) -> tuple[Pair
 
 
 @kernel
-def sum_of_squares(a: Pair, b: Pair, c: Pair) -> Pair:
+def sum_of_squares(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble) -> DoubleDouble:
     """The sum a² + b² + c², not normalised."""
     p, p_lo = two_product(a[0], a[0])
     q, q_lo = two_product(b[0], b[0])
@@ -86,7 +88,7 @@ def sum_of_squares(a: Pair, b: Pair, c: Pair) -> Pair:
 
 
 @kernel
-def enlarged(value: Pair, hi: float, lo: float) -> Pair:
+def enlarged(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
     """The value times 1 + hi + lo."""
     product, error = two_product(value[0], hi)
     total, rest = fast_two_sum(value[0], product)
@@ -94,7 +96,7 @@ def enlarged(value: Pair, hi: float, lo: float) -> Pair:
 
 
 @kernel
-def turned(q: Four, r: tuple[Pair, Pair, Pair, float]) -> Four:
+def turned(q: Four, r: tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]) -> Four:
     """The attitude after the step, q ⊗ (ρ, ρ₀), as increments."""
     x, y, z, w = q
     a, b, c, less = r
@@ -108,7 +110,16 @@ def turned(q: Four, r: tuple[Pair, Pair, Pair, float]) -> Four:
 
 
 @kernel
-def with_products(value: Pair, a: Pair, b: Pair, c: Pair, d: Pair, e: Pair, f: Pair, less: float) -> Pair:
+def with_products(
+    value: DoubleDouble,
+    a: DoubleDouble,
+    b: DoubleDouble,
+    c: DoubleDouble,
+    d: DoubleDouble,
+    e: DoubleDouble,
+    f: DoubleDouble,
+    less: Number,
+) -> DoubleDouble:
     """The value (1 − less) + ab + cd + ef."""
     p, p_lo = two_product(a[0], b[0])
     q, q_lo = two_product(c[0], d[0])

@@ -16,12 +16,10 @@ which the Moser–Veselov equation holds. For the half step T = S(x/2) of the sy
 
 from __future__ import annotations
 
-import math
 from typing import Any, Final
 
-from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.moser_veselov.double_double import (
-    Pair,
+from lie_rigid_body.arithmetic.double_double import (
+    DoubleDouble,
     add,
     divide,
     multiply,
@@ -29,6 +27,8 @@ from lie_rigid_body.motion.moser_veselov.double_double import (
     subtract,
     two_product,
 )
+from lie_rigid_body.arithmetic.numbers import Number, magnitude, sqrt
+from lie_rigid_body.compilation import kernel
 
 COEFFICIENTS: Final = 36
 ALPHA: Final = COEFFICIENTS
@@ -44,7 +44,7 @@ CONVERGED: Final = 1e-9
 
 
 @kernel
-def step_constants(x: Pair, constants: Any) -> Any:
+def step_constants(x: DoubleDouble, constants: Any) -> Any:
     """The constants of a step, as hi and lo parts.
 
     Parameters
@@ -85,7 +85,7 @@ def step_constants(x: Pair, constants: Any) -> Any:
 
 
 @kernel
-def series(square: Pair, constants: Any, first: int) -> Pair:
+def series(square: DoubleDouble, constants: Any, first: int) -> DoubleDouble:
     """Σ cₖ x²ᵏ, with coefficients from place ``first``; for the terms beyond x² doubles are enough."""
     x = square[0]
     tail = 0.0
@@ -97,19 +97,19 @@ def series(square: Pair, constants: Any, first: int) -> Pair:
 
 
 @kernel
-def complement(square: Pair, p: Pair) -> Pair:
+def complement(square: DoubleDouble, p: DoubleDouble) -> DoubleDouble:
     """√(1 − S²P), from S²."""
     return square_root(subtract((1.0, 0.0), multiply(square, p)))
 
 
 @kernel
-def half_step(beta: Pair, d1: Pair, d3: Pair, constants: Any) -> Pair:
+def half_step(beta: DoubleDouble, d1: DoubleDouble, d3: DoubleDouble, constants: Any) -> DoubleDouble:
     """The root T of T ρ₀² = β χ δ: by Newton's method in doubles, and one step more in double-double."""
     t = beta[0]
     for _ in range(NEWTON_STEPS):
         less = residual(t, beta[0], d1[0], d3[0], constants) / slope(t, beta[0], d1[0], d3[0], constants)
         t = t - less
-        if abs(less) <= CONVERGED * t:
+        if magnitude(less) <= CONVERGED * t:
             break
     p, q = (constants[8], constants[9]), (constants[10], constants[11])
     m1, m3 = (constants[12], constants[13]), (constants[14], constants[15])
@@ -124,19 +124,19 @@ def half_step(beta: Pair, d1: Pair, d3: Pair, constants: Any) -> Pair:
 
 
 @kernel
-def residual(t: float, beta: float, d1: float, d3: float, constants: Any) -> float:
+def residual(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
     """T ρ₀² − β χ δ."""
     x, y = 1.0 - t * t * constants[8], 1.0 - t * t * constants[10]
     s = d1 * d1 * x * constants[12] + d3 * d3 * y * constants[14]
-    return t * (0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)) - beta * math.sqrt(x * y)
+    return t * (0.5 + 0.5 * sqrt(1.0 - 4.0 * s)) - beta * sqrt(x * y)
 
 
 @kernel
-def slope(t: float, beta: float, d1: float, d3: float, constants: Any) -> float:
+def slope(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
     """Its derivative with respect to T."""
     p, q, m1, m3 = constants[8], constants[10], constants[12], constants[14]
     x, y = 1.0 - t * t * p, 1.0 - t * t * q
-    root = math.sqrt(1.0 - 4.0 * (d1 * d1 * x * m1 + d3 * d3 * y * m3))
+    root = sqrt(1.0 - 4.0 * (d1 * d1 * x * m1 + d3 * d3 * y * m3))
     turning = 2.0 * t * t * (d1 * d1 * p * m1 + d3 * d3 * q * m3) / root
-    value: float = 0.5 + 0.5 * root + turning + beta * t * (p * y + q * x) / math.sqrt(x * y)
+    value: Number = 0.5 + 0.5 * root + turning + beta * t * (p * y + q * x) / sqrt(x * y)
     return value

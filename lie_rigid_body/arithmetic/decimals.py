@@ -1,8 +1,9 @@
-"""Decimal arithmetic of many digits and unlimited range, for the constants of a motion that is not ordinary."""
+"""Decimal arithmetic of many digits and unlimited range."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from decimal import (
     MAX_EMAX,
@@ -17,16 +18,9 @@ from decimal import (
     localcontext,
 )
 from functools import lru_cache
-from typing import Final
+from typing import Final, TypeAlias
 
-DIGITS: Final = 50
-"""Decimal digits carried where nothing asks for more: no sum cancels, and time multiplies some rates by 1e10 rad."""
-
-COUPLED_DIGITS: Final = 80
-"""Digits carried with products of inertia, where moments may differ by round-off."""
-
-PHASE_DIGITS: Final = 24
-"""Digits of what is rounded to a double in the end, or is no rate that time multiplies."""
+Vector: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")
 
@@ -53,6 +47,6 @@ def root(x: Decimal) -> Decimal:
     return Decimal(math.isqrt(int(x.scaleb(-2 * exponent)))).scaleb(exponent)
 
 
-def dot(a: tuple[Decimal, ...], b: tuple[Decimal, ...]) -> Decimal:
+def dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
     """Σ aᵢ bᵢ in the precision in force."""
     return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))

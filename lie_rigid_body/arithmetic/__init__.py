@@ -1,0 +1,9 @@
+"""The arithmetic that both motions share, as they share IEEE 754: no formula of a motion is here.
+
+A table of contents
+
+- `double_double`: sums, products, quotients and roots to 32 digits;
+- `elementary`: sine, cosine, exponential and arctangent of one set of bits on floats, on arrays and compiled;
+- `decimals`: decimal arithmetic of many digits and unlimited range;
+- `symmetric_eigenproblem`: eigenvalues and axes of a symmetric 3×3 matrix in decimals.
+"""

@@ -1,0 +1,91 @@
+"""A number of one motion, or of many, and its functions that are exact or correctly rounded.
+
+For floats, for arrays and compiled the bits are the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.compilation import kernel, kernel_of
+
+Number: TypeAlias = float | Array
+"""A float of one motion, or an array with an element for each of many.
+
+Every formula of a motion is elementwise, so that a motion whose numbers are arrays is that many motions, and each of
+them has the bits that it has alone.
+"""
+
+Triple: TypeAlias = tuple[Number, Number, Number]
+Quadruple: TypeAlias = tuple[Number, Number, Number, Number]
+
+_WHOLE: Final = 1.5 * 2.0**52
+"""So large that added to a smaller number it leaves whole numbers."""
+
+_EXPONENT_OF_ONE: Final = 1.5 * 2.0**52 + 1023.0
+"""A double whose last bits are those of the exponent of 1."""
+
+
+@kernel
+def magnitude(x: Any) -> Number:
+    """The size |x|."""
+    size: Number = abs(x)
+    return size
+
+
+@kernel
+def sign(x: Any) -> Number:
+    """−1 where the number is negative, else 1."""
+    side: Number = 1.0 - 2.0 * (x < 0.0)
+    return side
+
+
+@kernel
+def nearest(x: Number) -> Number:
+    """The integer nearest to a number of at most 2⁵¹, the even one of two."""
+    return (x + _WHOLE) - _WHOLE
+
+
+def _sqrt(x: float) -> float:
+    return math.sqrt(x)
+
+
+@kernel_of(_sqrt)
+def sqrt(x: Number) -> Number:
+    """√x."""
+    return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+def _at_most(x: float, limit: float) -> float:
+    return x if x < limit else limit
+
+
+@kernel_of(_at_most)
+def at_most(x: Number, limit: float) -> Number:
+    """The smaller of two numbers."""
+    return min(x, limit) if isinstance(x, float) else np.minimum(x, limit)
+
+
+def _power_of_two(k: float) -> float:
+    # the bits of k + 1023, moved to where a double has its exponent
+    bits = np.float64(k + _EXPONENT_OF_ONE).view(np.int64)
+    power: float = np.int64(bits << 52).view(np.float64)
+    return power
+
+
+@kernel_of(_power_of_two)
+def power_of_two(k: Number) -> Number:
+    """2ᵏ for a whole number in [−1022, 0]."""
+    return math.ldexp(1.0, int(k)) if isinstance(k, float) else np.ldexp(1.0, k.astype(np.int32))
+
+
+def each(function: Callable[..., float], *arguments: Number) -> Number:
+    """A function of Python's math library, which NumPy's own may differ from in the last bit, number by number."""
+    if isinstance(arguments[0], float):
+        return function(*arguments)
+    return np.array([function(*row) for row in zip(*(np.asarray(a).tolist() for a in arguments), strict=True)])
