@@ -105,7 +105,15 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     layout.run("check", "out.mcap", cwd=tmp_path)
 
 
-@pytest.mark.parametrize("options", [(), ("--symlink-install",), ("--merge-install",)], ids=" ".join)
+# one kind of each tool's installation in every run: an installation takes as long as hundreds of other tests
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "options",
+    [(), pytest.param(("--symlink-install",), marks=SLOW), pytest.param(("--merge-install",), marks=SLOW)],
+    ids=" ".join,
+)
 def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     workspace = sources.parents[1]
     layout = colcon_layout(workspace, *options)
@@ -120,12 +128,13 @@ def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -
     assert [name for name in CONFIGURATION if not (config / name).is_file()] == []
     assert names(prefix / "share/lie_rigid_body/launch") >= {file.name for file in sources.glob("launch/*.launch.py")}
     assert_works(layout, workspace, tmp_path)
+    assert_colcon_test_runs_pytest(workspace, *options)
 
 
-def test_colcon_test_runs_pytest(sources: Path) -> None:
-    workspace = sources.parents[1]
-    colcon(workspace, "build")
-    colcon(workspace, "test", "--return-code-on-test-failure", "--pytest-args", "test/test_import_walls.py")
+def assert_colcon_test_runs_pytest(workspace: Path, *options: str) -> None:
+    merged = [option for option in options if option == "--merge-install"]
+    one = ("--pytest-args", "test/test_import_walls.py")
+    colcon(workspace, "test", "--return-code-on-test-failure", *merged, *one)
     result = (workspace / "build/lie_rigid_body/pytest.xml").read_text(encoding="utf-8")
     assert 'failures="0"' in result
     assert "test_every_module_keeps_to_its_room" in result
@@ -152,7 +161,7 @@ def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> Non
     assert_works(layout, site, tmp_path)
 
 
-@pytest.mark.parametrize("options", [(), ("--editable",)], ids=" ".join)
+@pytest.mark.parametrize("options", [(), pytest.param(("--editable",), marks=SLOW)], ids=" ".join)
 def test_pip_install_in_an_environment(sources: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     """The short names stay out of an environment's bin, which is everybody's."""
     home = tmp_path / "environment"
@@ -165,6 +174,7 @@ def test_pip_install_in_an_environment(sources: Path, tmp_path: Path, options: t
     assert_works(layout, sources if options else home, tmp_path)
 
 
+@SLOW
 def test_pip_install_in_a_folder(sources: Path, tmp_path: Path) -> None:
     target = tmp_path / "target"
     pip_install(tmp_path, Path(sys.executable), "--target", str(target), str(sources))
