@@ -16,12 +16,11 @@ A. Iserles, H. Z. Munthe-Kaas, S. P. Nørsett, A. Zanna, "Lie-group methods", Ac
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import series
-
-Array = NDArray[np.float64]
 
 
 def as_vectors(v: ArrayLike) -> Array:

@@ -13,9 +13,8 @@ from fractions import Fraction
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array
 
 SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""

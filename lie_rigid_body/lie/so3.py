@@ -7,8 +7,9 @@ small-angle series in `series`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, series
 from lie_rigid_body.lie.rotation_vector import (
     as_vectors,
@@ -33,8 +34,6 @@ __all__ = [
     "right_jacobian_inverse",
     "vee",
 ]
-
-Array = NDArray[np.float64]
 
 
 def exp(v: ArrayLike) -> Array:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 def real_array(name: str, value: ArrayLike, form: str) -> Array:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
-
-Array = NDArray[np.float64]
 
 _NAME: Final = "inertia"
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)

@@ -7,13 +7,12 @@ from itertools import combinations
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.mechanics.mass_moments import MassMoments
-
-Array = NDArray[np.float64]
 
 Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
 """Lower and upper end of one coordinate: numbers, or a function of the coordinates before it, (N, k) ↦ (N,), (N,)."""

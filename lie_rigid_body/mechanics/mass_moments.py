@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.mechanics.second_moment import orthogonal_matrix, second_moment_matrix
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import (
     apply_tensor,
@@ -15,8 +16,6 @@ from lie_rigid_body.mechanics.inertia import (
 )
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
-
-Array = NDArray[np.float64]
 
 
 class RigidBody:

@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
-
-Array = NDArray[np.float64]
 
 ORTHOGONAL_TOLERANCE: Final = 1e-9
 """A matrix is refused as a rotation when an entry of AᵀA − 1 exceeds this."""

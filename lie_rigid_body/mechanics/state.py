@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
-
-Array = NDArray[np.float64]
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """A quaternion farther than this from unit norm is refused, a nearer one normalised."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics.rigid_body import RigidBody
 
-Array = NDArray[np.float64]
 Kind: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)

@@ -1,0 +1,14 @@
+"""The two element types of the arrays that all rooms pass to each other."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+"""Real numbers in double precision."""
+
+Integers: TypeAlias = NDArray[np.int64]
+"""Whole numbers of 64 bits: times in nanoseconds, counts, indices."""
