@@ -1,7 +1,7 @@
 """The rotation group SO(3): matrices, their exponential and logarithm, and the Jacobians of the exponential.
 
-A table of contents: the algebra and its Jacobians live in `rotation_vector`, unit quaternions in `quaternion`,
-small-angle series in `series`.
+The algebra and the Jacobians are those of `rotation_vector`, under the names of the group; the logarithm goes through
+`quaternion`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The rigid body: its inertia, and the quantities that a torque-free motion conserves."""
+"""The rigid body: its inertia, momentum and kinetic energy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from lie_rigid_body.mechanics.state import State
 
 
 class RigidBody:
-    """A free rigid body, known by its inertia about its centre of mass; or a batch of them.
+    """A free rigid body, given by its inertia about its centre of mass, or a batch of bodies.
 
     Parameters
     ----------
@@ -125,12 +125,12 @@ class RigidBody:
         return f"RigidBody({self.inertia.tolist()})"
 
     def body_momentum(self, states: State) -> Array:
-        """Angular momentum in the body frame, M ω.
+        """Angular momentum in the body frame, π = Mω; Lucas (arXiv 1111.1275), eq. (19).
 
         Parameters
         ----------
         states : State
-            Those of a batch of bodies have its axes first, as a motion gives them.
+            States of a batch of bodies have the axes of the batch first, as `ClosedForm` and `MovingChart` return them.
 
         Returns
         -------
@@ -142,7 +142,7 @@ class RigidBody:
         return apply_tensor(self.inertia.reshape(*self.batch_shape, *extra, 3, 3), states.body_rate)
 
     def angular_momentum(self, states: State) -> Array:
-        """Angular momentum in the world frame, A M ω: conserved, component by component.
+        """Angular momentum in the world frame, L = A M ω: every component is conserved.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class RigidBody:
         return quaternion.rotate(states.attitude_xyzw, self.body_momentum(states))
 
     def kinetic_energy(self, states: State) -> Array:
-        """Kinetic energy ½ ω·Mω: conserved.
+        """Kinetic energy ½ ω·Mω, which is conserved; Lucas (arXiv 1111.1275), eq. (14).
 
         Parameters
         ----------
