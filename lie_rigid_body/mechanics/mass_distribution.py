@@ -1,4 +1,4 @@
-"""Mass, centre and second moment, ∫ρ, ∫ρ x and ∫ρ x xᵀ, of point masses and of densities given on a grid or as functions."""
+"""Mass, centre and second moment of point masses, and of densities given on a grid or as functions."""
 
 from __future__ import annotations
 
