@@ -48,7 +48,7 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n): tr(Pᵏ) for every even k < n, and for even n the Pfaffian of P.
 
     For even n tr(Pⁿ) depends on these, since Pf² = det P; odd powers have trace 0. There are ⌊n/2⌋, the rank of SO(n).
-    tr(P²) is the constant of motion of eqs. (23) and (24) of A. Lucas, arXiv 1111.1275, times −2.
+    With P = pᵃTᵃ, tr(P²) = −2 pᵃpᵃ, whose rate is 0 by eqs. (23) and (24) of A. Lucas, arXiv 1111.1275.
 
     Parameters
     ----------

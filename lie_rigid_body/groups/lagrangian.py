@@ -152,7 +152,7 @@ class Lagrangian:
 
 
 def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
-    """The metric in the space frame at a group element, Ad(A)⁻ᵀ M Ad(A)⁻¹: eq. (13), with A for A₀.
+    """The metric in the space frame at a group element, Ad(A)⁻ᵀ M Ad(A)⁻¹; of a body it is eq. (13) with A₀ = A.
 
     Parameters
     ----------

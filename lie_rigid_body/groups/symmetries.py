@@ -14,8 +14,9 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 
-_ROUND_OFF: Final = 1e-12
+_TOLERANCE: Final = 1e-12
 _TIE: Final = 1e-8
+"""Difference of squared distances to the span below which two generators count as equally near."""
 
 
 def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
@@ -47,7 +48,7 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
 
 
-def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: float = _ROUND_OFF) -> Array:
+def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: float = _TOLERANCE) -> Array:
     """The directions ξ of the algebra whose momentum ξᵃpᵃ in the body frame is constant in every motion.
 
     They are the solutions of ξᵃ (f[c,a,d] Mᵈᵇ + f[b,a,d] Mᵈᶜ) = 0 for all b, c, and generate the subgroup of Ad that
