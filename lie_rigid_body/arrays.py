@@ -1,4 +1,4 @@
-"""Types of arrays."""
+"""The two element types of the arrays that all rooms pass to each other."""
 
 from __future__ import annotations
 
@@ -8,4 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
+"""Real numbers in double precision."""
+
 Integers: TypeAlias = NDArray[np.int64]
+"""Whole numbers of 64 bits: times in nanoseconds, counts, indices."""

@@ -1,13 +1,17 @@
-"""The paper on any matrix Lie group: algebra, Lagrangian, Hamiltonian, what is conserved, and the moving chart.
+"""The paper on any matrix Lie group: Chasles, algebra, Lagrangian, Hamiltonian, conserved quantities, moving chart.
 
-No executable needs this room. It may use rotations, the rigid body and the steppers; nothing imports it.
+The paper is A. Lucas, *Lagrangian mechanics on Lie groups: a pedagogical approach*, arXiv 1111.1275. In its order:
+`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `hamiltonian`; and of the appendix
+on Lie groups `algebra`, `matrix_lie_group` and `classical_groups`. The motion is integrated in `group_moving_chart`.
+
+No executable needs this room. It uses rotations, the second moment of a body and the tableaus of the steppers; nothing
+imports it.
 """
 
 from lie_rigid_body.groups import double_cover
 from lie_rigid_body.groups.chasles import Displacement, chasles
-from lie_rigid_body.groups.circle import U1
-from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart
-from lie_rigid_body.groups.group_state import GroupState
+from lie_rigid_body.groups.classical_groups import SO, SU, U1
+from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart, GroupState
 from lie_rigid_body.groups.hamiltonian import (
     Hamiltonian,
     HamiltonsEquations,
@@ -16,17 +20,25 @@ from lie_rigid_body.groups.hamiltonian import (
     lie_poisson_bracket,
     poisson_tensor,
 )
-from lie_rigid_body.groups.invariants import momentum_matrix, rotation_casimirs, spatial_momentum, unitary_casimirs
-from lie_rigid_body.groups.lagrangian import Lagrangian, metric_at, require_metric
-from lie_rigid_body.groups.manakov import manakov_integrals
-from lie_rigid_body.groups.mass_matrix import mass_matrix
+from lie_rigid_body.groups.invariants import (
+    manakov_integrals,
+    momentum_matrix,
+    pfaffian,
+    rotation_casimirs,
+    unitary_casimirs,
+)
+from lie_rigid_body.groups.lagrangian import Lagrangian, metric_at
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.pfaffian import pfaffian
+from lie_rigid_body.groups.metric import mass_matrix, require_metric
 from lie_rigid_body.groups.product import product
-from lie_rigid_body.groups.special_orthogonal import SO
-from lie_rigid_body.groups.special_unitary import SU
-from lie_rigid_body.groups.steady import Stability, SteadyRotation, linearisation, steady_axes, steady_rotation
-from lie_rigid_body.groups.symmetries import conserved_momenta
+from lie_rigid_body.groups.steady_rotations import (
+    Stability,
+    SteadyRotation,
+    linearisation,
+    steady_axes,
+    steady_rotation,
+)
+from lie_rigid_body.groups.symmetries import conserved_momenta, spatial_momentum
 
 __all__ = [
     "GROUP_METHODS",

@@ -1,4 +1,6 @@
-"""Chasles' theorem: every displacement of a rigid body is a rotation and a translation, found here from points.
+"""Chasles' theorem: every displacement of a rigid body is a rotation and a translation; here both from points.
+
+The theorem and its proof are eqs. (1)-(6) of A. Lucas, arXiv 1111.1275.
 
 References
 ----------
@@ -13,16 +15,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 
-Array = NDArray[np.float64]
-
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+"""Rounding error of a coordinate, relative to the largest."""
 _THIN: Final = 1e-2
-"""Squared width by squared length, where a body may be a line with noise."""
+"""Squared width over squared length below which the width of a body is compared with the noise of the points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +41,9 @@ class Displacement:
         Root mean square distance of the displaced points from where the displacement puts them, m. Round-off for exact
         data, and about the noise for noisy data; large when the points were reflected or the body was not rigid.
     determinacy : float
-        How firmly the points hold the rotation, above 0 and at most 2: (σₙ₋₁ ± σₙ)/σ₁ of the singular values of the
-        cross covariance, minus if it is a reflection. Data of relative error ε turn the rotation by at most
-        about ε/determinacy, rad.
+        How well the points determine the rotation, above 0 and at most 2: (σₙ₋₁ ± σₙ)/σ₁ of the singular values of
+        the cross covariance, minus if its determinant is negative. A relative error ε of the data changes the rotation
+        by at most about ε/determinacy, rad.
     """
 
     rotation: Array
@@ -50,7 +52,7 @@ class Displacement:
     determinacy: float
 
     def apply(self, points: ArrayLike) -> Array:
-        """Where points of the body are.
+        """The positions of displaced points of the body.
 
         Parameters
         ----------
@@ -66,11 +68,10 @@ class Displacement:
 
 
 def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None = None) -> Displacement:
-    """The proper rotation and the translation that bring points of a body closest to where they are now.
+    """The rotation and the translation that best fit points of a body before and after a displacement.
 
-    They minimise Σ wᵢ |yᵢ − A xᵢ − t|² over A in SO(n) and t. The rotation is proper also when the points lie in one
-    hyperplane, and when the data are a mirror image (the best proper rotation is then far from fitting: see the
-    residual).
+    They minimise Σ wᵢ |yᵢ − A xᵢ − t|² over A in SO(n) and t. The determinant of A is 1 also when the points lie in one
+    hyperplane, and when the data are a mirror image, which no rotation fits: see the residual.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None =
     displaced : array_like, shape (N, n)
         The same points yᵢ in the world frame, in the same order, exact or noisy, m.
     weights : array_like, shape (N,), optional
-        Not negative, in any unit; all equal if left out. For independent noise, one over its variance.
+        Not negative, in any unit; equal if left out. For independent noise, the inverse of its variance.
 
     Returns
     -------
@@ -89,10 +90,10 @@ def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None =
     ------
     InputError
         If shapes do not match, numbers are not finite, weights are negative or all 0, or the rotation is not
-        determined: the points span fewer than n−1 dimensions about their centre, or they are reflected and the mirror
-        has no unique direction. Both are judged within round-off, where lengths enter squared: a body thinner than
-        about 1e-7 of its length is a line. Nor is it determined where noise is all the width of a thin body: where that
-        is below a tenth of its length, and the best orthogonal map, proper or not, misses the points by more.
+        determined. It is not determined if the points span fewer than n−1 dimensions about their centre, or if they
+        are reflected and the direction of the mirror is not unique; both within round-off of squared lengths, so that
+        a body thinner than about 1e-7 of its length counts as a line. Nor is it determined if the width of a thin body
+        may be noise: less than a tenth of its length, and less than the misfit of the best orthogonal map.
     """
     x, y = _point_pairs(points, displaced)
     w = _fractions(weights, len(x))
@@ -137,7 +138,7 @@ def _fractions(weights: ArrayLike | None, count: int) -> Array:
 
 
 def _unit_spread(points: Array, centre: Array, fractions: Array) -> tuple[Array, float]:
-    """Weighted points about their centre at unit size, and the round-off they carry at that size."""
+    """Weighted points about their centre, scaled to unit size, and their rounding error at that size."""
     centred = (points - centre) * np.sqrt(fractions)[:, None]
     size = float(np.abs(centred).max())
     if size == 0.0:
@@ -146,10 +147,10 @@ def _unit_spread(points: Array, centre: Array, fractions: Array) -> tuple[Array,
 
 
 def _closest_rotation(body: tuple[Array, float], world: tuple[Array, float], n: int) -> tuple[Array, float]:
-    """The maximum of tr(Aᵀ H) over SO(n), where H is the cross covariance (Umeyama 1991, eqs. 38-40 and 43).
+    """The A in SO(n) that maximises tr(Aᵀ H), with the cross covariance H (Umeyama 1991, eqs. 38-40, 43); determinacy.
 
-    Umeyama asks for rank H ≥ n−1. That leaves out mirror images with σₙ₋₁ = σₙ, whose best rotation is not unique
-    either; the one condition that holds exactly when it is unique is σₙ₋₁ + sign(det H) σₙ > 0.
+    Umeyama's condition is rank H ≥ n−1. It admits mirror images with σₙ₋₁ = σₙ, whose best rotation is not unique. The
+    rotation is unique exactly if σₙ₋₁ + sign(det H) σₙ > 0.
     """
     (x, x_error), (y, y_error) = body, world
     left, sigma, right = np.linalg.svd(y.T @ x)
@@ -168,7 +169,7 @@ def _closest_rotation(body: tuple[Array, float], world: tuple[Array, float], n: 
 
 
 def _require_width(x: Array, y: Array, orthogonal: Array, variance: float) -> None:
-    """Refuse points whose second least width is no more than what the best orthogonal map leaves: it is noise."""
+    """Refuse points whose second least width is below the misfit of the best orthogonal map: it may be noise."""
     # each set was scaled to unit size by itself; a common scale lets them be compared
     scale = float(np.linalg.norm(y) / np.linalg.norm(x))
     noise = float(np.linalg.norm(y - scale * x @ orthogonal.T)) / math.sqrt(scale)

@@ -1,29 +1,27 @@
-"""The coadjoint action of a Lie algebra: how a momentum turns when the frame that it is read in turns."""
+"""The coadjoint action of a Lie algebra on momenta, and the invariant metric that identifies rates with momenta.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-
-if TYPE_CHECKING:
-    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-
-
-Array = NDArray[np.float64]
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
 INVARIANCE_TOLERANCE: Final = 1e-9
-"""How far the trace metric may be from invariant, relative to the structure constants."""
+"""Largest deviation of the trace metric from invariance, relative to the structure constants, that is round-off."""
 
 
 def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Array:
-    """The momentum with components ωᶜ f[c,a,d] p_d, called ad*_ω p: it pairs with η as p does with [ω, η].
+    """The coadjoint action ad*_ω p, with components ωᶜ f[c,a,d] p_d: ⟨ad*_ω p, η⟩ = ⟨p, [ω, η]⟩ for every η.
 
-    On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p (Marsden & Ratiu, *Introduction to Mechanics and Symmetry*,
-    on the Euler–Poincaré equations, left-invariant case).
+    On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p, which is eq. (21) (Marsden & Ratiu, *Introduction to Mechanics
+    and Symmetry*, on the Euler–Poincaré equations, left-invariant case).
 
     Parameters
     ----------
@@ -43,7 +41,7 @@ def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Arr
 
 
 def coadjoint_directions(group: MatrixLieGroup, momentum: Array) -> Array:
-    """The matrix whose column c is ad*_{T^c} p: its columns span the tangent space of the coadjoint orbit of p.
+    """The matrix with columns ad*_{Tᶜ} p, which span the tangent space of the coadjoint orbit of p.
 
     Parameters
     ----------
@@ -58,7 +56,7 @@ def coadjoint_directions(group: MatrixLieGroup, momentum: Array) -> Array:
 
 
 def invariant_metric(group: MatrixLieGroup) -> Array:
-    """The trace metric g, with which rates can be read as momenta: ad*_ω gω = 0.
+    """The trace metric g of a compact group, which is invariant: ω ↦ gω makes rates momenta, with ad*_ω gω = 0.
 
     Parameters
     ----------

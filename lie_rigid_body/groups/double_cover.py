@@ -1,4 +1,4 @@
-"""The double cover SU(2) → SO(3), and unit quaternions as the elements of SU(2).
+"""The double cover SU(2) → SO(3), and unit quaternions as the elements of SU(2): eq. (31) of Lucas, arXiv 1111.1275.
 
 Conventions
 -----------
@@ -19,24 +19,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.classical_groups import SO, SU
 from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
-from lie_rigid_body.groups.special_orthogonal import SO
-from lie_rigid_body.groups.special_unitary import SU
 from lie_rigid_body.lie import quaternion
 
-Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _SU2: Final = SU(2)
 _SO3: Final = SO(3)
 
 STEP_LIMIT: Final = 0.5 * np.pi
-"""Rotation angle between neighbours, rad, up to which `lift` takes them as points of one path."""
+"""Largest rotation angle, rad, between neighbours of a path that `lift` accepts."""
 
 
 def from_quaternion(q: ArrayLike) -> Complex:
-    """The element of SU(2) that a unit quaternion is.
+    """The element of SU(2) of a unit quaternion.
 
     Parameters
     ----------
@@ -56,8 +55,8 @@ def from_quaternion(q: ArrayLike) -> Complex:
     return U
 
 
-def to_quaternion(U: ArrayLike) -> Real:
-    """The unit quaternion that an element of SU(2) is; inverse of `from_quaternion`, signs and all.
+def to_quaternion(U: ArrayLike) -> Array:
+    """The unit quaternion of an element of SU(2), with its sign; inverse of `from_quaternion`.
 
     Parameters
     ----------
@@ -73,7 +72,7 @@ def to_quaternion(U: ArrayLike) -> Real:
     return np.asarray(0.5 * np.stack([-(b + c).imag, (c - b).real, (d - a).imag, (a + d).real], axis=-1))
 
 
-def rotation(U: ArrayLike) -> Real:
+def rotation(U: ArrayLike) -> Array:
     """The rotation that an element of SU(2) covers: R with U σʲ U† = Rⁱʲσⁱ.
 
     Parameters
@@ -105,7 +104,7 @@ def preimages(R: ArrayLike) -> tuple[Complex, Complex]:
 
 
 def lift(R: ArrayLike) -> Complex:
-    """The path in SU(2) over a path of rotations, from the preimage of its start nearer to 1.
+    """The lift of a path of rotations to SU(2), which starts from the preimage nearer to 1.
 
     A path around a full turn ends at the negative of its beginning, and closes after two turns.
 
@@ -121,7 +120,7 @@ def lift(R: ArrayLike) -> Complex:
     Raises
     ------
     InputError
-        If the path has fewer than 1 point, or neighbours so far apart that the path between them is a guess.
+        If the path has no point, or neighbours are so far apart that the path between them is ambiguous.
     """
     R = np.asarray(R, dtype=np.float64)
     if R.ndim != 3 or len(R) == 0:
@@ -133,13 +132,13 @@ def lift(R: ArrayLike) -> Complex:
     return from_quaternion(q * signs[:, np.newaxis])
 
 
-def _refuse_off_sphere(off: Real) -> None:
+def _refuse_off_sphere(off: Array) -> None:
     worst = np.max(off, initial=0.0)
     if not worst <= ELEMENT_TOLERANCE:
         raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
 
 
-def _refuse_coarse(steps: Real) -> None:
+def _refuse_coarse(steps: Array) -> None:
     worst = np.max(steps, initial=0.0)
     if worst > STEP_LIMIT + ELEMENT_TOLERANCE:
         k = int(np.argmax(steps))

@@ -1,56 +1,54 @@
-"""What sets a group's elements apart from other matrices: the part of a group that its algebra does not say."""
+"""The contract of a group's elements: what a matrix group needs to know beyond its algebra."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
-Real = NDArray[np.float64]
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.groups.exponential import Matrix
 
 
 class Elements(ABC):
-    """The elements of one matrix group, as `MatrixLieGroup` needs them.
+    """Membership, projection, inverse, logarithm and random elements of one matrix group.
 
     Each constructor of a group supplies one of these. Matrices come finite, of shape (..., n, n), and of the
     group's number type; all methods are batched over the leading axes.
     """
 
     @abstractmethod
-    def distance(self, A: Array) -> Real:
-        """How far each matrix is from fulfilling the equations, shape (...); infinite where it cannot be said."""
+    def distance(self, A: Matrix) -> Array:
+        """How far each matrix is from fulfilling the group's equations, shape (...); infinite where undefined."""
 
-    def certain_distance(self, A: Array) -> Real:
-        """How much of `distance` is certain, shape (...): less where there are elements that it does not recognise."""
+    def certain_distance(self, A: Matrix) -> Array:
+        """A lower bound of `distance`, shape (...), for groups with elements that `distance` does not recognise."""
         return self.distance(A)
 
     @abstractmethod
-    def project(self, A: Array) -> Array:
+    def project(self, A: Matrix) -> Matrix:
         """The nearest element in the Frobenius norm, shape (..., n, n); an InputError where there is no nearest one."""
 
-    def restored(self, A: Array) -> Array:
-        """Elements that round-off has carried a little off the group, brought back where that can be done safely."""
+    def restored(self, A: Matrix) -> Matrix:
+        """Elements that round-off has carried a little off the group, projected back where that is safe."""
         return self.project(A)
 
     @abstractmethod
-    def inverse(self, A: Array) -> Array:
+    def inverse(self, A: Matrix) -> Matrix:
         """The inverse of each element, shape (..., n, n)."""
 
     @abstractmethod
-    def log(self, A: Array) -> Array:
-        """The logarithm in the algebra, shape (..., n, n); an InputError where none is singled out."""
+    def log(self, A: Matrix) -> Matrix:
+        """The logarithm in the algebra, shape (..., n, n); an InputError where it is not unique."""
 
     @abstractmethod
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Independent random elements, shape (*shape, n, n)."""
 
 
-def measured(A: Array, distance: Callable[[Array], Real]) -> Real:
-    """Distances of matrices, shape (...), infinite for entries that are not finite.
+def measured(A: Matrix, distance: Callable[[Matrix], Array]) -> Array:
+    """Distances of matrices from a group, shape (...); infinite for matrices with entries that are not finite.
 
     Parameters
     ----------

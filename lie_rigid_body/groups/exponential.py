@@ -1,6 +1,7 @@
-"""The exponential of square matrices and its two companions φ(Z) = (e^Z − 1)/Z and φ(Z)⁻¹, from one Padé table.
+"""The exponential of square matrices, its companions φ(Z) = (e^Z − 1)/Z and φ(Z)⁻¹, and the principal logarithm.
 
-The diagonal Padé approximant of the exponential is N(z)/N(−z). With N split into its even part V and its odd part zW,
+The exponential, φ and φ⁻¹ come from one Padé table. The diagonal Padé approximant of the exponential is N(z)/N(−z).
+With N split into its even part V and its odd part zW,
 
     e^z ≈ (V + zW)/(V − zW),    φ(z) ≈ 2W/(V − zW),    φ(z)⁻¹ ≈ (V − zW)/2W,
 
@@ -8,23 +9,31 @@ so that all three share their polynomials, none cancels near z = 0, and a matrix
 has an orthogonal or a unitary exponential by construction. Matrices of larger norm are halved first, and the result
 is doubled: e^{2z} = (e^z)², φ(2z) = φ(z)(e^z + 1)/2.
 
-All functions are batched over leading axes and take real or complex matrices of shape (..., n, n).
+The logarithm takes square roots until the matrix is near the identity, and sums the series of 2 artanh there.
+
+Matrices are real or complex, of shape (..., n, n); functions are batched over leading axes unless they say otherwise.
 
 References
 ----------
 N. J. Higham, "The scaling and squaring method for the matrix exponential revisited", SIAM J. Matrix Anal. Appl. 26
-(2005) 1179, for the method; the split that gives φ and φ⁻¹ is elementary.
+(2005) 1179, for the exponential; the split that gives φ and φ⁻¹ is elementary.
+N. J. Higham, "Functions of Matrices", SIAM 2008: section 6.3 for the square root (product form of the Denman–Beavers
+iteration), section 11.5 for the logarithm.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from lie_rigid_body.arrays import Array
+
+Matrix: TypeAlias = NDArray[Any]
+"""Real or complex matrices, shape (..., n, n)."""
 
 _DEGREE: Final = 9
 _N: Final = [
@@ -34,16 +43,29 @@ _TABLE: Final = np.array([_N[0::2], _N[1::2]])
 """Rows: coefficients of V and of W in powers of z², shape (2, 5)."""
 
 REACH: Final = 2.0
-"""The 1-norm up to which the table alone serves: the relative error of φ there is (9!)² 2¹⁸/(18! 19!) < 5e-17."""
+"""Largest 1-norm that is not halved: the relative error of φ there is (9!)² 2¹⁸/(18! 19!) < 5e-17."""
+
+NEAR: Final = 0.5
+"""Frobenius distance from the identity up to which the series of the logarithm is used."""
+
+HALF_TURN_MARGIN: Final = 1e-13
+"""Angle, rad, from the negative real axis within which rounding decides on which side of it an eigenvalue lies."""
+
+# With ‖A − 1‖ ≤ ½ the argument S of artanh has norm at most ⅓, and the first term left out is below 3⁻³³/33.
+_SERIES_TERMS: Final = 16
+_MOST_ROOTS: Final = 64
+_ROOT_ITERATIONS: Final = 60
+_SCALED_ABOVE: Final = 1e-2
+_CONVERGED: Final = 1e-15
 
 
-def _halvings(Z: Array) -> NDArray[np.int_]:
-    """How often each matrix is to be halved for its 1-norm to come within reach, shape (...)."""
+def _halvings(Z: Matrix) -> NDArray[np.int_]:
+    """How often each matrix is to be halved for its 1-norm to be at most `REACH`, shape (...)."""
     norm = np.abs(Z).sum(axis=-2).max(axis=-1)
     return np.maximum(np.frexp(norm / REACH)[1], 0)
 
 
-def _polynomials(Z: Array) -> tuple[Array, Array]:
+def _polynomials(Z: Matrix) -> tuple[Matrix, Matrix]:
     """V(Z²) and W(Z²), each of shape (..., n, n)."""
     powers = np.empty((_TABLE.shape[1], *Z.shape), dtype=Z.dtype)
     powers[0] = np.eye(Z.shape[-1])
@@ -54,11 +76,11 @@ def _polynomials(Z: Array) -> tuple[Array, Array]:
     return V, W
 
 
-def _scaled(Z: Array, halvings: NDArray[np.int_]) -> Array:
+def _scaled(Z: Matrix, halvings: NDArray[np.int_]) -> Matrix:
     return Z * np.ldexp(1.0, -halvings)[..., np.newaxis, np.newaxis] if halvings.any() else Z
 
 
-def exp(Z: Array) -> Array:
+def exp(Z: Matrix) -> Matrix:
     """The matrix exponential.
 
     Parameters
@@ -73,13 +95,13 @@ def exp(Z: Array) -> Array:
     Z = _scaled(Z, halvings)
     V, W = _polynomials(Z)
     U = Z @ W
-    E: Array = np.linalg.solve(V - U, V + U)
+    E: Matrix = np.linalg.solve(V - U, V + U)
     for k in range(int(halvings.max(initial=0))):
         E = np.where((halvings > k)[..., np.newaxis, np.newaxis], E @ E, E)
     return E
 
 
-def phi(Z: Array) -> Array:
+def phi(Z: Matrix) -> Matrix:
     """φ(Z) = Σ Zᵏ/(k+1)!, for any norm.
 
     Parameters
@@ -93,7 +115,7 @@ def phi(Z: Array) -> Array:
     halvings = _halvings(Z)
     Z = _scaled(Z, halvings)
     V, W = _polynomials(Z)
-    F: Array = np.linalg.solve(V - Z @ W, 2.0 * W)
+    F: Matrix = np.linalg.solve(V - Z @ W, 2.0 * W)
     if not halvings.any():
         return F
     one = np.eye(Z.shape[-1])
@@ -105,7 +127,7 @@ def phi(Z: Array) -> Array:
     return F
 
 
-def phi_inverse(Z: Array) -> Array:
+def phi_inverse(Z: Matrix) -> Matrix:
     """φ(Z)⁻¹ = Σ Bₖ Zᵏ/k!, continued beyond the series' radius 2π; not finite where φ is exactly singular.
 
     Parameters
@@ -118,10 +140,93 @@ def phi_inverse(Z: Array) -> Array:
     """
     if not _halvings(Z).any():
         V, W = _polynomials(Z)
-        F: Array = np.linalg.solve(2.0 * W, V - Z @ W)
+        F: Matrix = np.linalg.solve(2.0 * W, V - Z @ W)
         return F
     try:
-        inverse: Array = np.linalg.inv(phi(Z))
+        inverse: Matrix = np.linalg.inv(phi(Z))
     except np.linalg.LinAlgError:
         return np.full_like(Z, np.inf)
     return inverse
+
+
+def distance_from_identity(A: Matrix) -> Array:
+    """Frobenius norm of A − 1, shape (...)."""
+    return np.asarray(np.linalg.norm(A - np.eye(A.shape[-1]), axis=(-2, -1)))
+
+
+def log_near_identity(A: Matrix) -> Matrix:
+    """The logarithm of matrices within `NEAR` of the identity: log A = 2 artanh((A − 1)(A + 1)⁻¹).
+
+    The difference A − 1 enters first, so that the logarithm of 1 + δ has the relative accuracy of δ.
+
+    Parameters
+    ----------
+    A : ndarray, shape (..., n, n)
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+    """
+    one = np.eye(A.shape[-1])
+    S = np.linalg.solve(A + one, A - one)
+    squared = S @ S
+    total = one / (2 * _SERIES_TERMS - 1)
+    for k in reversed(range(_SERIES_TERMS - 1)):
+        total = squared @ total + one / (2 * k + 1)
+    return np.asarray(2.0 * (S @ total))
+
+
+def batched_log(A: Matrix, far: Callable[[Matrix], Matrix]) -> Matrix:
+    """Logarithms of a batch: by `log_near_identity` where it converges, by another function, one by one, elsewhere.
+
+    Parameters
+    ----------
+    A : ndarray, shape (..., n, n)
+    far : callable
+        The logarithm of one matrix, shape (n, n), that is farther from the identity than `NEAR`.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+    """
+    flat = A.reshape(-1, *A.shape[-2:])
+    near = distance_from_identity(flat) <= NEAR
+    result = np.empty_like(flat)
+    result[near] = log_near_identity(flat[near])
+    for k in np.flatnonzero(~near):
+        result[k] = far(flat[k])
+    return result.reshape(A.shape)
+
+
+def _square_root(A: Matrix) -> Matrix:
+    """The principal square root of one matrix, shape (n, n), by the product form of Denman and Beavers."""
+    one = np.eye(len(A))
+    M, X = A, A
+    for _ in range(_ROOT_ITERATIONS):
+        # scaling by the determinant shortens the way from afar and spoils the convergence nearby
+        far = np.linalg.norm(M - one) > _SCALED_ABOVE
+        scale = abs(np.linalg.det(M)) ** (-0.5 / len(A)) if far else 1.0
+        inverse = np.linalg.inv(scale * M) / scale
+        X = 0.5 * scale * (X @ (one + inverse))
+        M = 0.5 * (one + 0.5 * (scale * M * scale + inverse))
+        if np.linalg.norm(M - one) <= _CONVERGED * len(A):
+            break
+    return X
+
+
+def principal_log(A: Matrix) -> Matrix:
+    """The principal logarithm of one matrix without eigenvalues on the closed negative real axis.
+
+    Parameters
+    ----------
+    A : ndarray, shape (n, n)
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        Not checked: where the iteration fails it is not finite, or is no logarithm of the matrix.
+    """
+    root, doublings = A, 0
+    while distance_from_identity(root) > NEAR and doublings < _MOST_ROOTS:
+        root, doublings = _square_root(root), doublings + 1
+    return log_near_identity(root) * 2.0**doublings

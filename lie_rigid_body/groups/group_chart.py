@@ -1,4 +1,4 @@
-"""The chart of any matrix Lie group, with the momentum of a left-invariant metric carried along."""
+"""The chart A₀ exp(βᵃTᵃ) of a matrix Lie group, and the equations of motion in its coordinates."""
 
 from __future__ import annotations
 
@@ -8,22 +8,25 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.stepper import Point
 from lie_rigid_body.lie.series import bernoulli_over_factorial
 
-Array = NDArray[np.float64]
-
 _EVEN_TERMS: Final = tuple(bernoulli_over_factorial(2 * k) for k in range(1, 16))
 _LEFT_OUT: Final = 1e-18
+"""Relative size of the terms of the series that are left out."""
 
 LARGEST_TURN: Final = math.pi
-"""Turn within a step, rad, the largest eigenvalue of ad_β: half the series' radius, where its terms leave 1e-10."""
+"""Largest turn of a step, rad, as eigenvalue of ad_β: half the radius of the series, whose remainder is 1e-10 there."""
 
 
 class GroupChart:
-    """A₀ exp(βᵃTᵃ) with the momentum p = Mω. A centre is a matrix.
+    """The chart A₀ exp(βᵃTᵃ) about an element A₀, with the body momentum p = Mω of the motion.
+
+    A point is the list of the coordinates β, followed by the momentum p. In the coordinates of the space frame the
+    chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11) of A. Lucas, arXiv 1111.1275.
 
     Parameters
     ----------
@@ -40,7 +43,7 @@ class GroupChart:
         self._bracket = np.ascontiguousarray(np.swapaxes(self._group.structure_constants, 1, 2)).reshape(d, d * d)
 
     def field(self, point: Point) -> Point:
-        """The chart rate, dexp⁻¹ of −β applied to ω, and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p."""
+        """The rates of a point: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p."""
         d = self.dimension
         both = np.array(point)
         coordinates, momentum = both[:d], both[d:]
@@ -49,13 +52,12 @@ class GroupChart:
         return [*self._chart_rate(coordinates, rate).tolist(), *force.tolist()]
 
     def recentred(self, centre: NDArray[Any], coordinates: Point) -> NDArray[Any]:
-        """The matrix A₀ exp(βᵃTᵃ); refused where the chart ends, which a stepper with one stage does not look at."""
+        """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
+
+        It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
+        """
         self._bound(self._ad(np.array(coordinates)))
         return np.asarray(centre @ self._group.exp(np.array(coordinates)))
-
-    def restored(self, centre: NDArray[Any]) -> NDArray[Any]:
-        """The matrix rid of what round-off has carried off the group."""
-        return self._group.restored(centre)
 
     def _ad(self, x: Array) -> Array:
         """The matrix of y ↦ [x, y] in coordinates."""
@@ -63,14 +65,14 @@ class GroupChart:
         return np.asarray((x @ self._bracket).reshape(d, d))
 
     def _bound(self, ad: Array) -> float:
-        """A bound of the norm of ad_β, which is refused where the chart ends."""
+        """An upper bound of the norm of ad_β; refused where β is beyond `LARGEST_TURN`."""
         bound = float(np.abs(ad).max()) * self.dimension
         if not bound < 2.0 * math.pi:
             _require_convergence(ad)
         return bound
 
     def _chart_rate(self, coordinates: Array, rate: Array) -> Array:
-        """Σ Bₖ/k! (−ad_β)ᵏ ω, up to terms below round-off; β is a step's, far inside the radius 2π."""
+        """β̇ = Σ Bₖ/k! (−ad_β)ᵏ ω, without terms below round-off."""
         ad = self._ad(coordinates)
         bound = self._bound(ad)
         power = ad @ rate
@@ -84,7 +86,7 @@ class GroupChart:
 
 
 def _require_convergence(ad: Array) -> None:
-    """Refuse a turn that the series does not reach; of motions without one, as translations, ad has no eigenvalues."""
+    """Refuse eigenvalues of ad_β beyond `LARGEST_TURN`; where nothing turns, as in translations, they are all 0."""
     turn = float(np.abs(np.linalg.eigvals(ad)).max())
     if not turn <= LARGEST_TURN:
         raise InputError(
@@ -94,7 +96,7 @@ def _require_convergence(ad: Array) -> None:
 
 
 def _terms(bound: float) -> int:
-    """How many even terms matter, as |B₂ₖ|/(2k)! < 4/(2π)²ᵏ; ``bound`` is one of the norm of ad_β."""
+    """Number of even terms above round-off, from |B₂ₖ|/(2k)! < 4/(2π)²ᵏ and a bound of the norm of ad_β."""
     ratio = bound / (2.0 * math.pi)
     if not 0.0 < ratio < 1.0:
         return 1 if ratio == 0.0 else len(_EVEN_TERMS)

@@ -1,49 +1,71 @@
-"""The moving chart on any matrix Lie group, by the same steppers that serve rotations."""
+"""The moving chart on any matrix Lie group: Runge–Kutta steps in a chart that is re-centred after each step."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.chart_integrator import ChartIntegrator
-from lie_rigid_body.groups.components import require_components
 from lie_rigid_body.groups.group_chart import GroupChart
-from lie_rigid_body.groups.group_state import GroupState
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.stepper import RungeKuttaStepper
+from lie_rigid_body.groups.stepper import Point, RungeKuttaStepper
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
+from lie_rigid_body.motion.munthe_kaas_integrator import GOOD_TURN
 from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
 
 GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
-"""The steppers that serve every group, by their public names."""
+"""The steppers of every group, by their public names."""
+
+STEPS_BETWEEN_RESTORATIONS: Final = 100
+"""Steps after which the element is projected back: it leaves the group by round-off alone, and projection is costly."""
+
+
+@dataclass(frozen=True)
+class GroupState:
+    """A group element and the rate in its own frame, of one instant or of many.
+
+    Parameters
+    ----------
+    element : ndarray, shape (..., n, n)
+        A, real or complex.
+    rate : ndarray, shape (..., d)
+        Coordinates ω of A⁻¹Ȧ = ωᵃTᵃ, 1/s.
+    """
+
+    element: NDArray[Any]
+    rate: Array
 
 
 class GroupMovingChart:
     """The motion of a Lagrangian on a matrix Lie group, integrated from its start.
 
-    Ȧ = A ωᵃTᵃ, Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ (A. Lucas, arXiv 1111.1275); on SO(n) the free rigid body. Near the centre of each
-    chart A = A₀ exp(βᵃTᵃ).
+    It solves Ȧ = A ωᵃTᵃ and ṗᵃ = f[c,a,d] ωᶜ p_d with p = Mω, which for totally antisymmetric structure constants is
+    Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ, eq. (21) of A. Lucas, arXiv 1111.1275; on SO(n) it is the motion of the free rigid body. Near
+    the centre A₀ of each chart A = A₀ exp(βᵃTᵃ).
 
     The Moser–Veselov steps of `MovingChart` are not offered here. Their explicit momentum step is an addition theorem
     of elliptic functions, and their inertia can be preprocessed because two invariants fix the orbit: both are
-    particular to three dimensions. On SO(n) the algorithm asks for a Riccati equation at each step and is of order 2.
+    particular to three dimensions. On SO(n) the algorithm needs a Riccati equation at each step and is of order 2.
 
     Parameters
     ----------
     lagrangian : Lagrangian
         The group and its metric M.
     start : GroupState
-        Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that nothing
-        rules out; see `MatrixLieGroup.from_generators`.
+        Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that is not
+        ruled out; see `MatrixLieGroup.from_generators`.
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2`` or ``rkmk4`` (default).
     max_step : float, optional
-        Largest step, s.
+        Largest step, s. Between two requested times the steps are equal and no longer than this.
 
     Raises
     ------
@@ -62,11 +84,14 @@ class GroupMovingChart:
         max_step: float = DEFAULT_MAX_STEP,
     ) -> None:
         require_stepper(method, max_step, GROUP_METHODS)
-        element, rate = _require_start(lagrangian.group, start)
+        self._element, rate = _require_start(lagrangian.group, start)
+        self._momentum: Point = lagrangian.momenta(rate).tolist()
         self._lagrangian = lagrangian
-        self._integrator: ChartIntegrator[NDArray[Any]] = ChartIntegrator(
-            GROUP_METHODS[method], GroupChart(lagrangian), element, lagrangian.momenta(rate).tolist(), max_step
-        )
+        self._chart = GroupChart(lagrangian)
+        self._stepper = GROUP_METHODS[method]
+        self._max_step = float(max_step)
+        self._time_ns = 0
+        self._steps = 0
 
     def at(self, t_ns: ArrayLike) -> GroupState:
         """The states at the given times.
@@ -84,21 +109,73 @@ class GroupMovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached, or the body turns by more than π in a step.
+            If a time is not an integer or lies before one already reached, where nothing is integrated; or if the body
+            turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
         flat = np.atleast_1d(times).tolist()
+        self._require_forward(flat)
         group = self._lagrangian.group
         n, d = group.size, group.dimension
         elements, momenta = np.empty((len(flat), n, n), group.generators.dtype), np.empty((len(flat), d))
-        for i, (element, momentum) in enumerate(self._integrator.through(flat)):
-            elements[i], momenta[i] = element, momentum
+        for i, t in enumerate(flat):
+            self._advance_to(t)
+            elements[i], momenta[i] = self._element, self._momentum
         rates = self._lagrangian.rates(momenta)
         return GroupState(elements, rates) if times.ndim else GroupState(elements[0], rates[0])
 
+    def _require_forward(self, times_ns: Sequence[int]) -> None:
+        previous = self._time_ns
+        for t in times_ns:
+            if t < previous:
+                raise InputError(
+                    f"t_ns {t} lies before {previous}, which is already reached: give times that do not decrease, "
+                    "or start a new motion"
+                )
+            previous = t
 
-def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], NDArray[np.float64]]:
-    rate = require_components(group, start.rate, "rates")
+    def _advance_to(self, t_ns: int) -> None:
+        span = 1e-9 * (t_ns - self._time_ns)
+        steps = max(math.ceil(span / self._max_step - 1e-9), int(span > 0.0))
+        for _ in range(steps):
+            self._step(span / steps)
+        self._time_ns = t_ns
+
+    def _step(self, h: float) -> None:
+        d, end = self._chart.dimension, self._end(h)
+        if not math.isfinite(sum(end)):
+            self._refuse(h)
+        # the element just reached becomes the centre of the next chart
+        self._element, self._momentum = self._chart.recentred(self._element, end[:d]), end[d:]
+        self._steps += 1
+        if self._steps % STEPS_BETWEEN_RESTORATIONS == 0:
+            self._element = self._lagrangian.group.restored(self._element)
+
+    def _end(self, h: float) -> Point:
+        """Coordinates and momentum at the end of a step, infinite where a stage overflows."""
+        try:
+            return self._stepper.step(self._chart.field, self._centre(), h)
+        except InputError:
+            raise
+        except (ArithmeticError, ValueError):
+            return [math.inf] * (2 * self._chart.dimension)
+
+    def _centre(self) -> Point:
+        """The present point: coordinates 0 and the momentum."""
+        return [*[0.0] * self._chart.dimension, *self._momentum]
+
+    def _refuse(self, h: float) -> NoReturn:
+        # at the centre of the chart the rate of its coordinates is that of the motion
+        way = h * math.hypot(*self._chart.field(self._centre())[: self._chart.dimension])
+        shorter = min(h / 10.0, GOOD_TURN * h / way) if way else h / 10.0
+        raise InputError(
+            f"a step of {h:g} s goes {way:.3g} rad at the rate of its start, or more (limit: where its end is finite): "
+            f"lower max_step, to about {shorter:.1g} s"
+        )
+
+
+def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:
+    rate = group.as_components(start.rate, "rates")
     element = np.asarray(start.element)
     if element.shape != (group.size, group.size) or rate.shape != (group.dimension,):
         raise InputError(

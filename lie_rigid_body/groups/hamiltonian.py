@@ -1,34 +1,31 @@
-"""Hamiltonian mechanics of free motion on a matrix Lie group: momenta in place of rates, brackets in place of forces.
+"""Hamiltonian mechanics of free motion on a matrix Lie group: Hamilton's equations and the Lie–Poisson bracket.
 
-The phase space of the momenta is the dual of the Lie algebra with its Lie–Poisson bracket, of the sign that goes with
-body components (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, on Lie–Poisson reduction;
-A. Lucas, arXiv 1111.1275).
+The momenta are elements of the dual of the Lie algebra. Its Lie–Poisson bracket has here the sign that belongs to body
+components (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, on Lie–Poisson reduction). Equation
+numbers are those of A. Lucas, arXiv 1111.1275.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
-from lie_rigid_body.groups.components import require_components
-from lie_rigid_body.groups.lagrangian import Lagrangian, require_metric
-
-if TYPE_CHECKING:
-    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-
-Array = NDArray[np.float64]
+from lie_rigid_body.groups.lagrangian import Lagrangian
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.groups.metric import require_metric
 
 
 class HamiltonsEquations(NamedTuple):
-    """Both halves of Hamilton's equations.
+    """The two sides of Hamilton's equations, eqs. (35a) and (35b).
 
     Attributes
     ----------
     rate : ndarray, shape (..., d)
-        ω = ∂H/∂p, with which A moves: Ȧ = A ωᵃTᵃ; 1/s.
+        ω = ∂H/∂p of Ȧ = A ωᵃTᵃ, 1/s.
     momentum_rate : ndarray, shape (..., d)
         ṗ = {p, H}, kg m²/s².
     """
@@ -38,7 +35,7 @@ class HamiltonsEquations(NamedTuple):
 
 
 class Hamiltonian:
-    """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group.
+    """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group, eq. (34).
 
     Parameters
     ----------
@@ -70,7 +67,7 @@ class Hamiltonian:
         return f"Hamiltonian({self.group.name}, {self.inverse_metric.tolist()})"
 
     def value(self, momentum: ArrayLike) -> Array:
-        """H(p).
+        """H(p), eq. (34).
 
         Parameters
         ----------
@@ -82,11 +79,11 @@ class Hamiltonian:
         ndarray, shape (...)
             J.
         """
-        p = require_components(self.group, momentum, "momenta")
+        p = self.group.as_components(momentum, "momenta")
         return np.asarray(0.5 * np.sum(p * self.rates(p), axis=-1))
 
     def rates(self, momentum: ArrayLike) -> Array:
-        """ω = ∂H/∂p = M⁻¹p.
+        """The rates ω = ∂H/∂p = M⁻¹p, eq. (35a).
 
         Parameters
         ----------
@@ -97,10 +94,10 @@ class Hamiltonian:
         ndarray, shape (..., d)
             1/s.
         """
-        return np.asarray(require_components(self.group, momentum, "momenta") @ self.inverse_metric)
+        return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
 
     def equations(self, momentum: ArrayLike) -> HamiltonsEquations:
-        """Hamilton's equations, ω = ∂H/∂p and ṗᵃ = f[c,a,d] ωᶜ p_d.
+        """Hamilton's equations, ω = ∂H/∂p and ṗᵃ = f[c,a,d] ωᶜ p_d: eqs. (35a) and (35b).
 
         Parameters
         ----------
@@ -110,13 +107,13 @@ class Hamiltonian:
         -------
         HamiltonsEquations
         """
-        p = require_components(self.group, momentum, "momenta")
+        p = self.group.as_components(momentum, "momenta")
         rate = self.rates(p)
         return HamiltonsEquations(rate, coadjoint_action(self.group, rate, p))
 
 
 def legendre_transform(lagrangian: Lagrangian) -> Hamiltonian:
-    """The Hamiltonian H(p) = pω − L(ω) at p = ∂L/∂ω.
+    """The Hamiltonian H(p) = pᵃωᵃ − L(ω) at p = ∂L/∂ω, eq. (33).
 
     Parameters
     ----------
@@ -130,7 +127,7 @@ def legendre_transform(lagrangian: Lagrangian) -> Hamiltonian:
 
 
 def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
-    """The Lagrangian L(ω) = pω − H(p) at ω = ∂H/∂p.
+    """The Lagrangian L(ω) = pᵃωᵃ − H(p) at ω = ∂H/∂p; inverse of `legendre_transform`.
 
     Parameters
     ----------
@@ -145,7 +142,7 @@ def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
 
 
 def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
-    """The brackets {pᵃ, pᵇ} = −f[a,b,c] p_c of the momenta themselves.
+    """The Poisson tensor: the brackets {pᵃ, pᵇ} = −f[a,b,c] p_c of the momenta.
 
     Parameters
     ----------
@@ -157,13 +154,13 @@ def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     ndarray, shape (..., d, d)
         Antisymmetric; its rank is the dimension of the coadjoint orbit of p.
     """
-    return coadjoint_directions(group, require_components(group, momentum, "momenta"))
+    return coadjoint_directions(group, group.as_components(momentum, "momenta"))
 
 
 def lie_poisson_bracket(
     group: MatrixLieGroup, momentum: ArrayLike, first_gradient: ArrayLike, second_gradient: ArrayLike
 ) -> Array:
-    """The bracket {F, G}(p) = −p_c f[a,b,c] (∂F/∂pᵃ)(∂G/∂pᵇ), so that Ḟ = {F, H}.
+    """The Lie–Poisson bracket {F, G}(p) = −p_c f[a,b,c] (∂F/∂pᵃ)(∂G/∂pᵇ), with which Ḟ = {F, H}.
 
     Parameters
     ----------
@@ -176,6 +173,6 @@ def lie_poisson_bracket(
     -------
     ndarray, shape (...)
     """
-    p = require_components(group, momentum, "momenta")
-    first, second = (require_components(group, v, "gradients") for v in (first_gradient, second_gradient))
+    p = group.as_components(momentum, "momenta")
+    first, second = (group.as_components(v, "gradients") for v in (first_gradient, second_gradient))
     return np.asarray(np.sum(first * coadjoint_action(group, second, p), axis=-1))

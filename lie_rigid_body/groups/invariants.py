@@ -1,59 +1,28 @@
-"""What every free motion on a group conserves whatever its body: the spatial momentum, and its Casimirs.
+"""Integrals of free motion that are functions of the momentum as a matrix: Casimirs, the Pfaffian, Manakov's integrals.
 
-The energy is `Lagrangian.value` or `Hamiltonian.value`; what a body adds by its shape is in `symmetries` and `manakov`.
+Casimirs are conserved whatever the body, Manakov's integrals for a rigid body in n dimensions. The energy is
+`Lagrangian.value` or `Hamiltonian.value`; momenta that are conserved by symmetry are in `symmetries`.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.antihermitian import antihermitian_matrices, antisymmetric_matrices
 from lie_rigid_body.groups.coadjoint import invariant_metric
-from lie_rigid_body.groups.components import require_components
-from lie_rigid_body.groups.pfaffian import pfaffian
-
-if TYPE_CHECKING:
-    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-
-Array = NDArray[np.float64]
-
-
-def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
-    """The momentum in the space frame, Ad(A)⁻ᵀ p: conserved component by component (Noether).
-
-    Parameters
-    ----------
-    group : MatrixLieGroup
-        Of dimension d, with n × n matrices.
-    element : array_like, shape (..., n, n)
-        A, which takes the body frame to the space frame.
-    momentum : array_like, shape (..., d)
-        p in the body frame, kg m²/s.
-
-    Returns
-    -------
-    ndarray, shape (..., d)
-        kg m²/s.
-
-    Raises
-    ------
-    InputError
-        If A is off the group.
-    """
-    p = require_components(group, momentum, "momenta")
-    to_body = group.Ad(group.inverse(element))
-    return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.mechanics.array_input import ROUND_OFF
+from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 
 def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
-    """The momentum as a matrix P of the algebra, with which Euler's equations are Ṗ = [P, Ω], Ω = A⁻¹Ȧ.
+    """The momentum as a matrix P of the algebra, for which Euler's equations are Ṗ = [P, Ω] with Ω = A⁻¹Ȧ.
 
-    P is hat(g⁻¹p), the matrix that pairs with the algebra through the trace metric g as p does with components: pᵃTᵃ on
-    SO(n) and SU(n), and KΩ + ΩK for a body with second moment K.
+    P = hat(g⁻¹p) with the trace metric g: pᵃTᵃ on SO(n) and SU(n), and KΩ + ΩK for a body with second moment K.
 
     Parameters
     ----------
@@ -71,14 +40,15 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     InputError
         If the trace metric is not invariant, as on groups that are not compact.
     """
-    p = require_components(group, momentum, "momenta")
+    p = group.as_components(momentum, "momenta")
     return np.asarray(group.hat(p @ np.linalg.inv(invariant_metric(group))))
 
 
 def rotation_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n): tr(Pᵏ) for every even k < n, and for even n the Pfaffian of P.
 
-    tr(Pⁿ) for even n would add nothing, since Pf² = det P; odd powers have no trace. There are ⌊n/2⌋, the rank.
+    For even n tr(Pⁿ) depends on these, since Pf² = det P; odd powers have trace 0. There are ⌊n/2⌋, the rank of SO(n).
+    With P = pᵃTᵃ, tr(P²) = −2 pᵃpᵃ, whose rate is 0 by eqs. (23) and (24) of A. Lucas, arXiv 1111.1275.
 
     Parameters
     ----------
@@ -95,7 +65,7 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, real, finite and antisymmetric.
     """
-    p = _nonempty(antisymmetric_matrices("P", momentum))
+    p = _nonempty(_antisymmetric_matrices("P", momentum))
     n = p.shape[-1]
     traces = _power_traces(p)[..., 1 : n - 1 : 2]
     return traces if n % 2 else np.concatenate([traces, pfaffian(p)[..., np.newaxis]], axis=-1)
@@ -104,7 +74,7 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
 def unitary_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SU(n): tr((−iP)ᵏ) for 2 ≤ k ≤ n, which is real; for even k it is ± tr(Pᵏ).
 
-    There are n − 1, the rank.
+    There are n − 1, the rank of SU(n).
 
     Parameters
     ----------
@@ -121,7 +91,80 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, finite and anti-Hermitian.
     """
-    return np.asarray(_power_traces(-1j * _nonempty(antihermitian_matrices("P", momentum)))[..., 1:].real)
+    return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices("P", momentum)))[..., 1:].real)
+
+
+def pfaffian(matrices: ArrayLike) -> Array:
+    """The Pfaffian Pf P, with (Pf P)² = det P, by antisymmetric Gauss elimination with pivoting.
+
+    Each step takes the largest entry of the first remaining column as pivot, clears that column with a congruence of
+    determinant 1, and leaves a matrix smaller by two (B. N. Parlett, J. K. Reid, BIT 10 (1970) 386).
+
+    Parameters
+    ----------
+    matrices : array_like, shape (..., n, n)
+        Antisymmetric.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Of the sign with Pf [[0, a], [−a, 0]] = a; 1 for n = 0, and 0 for odd n.
+
+    Raises
+    ------
+    InputError
+        If the matrices are not square, real, finite and antisymmetric.
+    """
+    given = _antisymmetric_matrices("P", matrices)
+    rest = np.triu(given, 1) - np.swapaxes(np.triu(given, 1), -1, -2)
+    value = np.full(given.shape[:-2], float(given.shape[-1] % 2 == 0))
+    while rest.shape[-1] > 1:
+        rest, sign = _pivoted(rest)
+        value = value * (sign * rest[..., 0, 1])
+        rest = _eliminated(rest)
+    return np.asarray(value)
+
+
+def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
+    """Manakov's integrals: the coefficients of tr (P + λK²)ᵏ, conserved by the free body with P = KΩ + ΩK.
+
+    Euler's equations Ṗ = [P, Ω] are equivalent to d/dt (P + λK²) = [P + λK², Ω + λK] for every λ (S. V. Manakov,
+    Funct. Anal. Appl. 10 (1976) 328); the order in the commutators belongs to Ȧ = AΩ. The coefficient of λᵏ⁻ᵐ has m
+    factors P. It vanishes for odd m, since P is antisymmetric and K symmetric, and for m = 0 it is constant anyway.
+    The rest, even m with 2 ≤ m ≤ k ≤ n, are ⌊n²/4⌋ integrals, independent if the eigenvalues of K differ. This is the
+    rank of SO(n) plus half the dimension of a generic coadjoint orbit: the motion is integrable for every n. The energy
+    is a function of them.
+
+    Parameters
+    ----------
+    momentum : array_like, shape (..., n, n)
+        P, antisymmetric, body frame, kg m²/s.
+    second_moment : array_like, shape (n, n)
+        K = ∫ρ x xᵀ, symmetric, in the same frame, kg m².
+
+    Returns
+    -------
+    ndarray, shape (..., n² // 4)
+        Ordered by k, then by m; in (kg m²)²ᵏ⁻ᵐ/sᵐ.
+
+    Raises
+    ------
+    InputError
+        If K is no second moment, or P not antisymmetric of the same size.
+    """
+    k, p = second_moment_matrix(second_moment), _antisymmetric_matrices("P", momentum)
+    if p.shape[-2:] != k.shape:
+        raise InputError(
+            f"Manakov's integrals need P of shape (..., n, n) and K of shape (n, n), given {p.shape} and {k.shape}: "
+            "give both in the n dimensions of the body"
+        )
+    square, n = k @ k, k.shape[0]
+    words = [np.broadcast_to(np.eye(n), p.shape)]
+    integrals = []
+    for power in range(1, n + 1):
+        words = _next_power(words, p, square)
+        integrals += [np.trace(words[m], axis1=-2, axis2=-1) for m in range(2, power + 1, 2)]
+    return np.stack(integrals, axis=-1) if integrals else np.zeros((*p.shape[:-2], 0))
 
 
 def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
@@ -136,3 +179,71 @@ def _nonempty(p: NDArray[Any]) -> NDArray[Any]:
     if p.shape[-1] == 0:
         raise InputError(f"Casimirs need P of shape (..., n, n), given {p.shape}: give momentum_matrix(group, p)")
     return p
+
+
+def _pivoted(p: Array) -> tuple[Array, Array]:
+    """The matrices with rows and columns 1 and j exchanged, j the largest entry of row 0; the sign of the exchange."""
+    n = p.shape[-1]
+    largest = 1 + np.argmax(np.abs(p[..., 0, 1:]), axis=-1)
+    order: NDArray[Any] = np.broadcast_to(np.arange(n), (*largest.shape, n)).copy()
+    np.put_along_axis(order, largest[..., np.newaxis], 1, axis=-1)
+    order[..., 1] = largest
+    rows = np.take_along_axis(p, order[..., :, np.newaxis], axis=-2)
+    return np.take_along_axis(rows, order[..., np.newaxis, :], axis=-1), np.where(largest == 1, 1.0, -1.0)
+
+
+def _eliminated(p: Array) -> Array:
+    """The matrices that remain when the first two rows and columns are eliminated."""
+    pivot = p[..., 0, 1]
+    factors = p[..., 0, 2:] / np.where(pivot == 0.0, 1.0, pivot)[..., np.newaxis]
+    update = p[..., 1, 2:, np.newaxis] * factors[..., np.newaxis, :]
+    return np.asarray(p[..., 2:, 2:] + update - np.swapaxes(update, -1, -2))
+
+
+def _next_power(words: list[Array], p: Array, square: Array) -> list[Array]:
+    """The matrix coefficients of (P + λK²)ᵏ, listed by the number m of factors P, from those of the power k − 1."""
+    longer = [word @ square for word in words] + [np.zeros_like(p)]
+    for m, word in enumerate(words):
+        longer[m + 1] = longer[m + 1] + word @ p
+    return longer
+
+
+def _antisymmetric_matrices(name: str, value: ArrayLike) -> Array:
+    """Given matrices, shape (..., n, n), checked to be real and antisymmetric to within round-off."""
+    given = _square_matrices(name, value)
+    if np.iscomplexobj(given):
+        raise InputError(f"{name}: complex numbers: give a real antisymmetric matrix")
+    given = given.astype(np.float64, copy=False)
+    _require_small(name, given, given + np.swapaxes(given, -1, -2), "P + Pᵀ", "an antisymmetric")
+    return given
+
+
+def _antihermitian_matrices(name: str, value: ArrayLike) -> NDArray[np.complex128]:
+    """Given matrices, shape (..., n, n), checked to be anti-Hermitian to within round-off."""
+    given = _square_matrices(name, value).astype(np.complex128, copy=False)
+    _require_small(name, given, given + np.swapaxes(given.conj(), -1, -2), "P + P†", "an anti-Hermitian")
+    return given
+
+
+def _square_matrices(name: str, value: ArrayLike) -> NDArray[Any]:
+    try:
+        given = np.asarray(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: rows of unequal length: give square matrices") from None
+    if given.dtype.kind not in "fiuc":
+        raise InputError(f"{name}: type {given.dtype} is not numbers: give square matrices")
+    if given.ndim < 2 or given.shape[-1] != given.shape[-2]:
+        raise InputError(f"{name}: shape {given.shape} is not (..., n, n): give square matrices")
+    if not np.isfinite(given).all():
+        raise InputError(f"{name}: {given[~np.isfinite(given)][0]} is not finite: give finite numbers")
+    return given
+
+
+def _require_small(name: str, given: NDArray[Any], sums: NDArray[Any], formula: str, kind: str) -> None:
+    off = np.abs(sums).max(axis=(-2, -1), initial=0.0)
+    limit = ROUND_OFF * np.abs(given).max(axis=(-2, -1), initial=0.0)
+    if np.any(off > limit):
+        worst = np.argmax(off - limit)
+        raise InputError(
+            f"{name}: {formula} reaches {off.flat[worst]:.3g}, the limit is {limit.flat[worst]:.3g}: give {kind} matrix"
+        )

@@ -1,32 +1,31 @@
-"""Matrix Lie groups in general: one class for SO(n), SU(n), their products, and whatever a set of generators spans.
+"""Matrix Lie groups: one class for SO(n), SU(n), U(1), their products, and groups given by generators.
 
 Conventions
 -----------
 The generators Tᵃ are a basis of the algebra over the reals, with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, so that elements are exp(xᵃTᵃ)
-without factors of i (A. Lucas, arXiv 1111.1275). For SO(3) they are the basis of `so3.hat`. Coordinates x have shape
-(..., d), elements shape (..., n, n); leading axes are carried to the result.
+without factors of i: eqs. (38) and (42) of A. Lucas, arXiv 1111.1275. For SO(3) they are the basis of `so3.hat`.
+Coordinates x have shape (..., d), elements shape (..., n, n); leading axes are carried to the result.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups import exponential
+from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.elements import Elements, measured
-from lie_rigid_body.groups.generated import GeneratedElements, closed_algebra
-from lie_rigid_body.groups.matrix_lie_algebra import MatrixLieAlgebra
-from lie_rigid_body.groups.number_array import as_numbers
-
-Array = NDArray[Any]
-Real = NDArray[np.float64]
+from lie_rigid_body.groups.exponential import Matrix
+from lie_rigid_body.groups.generated import GeneratedElements
+from lie_rigid_body.mechanics.array_input import as_numbers
 
 ELEMENT_TOLERANCE: Final = 1e-9
-"""How far a matrix may be from fulfilling a group's equations and count as an element."""
+"""Largest distance of a matrix from fulfilling a group's equations that counts as round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,40 +37,40 @@ class MatrixLieGroup:
     Parameters
     ----------
     name : str
-        As in messages and plots.
+        Name in messages and plots.
     algebra : MatrixLieAlgebra
         Generators and structure constants.
     trace_metric : ndarray, shape (d, d)
-        gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite; for the antisymmetric and antihermitian generators of a compact group
-        that is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), which makes the metric of their bases the
-        identity, and 1 for U(1) and for groups from generators; a product has the blocks of its factors.
+        gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite. For the antisymmetric and anti-Hermitian generators of a compact
+        group it is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), for which g is the identity in their
+        bases, and 1 for U(1) and for groups from generators; g of a product has the blocks of its factors.
     elements : Elements
         Membership, projection, logarithm and random elements.
     """
 
     name: str
     algebra: MatrixLieAlgebra
-    trace_metric: Real
+    trace_metric: Array
     elements: Elements
 
     @classmethod
     def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:
-        """The connected group whose algebra is the real span of some matrices.
+        """The connected group whose algebra is the real span of given matrices.
 
-        Generators give no equations for the elements, which limits what can be known of a matrix:
+        Generators give no equations for the elements, so that membership can be decided only in part:
 
-        - `contains` and `log` recognise an element by its principal logarithm. Where that leaves the span, or does not
-          exist, or is lost to rounding, an element is not recognised, though it may be a true one: exp(xᵃTᵃ) with an
-          eigenvalue of xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
+        - `contains` and `log` recognise an element by its principal logarithm. An element whose principal logarithm
+          leaves the span, does not exist, or is lost to rounding is not recognised: exp(xᵃTᵃ) with an eigenvalue of
+          xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
         - `project` returns an element near the matrix, and refuses where the principal logarithm leads to none.
-        - `Ad`, `inverse` and motions take what nothing rules out: a finite invertible matrix with a determinant that
-          elements may have, whose Ad keeps the algebra. Others that do are those of the whole normaliser, as
-          diag(2, 2, 2, ⅛) for rigid motions of space.
+        - `Ad`, `inverse` and motions accept every matrix that is not ruled out: finite, invertible, of a determinant
+          that elements may have, and with an Ad that maps the algebra to itself. Other matrices of the normaliser pass
+          as well, as diag(2, 2, 2, ⅛) for rigid motions of space.
 
         Parameters
         ----------
         generators : array_like, shape (d, n, n)
-            Real or complex, linearly independent over the reals, closed under commutation within real combinations.
+            Array or complex, linearly independent over the reals, closed under commutation within real combinations.
             Largest entries within 1e-50 … 1e50, so that products of them are numbers.
         name : str
 
@@ -95,30 +94,33 @@ class MatrixLieGroup:
         return self.algebra.size
 
     @property
-    def generators(self) -> Array:
+    def generators(self) -> Matrix:
         """The matrices Tᵃ, shape (d, n, n), real or complex."""
         return self.algebra.generators
 
     @property
-    def structure_constants(self) -> Real:
-        """The constants fᵃᵇᶜ of [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, shape (d, d, d)."""
+    def structure_constants(self) -> Array:
+        """The constants fᵃᵇᶜ of [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42), shape (d, d, d)."""
         return self.algebra.structure_constants
 
     @property
-    def adjoint_representation(self) -> Real:
-        """Matrices of ad Tᵃ, shape (d, d, d), with entry [a, c, b] equal to fᵃᵇᶜ; they obey the algebra of the Tᵃ."""
+    def adjoint_representation(self) -> Array:
+        """Matrices of ad Tᵃ, shape (d, d, d), with entry [a, c, b] equal to fᵃᵇᶜ; they obey the algebra of the Tᵃ.
+
+        Eq. (43) prints the transposed matrices, which obey the algebra with −f.
+        """
         return self.algebra.adjoint_representation
 
     @property
-    def identity(self) -> Array:
+    def identity(self) -> Matrix:
         """The unit element, shape (n, n)."""
         return np.eye(self.size, dtype=self.generators.dtype)
 
     def __repr__(self) -> str:
         return f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>"
 
-    def as_matrices(self, A: ArrayLike) -> Array:
-        """The argument as n×n matrices of the group's number type, or an error that says what is wrong with it."""
+    def as_matrices(self, A: ArrayLike) -> Matrix:
+        """The argument as n×n matrices of the group's number type; an `InputError` if its type or shape is another."""
         A = as_numbers(f"matrices of {self.name}", A)
         if A.shape[-2:] != (self.size, self.size):
             raise InputError(
@@ -131,10 +133,10 @@ class MatrixLieGroup:
             )
         return A.astype(self.generators.dtype, copy=False)
 
-    def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Array:
-        """The argument as elements, or an error that says how far off the group it is.
+    def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Matrix:
+        """The argument as elements; an `InputError` with the distance from the group, if it is none.
 
-        For a group from generators it may be any matrix that nothing rules out; see `from_generators`.
+        For a group from generators every matrix passes that is not ruled out; see `from_generators`.
         """
         A = self.as_matrices(A)
         worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
@@ -145,7 +147,39 @@ class MatrixLieGroup:
             )
         return A
 
-    def hat(self, x: ArrayLike) -> Array:
+    def as_components(self, values: ArrayLike, what: str) -> Array:
+        """The argument as float64 components along the generators: rates, momenta or gradients.
+
+        Parameters
+        ----------
+        values : array_like, shape (..., d)
+        what : str
+            What they are called in the message, in the plural.
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+
+        Raises
+        ------
+        InputError
+            If they are not real numbers, or the last axis is not of length d.
+        """
+        d = self.dimension
+        try:
+            given = np.asarray(values)
+        except (TypeError, ValueError):
+            raise InputError(f"{what} on {self.name} have rows of unequal length: give {d} real numbers") from None
+        if given.dtype.kind not in "fiu":
+            raise InputError(f"{what} on {self.name} are of type {given.dtype}: give {d} real numbers")
+        array = given.astype(np.float64, copy=False)
+        if array.ndim == 0 or array.shape[-1] != d:
+            raise InputError(
+                f"{what} on {self.name} need shape (..., {d}), given {array.shape}: put the components on the last axis"
+            )
+        return array
+
+    def hat(self, x: ArrayLike) -> Matrix:
         """The matrix xᵃTᵃ of the algebra.
 
         Parameters
@@ -158,8 +192,8 @@ class MatrixLieGroup:
         """
         return self.algebra.hat(x)
 
-    def vee(self, X: ArrayLike) -> Real:
-        """Coordinates of a matrix of the algebra; inverse of `hat`. Refuses what is not in the algebra.
+    def vee(self, X: ArrayLike) -> Array:
+        """Coordinates of a matrix of the algebra; inverse of `hat`. Refuses a matrix outside the algebra.
 
         Parameters
         ----------
@@ -171,7 +205,7 @@ class MatrixLieGroup:
         """
         return self.algebra.vee(self.as_matrices(X))
 
-    def exp(self, x: ArrayLike) -> Array:
+    def exp(self, x: ArrayLike) -> Matrix:
         """The element exp(xᵃTᵃ).
 
         Parameters
@@ -184,11 +218,11 @@ class MatrixLieGroup:
         """
         return exponential.exp(self.algebra.hat(x))
 
-    def log(self, A: ArrayLike) -> Real:
+    def log(self, A: ArrayLike) -> Array:
         """Coordinates of the logarithm: the principal one, where its eigenvalues' imaginary parts lie within ±π.
 
-        For SU(n) the principal logarithm of an element may have a trace, and then lies outside the algebra; returned
-        is the logarithm of least norm within it, which is the principal one wherever that has no trace.
+        For SU(n) the principal logarithm of an element may have a trace, and then lies outside the algebra. The result
+        is the logarithm of least norm within the algebra, which is the principal one where that has no trace.
 
         Parameters
         ----------
@@ -202,19 +236,19 @@ class MatrixLieGroup:
         Raises
         ------
         InputError
-            If A is off the group, or no logarithm is singled out: an eigenvalue on the negative real axis (for SU(n):
-            two logarithms of equal norm); for a group from generators, also if A is not recognised.
+            If A is off the group, or its logarithm is not unique: an eigenvalue on the negative real axis (for SU(n):
+            two logarithms of equal norm). For a group from generators, also if A is not recognised.
         """
         return self.algebra.coordinates(self.elements.log(self.as_elements(A)))
 
-    def inverse(self, A: ArrayLike) -> Array:
-        """Inverses of elements, shape (..., n, n). Refuses what is off the group."""
+    def inverse(self, A: ArrayLike) -> Matrix:
+        """Inverses of elements, shape (..., n, n). Refuses matrices off the group."""
         return self.elements.inverse(self.as_elements(A))
 
-    def Ad(self, A: ArrayLike) -> Real:  # noqa: N802
+    def Ad(self, A: ArrayLike) -> Array:  # noqa: N802
         """The matrix of hat(y) ↦ A hat(y) A⁻¹ in coordinates; Ad(AB) = Ad(A) Ad(B), Ad(exp x) = exp(ad x).
 
-        Refuses what is off the group.
+        Refuses matrices off the group.
 
         Parameters
         ----------
@@ -227,7 +261,7 @@ class MatrixLieGroup:
         A = self.as_elements(A)[..., np.newaxis, :, :]
         return np.swapaxes(self.algebra.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
 
-    def ad(self, x: ArrayLike) -> Real:
+    def ad(self, x: ArrayLike) -> Array:
         """The matrix of y ↦ [x, y] in coordinates: xᵃfᵃᵇᶜ at [c, b].
 
         Parameters
@@ -240,7 +274,7 @@ class MatrixLieGroup:
         """
         return self.algebra.ad(x)
 
-    def dexp(self, x: ArrayLike) -> Real:
+    def dexp(self, x: ArrayLike) -> Array:
         """J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
 
         For SO(3) this is `so3.left_jacobian`; with exp(x) hat(J ẋ) instead, J is ``dexp(-x)``
@@ -256,7 +290,7 @@ class MatrixLieGroup:
         """
         return self.algebra.dexp(x)
 
-    def dexpinv(self, x: ArrayLike) -> Real:
+    def dexpinv(self, x: ArrayLike) -> Array:
         """The inverse of `dexp`, the rate of chart coordinates: ẋ = dexpinv(x) ω where exp(x) turns with rate ω.
 
         Parameters
@@ -277,22 +311,21 @@ class MatrixLieGroup:
     def contains(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> NDArray[np.bool_]:
         """Whether matrices are elements to within a tolerance, shape (...), of A with shape (..., n, n).
 
-        For a group from generators an element is recognised by its principal logarithm, so that one without, or
-        whose logarithm is lost to rounding, is not.
+        For a group from generators an element is recognised by its principal logarithm; see `from_generators`.
         """
         return measured(self.as_matrices(A), self.elements.distance) <= tolerance
 
-    def restored(self, A: ArrayLike) -> Array:
-        """Elements that round-off has carried a little off the group, shape (..., n, n), brought back if possible."""
+    def restored(self, A: ArrayLike) -> Matrix:
+        """Elements that round-off has carried a little off the group, projected back if possible, shape (..., n, n)."""
         return self.elements.restored(self.as_matrices(A))
 
-    def project(self, A: ArrayLike) -> Array:
+    def project(self, A: ArrayLike) -> Matrix:
         """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
 
         Parameters
         ----------
         A : array_like, shape (..., n, n)
-            Any matrices; for a group from generators, matrices near elements that `contains` recognises.
+            Any matrices. For a group from generators, matrices near elements that `contains` recognises.
 
         Returns
         -------
@@ -301,17 +334,17 @@ class MatrixLieGroup:
         Raises
         ------
         InputError
-            If no element is nearer than all others; for a group from generators, if none is found near A.
+            If the nearest element is not unique; for a group from generators, if none is found near A.
         """
         A = self.as_matrices(A)
         if not np.all(np.isfinite(A)):
             raise InputError(f"no nearest element of {self.name}: a matrix has entries that are not finite numbers")
         return self.elements.project(A)
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Array:
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Matrix:
         """Independent random elements, shape (*shape, n, n).
 
-        By Haar measure for SO(n), SU(n), U(1) and their products; for a group from generators, the exponentials of
-        standard normal coordinates.
+        They are distributed by the Haar measure for SO(n), SU(n), U(1) and their products. For a group from generators
+        they are exponentials of standard normal coordinates.
         """
         return self.elements.random(rng, shape)

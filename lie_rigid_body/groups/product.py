@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import accumulate
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.elements import Elements
-from lie_rigid_body.groups.matrix_lie_algebra import MatrixLieAlgebra, frobenius
+from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-
-Array = NDArray[Any]
-Real = NDArray[np.float64]
 
 
 def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
-    """The direct product of groups: block diagonal matrices, coordinates one factor after the other.
+    """The direct product of groups: block diagonal matrices; the coordinates of the factors follow each other.
 
     Parameters
     ----------
@@ -29,7 +26,7 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     Raises
     ------
     InputError
-        If there is none, or one is no group.
+        If no group is given, or an argument is no group.
     """
     if not groups:
         raise InputError("product() of 0 groups (limit 1): give at least one group")
@@ -68,48 +65,48 @@ class ProductElements(Elements):
             (g.elements, s, np.iscomplexobj(g.generators)) for g, s in zip(groups, _blocks(groups), strict=True)
         ]
 
-    def _parts(self, A: Array) -> Iterator[tuple[Elements, slice, Array]]:
+    def _parts(self, A: Matrix) -> Iterator[tuple[Elements, slice, Matrix]]:
         for elements, block, is_complex in self._factors:
             part = A[..., block, block]
             yield elements, block, part if is_complex else part.real
 
-    def _blockwise(self, A: Array, function: Callable[[Elements, Array], Array]) -> Array:
+    def _blockwise(self, A: Matrix, function: Callable[[Elements, Matrix], Matrix]) -> Matrix:
         result = np.zeros_like(A)
         for elements, block, part in self._parts(A):
             result[..., block, block] = function(elements, part)
         return result
 
-    def distance(self, A: Array) -> Real:
-        """The largest of the blocks' distances and of what lies outside the blocks."""
+    def distance(self, A: Matrix) -> Array:
+        """The largest of the blocks' distances and the Frobenius norm of what lies outside the blocks."""
         return self._largest(A, lambda elements, part: elements.distance(part))
 
-    def certain_distance(self, A: Array) -> Real:
-        """The largest of the blocks' certain distances and of what lies outside the blocks."""
+    def certain_distance(self, A: Matrix) -> Array:
+        """The largest of the blocks' certain distances and the Frobenius norm of what lies outside the blocks."""
         return self._largest(A, lambda elements, part: elements.certain_distance(part))
 
-    def _largest(self, A: Array, distance: Callable[[Elements, Array], Real]) -> Real:
+    def _largest(self, A: Matrix, distance: Callable[[Elements, Matrix], Array]) -> Array:
         outside = frobenius(A - self._blockwise(A, lambda _, part: part))
         return np.asarray(
             np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
         )
 
-    def project(self, A: Array) -> Array:
+    def project(self, A: Matrix) -> Matrix:
         """The nearest element of each factor to its block."""
         return self._blockwise(A, lambda elements, part: elements.project(part))
 
-    def restored(self, A: Array) -> Array:
-        """The blocks brought back, each by its own factor."""
+    def restored(self, A: Matrix) -> Matrix:
+        """Each block restored by its own factor."""
         return self._blockwise(A, lambda elements, part: elements.restored(part))
 
-    def inverse(self, A: Array) -> Array:
+    def inverse(self, A: Matrix) -> Matrix:
         """The inverse of each block."""
         return self._blockwise(A, lambda elements, part: elements.inverse(part))
 
-    def log(self, A: Array) -> Array:
+    def log(self, A: Matrix) -> Matrix:
         """The logarithm of each block."""
         return self._blockwise(A, lambda elements, part: elements.log(part))
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Array:
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Independent elements of the factors."""
         size = self._factors[-1][1].stop
         dtype = np.complex128 if any(is_complex for *_, is_complex in self._factors) else np.float64

@@ -1,4 +1,4 @@
-"""One explicit Runge–Kutta step in whatever coordinates a chart gives: knows neither body nor group."""
+"""Explicit Runge–Kutta steps along a vector field, for lists of coordinates."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Weights: TypeAlias = tuple[tuple[int, float], ...]
 
 
 class RungeKuttaStepper:
-    """The increments of a tableau, applied to a vector field.
+    """An explicit Runge–Kutta method.
 
     Parameters
     ----------
     tableau : Tableau
-        Where the coefficients come from; zeros are skipped.
+        Coefficients; zeros are skipped.
     """
 
     __slots__ = ("_stages", "_sum", "name", "order")
@@ -30,7 +30,7 @@ class RungeKuttaStepper:
         self._sum = _nonzero(tableau.b)
 
     def step(self, field: Field, start: Point, h: float) -> Point:
-        """The point one step of length h after ``start``, along ``field``.
+        """The point after one step of length h along a vector field.
 
         Parameters
         ----------

@@ -1,30 +1,60 @@
-"""Symmetries of a body: the momenta in its own frame that its motion conserves, whatever the start."""
+"""Momenta that symmetries conserve (Noether): in the space frame all, in the body frame those of a symmetric body.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from lie_rigid_body.groups.lagrangian import require_metric
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.groups.metric import require_metric
 
-if TYPE_CHECKING:
-    from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-
-Array = NDArray[np.float64]
-
-_ROUND_OFF: Final = 1e-12
+_TOLERANCE: Final = 1e-12
 _TIE: Final = 1e-8
+"""Difference of squared distances to the span below which two generators count as equally near."""
 
 
-def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: float = _ROUND_OFF) -> Array:
-    """All directions ξ of the algebra whose momentum ξᵃpᵃ every motion conserves, in the body frame.
+def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
+    """The momentum in the space frame, Ad(A)⁻ᵀ p, of which every component is conserved.
+
+    The symmetry is that of L under left translations A ↦ BA with a constant B, as B = exp(αᵃTᵃ).
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+        Of dimension d, with n × n matrices.
+    element : array_like, shape (..., n, n)
+        A, which takes the body frame to the space frame.
+    momentum : array_like, shape (..., d)
+        p in the body frame, kg m²/s.
+
+    Returns
+    -------
+    ndarray, shape (..., d)
+        kg m²/s.
+
+    Raises
+    ------
+    InputError
+        If A is off the group.
+    """
+    p = group.as_components(momentum, "momenta")
+    to_body = group.Ad(group.inverse(element))
+    return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
+
+
+def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: float = _TOLERANCE) -> Array:
+    """The directions ξ of the algebra whose momentum ξᵃpᵃ in the body frame is constant in every motion.
 
     They are the solutions of ξᵃ (f[c,a,d] Mᵈᵇ + f[b,a,d] Mᵈᶜ) = 0 for all b, c, and generate the subgroup of Ad that
-    leaves M as it is: the axis of a symmetric top, every direction for M ∝ 1, none for an asymmetric top. (A. Lucas,
-    arXiv 1111.1275, gives the condition 0 = fᵃᵈᶜMᵈᵇ + fᵃᵈᵇMᵈᶜ for one generator Tᵃ, in a basis that has it; we search
-    all bases, and order the indices so that f need not be totally antisymmetric.)
+    leaves M unchanged: on SO(3) the axis of a symmetric top, eq. (30), every direction for M ∝ 1, none for an
+    asymmetric top. Eq. (22) is the condition 0 = fᵃᵈᶜMᵈᵇ + fᵃᵈᵇMᵈᶜ for one generator Tᵃ and totally antisymmetric f;
+    here ξ is any direction, and the indices are placed so that the condition holds on any group.
 
     Parameters
     ----------
@@ -38,9 +68,9 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     Returns
     -------
     ndarray, shape (k, d)
-        Orthonormal rows in components along the generators. The basis is a function of their span: each row is the
-        normalised projection of one generator, after those of the rows before; the generator nearest to the span
-        comes first, and of equally near ones the first.
+        Orthonormal rows in components along the generators. The basis is a function of their span, by Gram–Schmidt:
+        each row is the normalised projection of a generator onto what the rows before it leave of the span. The
+        nearest generator is taken, and of equally near ones the first.
 
     Raises
     ------
@@ -48,10 +78,10 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
         If M is not symmetric positive definite of size d.
     """
     m, f = require_metric(metric, group.dimension), group.structure_constants
-    # generators scaled to unit inertia: otherwise a badly scaled basis would hide what is not conserved
+    # generators scaled to unit inertia: in a badly scaled basis small entries of the condition would pass for round-off
     size = np.sqrt(np.diag(m))
     m, f = m / np.outer(size, size), f * size / np.multiply.outer(size, size)[:, :, None]
-    # [c, a, b]: the part of d/dt pᵃ with ωᶜωᵇ, symmetrised in c and b
+    # entry [c, a, b] of f[c,a,d] Mᵈᵇ is the coefficient of ωᶜωᵇ in d/dt pᵃ, symmetrised in c and b
     change = f @ m
     condition = change + np.swapaxes(change, 0, 2)
     rows = np.swapaxes(condition, 1, 2).reshape(-1, group.dimension)
@@ -62,7 +92,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
 
 
 def _canonical_basis(orthonormal: Array) -> Array:
-    """The basis of the same span that depends on nothing but the span, by Gram–Schmidt on its projector."""
+    """The basis of the span of the rows that is a function of the span alone; see `conserved_momenta`."""
     projector = orthonormal.T @ orthonormal
     basis = np.empty_like(orthonormal)
     for row in range(len(basis)):

@@ -8,12 +8,11 @@ so that a batch gives the same bits as its rows one by one.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import rotation_vector, series
-
-Array = NDArray[np.float64]
 
 
 def _quaternions(q: ArrayLike) -> Array:

@@ -2,8 +2,8 @@
 
 Conventions
 -----------
-``hat`` is the map with ``hat(v) @ x == cross(v, x)``; its basis obeys [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ. (The matrices printed by
-Lucas, arXiv 1111.1275, have the opposite sign and obey −ε; the text of the paper uses +ε, and so do we.)
+``hat`` is the map with ``hat(v) @ x == cross(v, x)``. Its basis Tᵃ obeys [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, which is eq. (26) of
+A. Lucas, arXiv 1111.1275; the matrices printed in eq. (25) are −Tᵃ, and obey −ε.
 
 All functions are batched: leading axes of the arguments are carried to the result. They are accurate to a few units
 in the last place of the largest entry for every angle from the smallest double to π.
@@ -16,16 +16,15 @@ A. Iserles, H. Z. Munthe-Kaas, S. P. Nørsett, A. Zanna, "Lie-group methods", Ac
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import series
 
-Array = NDArray[np.float64]
-
 
 def as_vectors(v: ArrayLike) -> Array:
-    """The argument as float64 vectors, or an error that names its shape."""
+    """The argument as float64 vectors, shape (..., 3); an `InputError` that gives its shape, if it has another."""
     array = np.asarray(v, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(
@@ -35,7 +34,7 @@ def as_vectors(v: ArrayLike) -> Array:
 
 
 def as_matrices(m: ArrayLike) -> Array:
-    """The argument as float64 3×3 matrices, or an error that names its shape."""
+    """The argument as float64 matrices, shape (..., 3, 3); an `InputError` that gives its shape, if it has another."""
     array = np.asarray(m, dtype=np.float64)
     if array.shape[-2:] != (3, 3):
         raise InputError(

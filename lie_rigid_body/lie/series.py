@@ -1,4 +1,4 @@
-"""Scalar coefficient functions of the SO(3) exponential, and the one home of their small-angle series.
+"""Scalar coefficient functions of the exponential of SO(3) and its Jacobians, with their small-angle series.
 
 Each function takes the rotation angle θ ≥ 0 and is accurate to a few units in the last place on all of [0, 2π).
 Where the textbook form cancels, a power series in θ² with exactly rounded coefficients replaces it
@@ -13,15 +13,14 @@ from fractions import Fraction
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array
 
 SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""
 
 SMALLEST_SQUARE: Final = 1e-290
-"""Below it θ² loses digits to underflow, and (1 − cos θ)/θ² has long been ½."""
+"""Least θ² that is used: a smaller one loses digits to underflow, and (1 − cos θ)/θ² is ½ there to the last bit."""
 
 
 def _bernoulli(count: int) -> list[Fraction]:
@@ -60,7 +59,7 @@ def sine_ratio(theta: Array) -> Array:
 
 
 def versine_ratio(theta: Array, squared: Array) -> Array:
-    """(1 − cos θ)/θ² = 2 sin²(θ/2)/θ², with its limit ½ at 0, where θ² is known better than as the square of θ."""
+    """(1 − cos θ)/θ² = 2 sin²(θ/2)/θ², with its limit ½ at 0, for a θ² given more accurately than θ is."""
     tiny = squared < SMALLEST_SQUARE
     return np.where(tiny, 0.5, 2.0 * np.sin(0.5 * theta) ** 2 / np.where(tiny, 1.0, squared))
 

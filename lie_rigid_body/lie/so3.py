@@ -1,14 +1,15 @@
 """The rotation group SO(3): matrices, their exponential and logarithm, and the Jacobians of the exponential.
 
-A table of contents: the algebra and its Jacobians live in `rotation_vector`, unit quaternions in `quaternion`,
-small-angle series in `series`.
+The algebra and the Jacobians are those of `rotation_vector`, under the names of the group; the logarithm goes through
+`quaternion`.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, series
 from lie_rigid_body.lie.rotation_vector import (
     as_vectors,
@@ -33,8 +34,6 @@ __all__ = [
     "right_jacobian_inverse",
     "vee",
 ]
-
-Array = NDArray[np.float64]
 
 
 def exp(v: ArrayLike) -> Array:

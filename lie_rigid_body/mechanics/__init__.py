@@ -1,4 +1,4 @@
-"""The rigid body: its mass and inertia, its state, and what is true of its motion."""
+"""The rigid body: mass distribution, inertia, state, conserved quantities and kinds of tops."""
 
 from lie_rigid_body.mechanics.mass_distribution import moments_of_density, moments_of_points, moments_on_grid
 from lie_rigid_body.mechanics.mass_moments import MassMoments

@@ -1,22 +1,22 @@
-"""Reading an inertia in its accepted forms, and refusing what no mass distribution can have."""
+"""Inertia tensors: the accepted forms of input, what no mass distribution can have, and the principal axes."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 
-Array = NDArray[np.float64]
-
 _NAME: Final = "inertia"
-_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+"""Rounding error of principal moments, relative to the largest: moments that differ by no more count as equal."""
 
 
 def inertia_matrix(inertia: ArrayLike) -> Array:
-    """The inertia tensor from any accepted form, unvalidated but for its form.
+    """The inertia tensor from any accepted form; `require_physical` checks the moments.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
     Raises
     ------
     ParameterError
-        If the form is another, a number is not finite, or a matrix is not symmetric.
+        If the shape is none of these, a number is not finite, or a matrix is not symmetric.
     """
     array = _finite(inertia)
     if array.shape == (3,):
@@ -68,7 +68,7 @@ def diagonal_matrix(moments: ArrayLike) -> Array:
     Raises
     ------
     ParameterError
-        If the form is another or a number is not finite.
+        If the shape is another or a number is not finite.
     """
     array = _finite(moments)
     if array.shape[-1:] != (3,) or array.size == 0:
@@ -138,7 +138,7 @@ def require_physical(moments: Array) -> None:
             f"smallest principal moment {float(rows[lacking][0, 0])!r} is not positive: "
             "every moment must be above 0 kg m²",
         )
-    excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + _ROUND_OFF * rows[:, 2]
+    excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + MOMENT_ROUND_OFF * rows[:, 2]
     if excess.any():
         small, middle, large = rows[excess][0].tolist()
         raise ParameterError(
@@ -149,7 +149,7 @@ def require_physical(moments: Array) -> None:
 
 
 def apply_tensor(tensor: Array, vectors: Array) -> Array:
-    """Tensor @ vector over leading axes, elementwise, so that a batch gives the bits of its rows.
+    """The product tensor @ vector over leading axes, by elementwise arithmetic: a batch gives the bits of its rows.
 
     Parameters
     ----------

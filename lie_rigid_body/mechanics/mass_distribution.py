@@ -1,4 +1,4 @@
-"""Moments of a given distribution of mass: points, a density on a grid, or a density as a function."""
+"""Mass, centre and second moment of point masses, and of densities given on a grid or as functions."""
 
 from __future__ import annotations
 
@@ -7,19 +7,18 @@ from itertools import combinations
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.mechanics.mass_moments import MassMoments
-
-Array = NDArray[np.float64]
 
 Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
 """Lower and upper end of one coordinate: numbers, or a function of the coordinates before it, (N, k) ↦ (N,), (N,)."""
 
 MOST_EVALUATIONS: Final = 2**22
-"""The most points at which a density is evaluated at once."""
+"""Largest number of points at which a density is evaluated."""
 
 
 def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
@@ -91,9 +90,9 @@ def moments_of_density(
 ) -> MassMoments:
     """The moments of a density given as a function, by Gauss-Legendre quadrature over a box or a curved region.
 
-    A coordinate that others have limits of is substituted by a sine, x = ½(a + b) + ½(b − a) sin θ: where a smooth face
-    is tangent to its ends, the lengths inside go to 0 like a square root, which the sine makes smooth. The result is
-    compared with that of two nodes fewer, and refused when the two disagree.
+    A coordinate on which limits of later ones depend is substituted by x = ½(a + b) + ½(b − a) sin θ: at an end where
+    the boundary is smooth the extent of the region goes to 0 like a square root of x, and is smooth in θ. The result
+    is compared with that of two nodes fewer, and refused when the two disagree.
 
     Parameters
     ----------
@@ -103,7 +102,7 @@ def moments_of_density(
         Ends of each coordinate, m: two numbers, or a function of the coordinates before it, which takes them at N
         points as an array of shape (N, k) and gives the N lower and the N upper ends.
     nodes : int
-        Points along each coordinate, at least 4; nodesⁿ points in all, at most `MOST_EVALUATIONS`.
+        Points along each coordinate, at least 4. There are nodesⁿ points in all, at most `MOST_EVALUATIONS`.
     tolerance : float
         Largest disagreement allowed, relative to √(JᵢᵢJⱼⱼ) for each of the moments J.
 
@@ -114,7 +113,7 @@ def moments_of_density(
     Raises
     ------
     InputError
-        If the quadrature did not settle, a density is negative or not finite, or a limit is.
+        If the two results disagree, a density is negative or not finite, or limits are not finite or out of order.
     """
     n = len(limits)
     _require_affordable(nodes, n)
@@ -185,7 +184,7 @@ def _masses_at_nodes(
 
 
 def _nodes(limits: Sequence[Limits], nodes: int) -> tuple[Array, Array]:
-    """Quadrature points, shape (N, n), and their volumes, shape (N,): one coordinate after the other."""
+    """Quadrature points, shape (N, n), and their weights as volumes, shape (N,), built up coordinate by coordinate."""
     points, volumes = np.zeros((1, 0)), np.ones(1)
     for k, end in enumerate(limits):
         roots, weights = _rule(nodes, curved=any(callable(inner) for inner in limits[k + 1 :]))
@@ -198,7 +197,7 @@ def _nodes(limits: Sequence[Limits], nodes: int) -> tuple[Array, Array]:
 
 
 def _rule(nodes: int, *, curved: bool) -> tuple[Array, Array]:
-    """Nodes and weights on −1 … 1, with the sine substituted where the region is curved."""
+    """Gauss-Legendre nodes and weights on [−1, 1]; of sin θ with θ in [−½π, ½π] where the region is curved."""
     roots, weights = np.polynomial.legendre.leggauss(nodes)
     if not curved:
         return roots, weights
@@ -218,12 +217,13 @@ def _ends(limits: Limits, points: Array) -> tuple[Array, Array]:
 
 
 def _disagreement(one: MassMoments, other: MassMoments) -> float:
-    """The largest difference of two sets of moments about the centre, relative by the Cauchy-Schwarz inequality."""
+    """The largest |Jᵢⱼ − J′ᵢⱼ|/√(JᵢᵢJⱼⱼ) of two sets of moments about one centre, with J of `_pseudo_inertia`."""
     first, second = _pseudo_inertia(one.about(other.centre)), _pseudo_inertia(other.about(other.centre))
     size = np.sqrt(np.diag(second))
     return float((np.abs(first - second) / np.outer(size, size)).max())
 
 
 def _pseudo_inertia(moments: MassMoments) -> Array:
+    """All moments in one matrix, ∫ρ (x, 1)(x, 1)ᵀ."""
     side = moments.first_moment[:, None]
     return np.block([[moments.second_moment, side], [side.T, np.full((1, 1), moments.mass)]])

@@ -1,25 +1,24 @@
-"""The mass of a body, its centre and its second moment: all of it that a rigid motion feels, in n dimensions."""
+"""Mass, centre of mass and second moment of a body in n dimensions: all that its free motion depends on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
-from lie_rigid_body.mechanics.second_moment import orthogonal_matrix, second_moment_matrix
-
-Array = NDArray[np.float64]
+from lie_rigid_body.mechanics.array_input import orthogonal_matrix, real_array
+from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 
 @dataclass(frozen=True, eq=False)
 class MassMoments:
-    """The moments of a mass distribution up to the second.
+    """The moments of a mass distribution of orders 0, 1 and 2.
 
-    Held about the centre of mass, so that a body far from its origin keeps its digits. They add: the moments of a
-    body are the sum of those of its parts, and a hole is subtracted.
+    They are stored about the centre of mass, so that a body far from its origin loses no digits. The moments of a
+    body are the sum of those of its parts; a hole is subtracted.
 
     Parameters
     ----------
@@ -71,7 +70,10 @@ class MassMoments:
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: the central one plus m c cᵀ (parallel axes)."""
+        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: Lucas (arXiv 1111.1275), eq. (10).
+
+        It is the central second moment plus m c cᵀ (parallel axes).
+        """
         return self.central_second_moment + self.mass * np.outer(self.centre, self.centre)
 
     def moved(self, rotation: ArrayLike, translation: ArrayLike) -> MassMoments:
@@ -104,7 +106,7 @@ class MassMoments:
         return self.moved(rotation, np.zeros(self.dimension))
 
     def about(self, origin: ArrayLike) -> MassMoments:
-        """The moments about another origin, with parallel axes.
+        """The moments about another origin, by the parallel axis theorem.
 
         Parameters
         ----------
@@ -114,7 +116,7 @@ class MassMoments:
         Returns
         -------
         MassMoments
-            In coordinates counted from the new origin: the centre is c − o, and K is the central one plus
+            In coordinates from the new origin: the centre is c − o, and K is the central second moment plus
             m (c − o)(c − o)ᵀ.
 
         Raises

@@ -1,10 +1,11 @@
-"""The rigid body: its inertia, and the quantities that a torque-free motion conserves."""
+"""The rigid body: its inertia, momentum and kinetic energy."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import (
     apply_tensor,
@@ -16,11 +17,9 @@ from lie_rigid_body.mechanics.inertia import (
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
 
-Array = NDArray[np.float64]
-
 
 class RigidBody:
-    """A free rigid body, known by its inertia about its centre of mass; or a batch of them.
+    """A free rigid body, given by its inertia about its centre of mass, or a batch of bodies.
 
     Parameters
     ----------
@@ -126,12 +125,12 @@ class RigidBody:
         return f"RigidBody({self.inertia.tolist()})"
 
     def body_momentum(self, states: State) -> Array:
-        """Angular momentum in the body frame, M ω.
+        """Angular momentum in the body frame, π = Mω; Lucas (arXiv 1111.1275), eq. (19).
 
         Parameters
         ----------
         states : State
-            Those of a batch of bodies have its axes first, as a motion gives them.
+            States of a batch of bodies have the axes of the batch first, as `ClosedForm` and `MovingChart` return them.
 
         Returns
         -------
@@ -143,7 +142,7 @@ class RigidBody:
         return apply_tensor(self.inertia.reshape(*self.batch_shape, *extra, 3, 3), states.body_rate)
 
     def angular_momentum(self, states: State) -> Array:
-        """Angular momentum in the world frame, A M ω: conserved, component by component.
+        """Angular momentum in the world frame, L = A M ω: every component is conserved.
 
         Parameters
         ----------
@@ -157,7 +156,7 @@ class RigidBody:
         return quaternion.rotate(states.attitude_xyzw, self.body_momentum(states))
 
     def kinetic_energy(self, states: State) -> Array:
-        """Kinetic energy ½ ω·Mω: conserved.
+        """Kinetic energy ½ ω·Mω, which is conserved; Lucas (arXiv 1111.1275), eq. (14).
 
         Parameters
         ----------

@@ -1,29 +1,21 @@
-"""The second moment K = ∫ρ x xᵀ of a body in n dimensions, and the inertias that follow from it.
+"""The second moment K = ∫ρ x xᵀ of a body in n dimensions, and the inertia tensor of a body in three.
 
-Lucas (arXiv 1111.1275) takes K for the description of a body: it exists in every dimension, where the usual inertia
-tensor belongs to n = 3. Both say the same there: I = tr(K) 1 − K and K = ½ tr(I) 1 − I.
+K describes a body in every dimension (A. Lucas, arXiv 1111.1275, eq. 10); the inertia tensor I belongs to n = 3, where
+each follows from the other: I = tr(K) 1 − K (eq. 28) and K = ½ tr(I) 1 − I.
 """
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
-
-Array = NDArray[np.float64]
-
-ORTHOGONAL_TOLERANCE: Final = 1e-9
-"""A matrix is refused as a rotation when an entry of AᵀA − 1 exceeds this."""
-
-_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, orthogonal_matrix, real_array, symmetric_matrix
 
 
 def second_moment_matrix(second_moment: ArrayLike) -> Array:
-    """A second moment that some mass distribution has.
+    """A given second moment, checked to be one that some mass distribution has.
 
     Parameters
     ----------
@@ -45,37 +37,6 @@ def second_moment_matrix(second_moment: ArrayLike) -> Array:
     return matrix
 
 
-def symmetric_matrix(name: str, value: ArrayLike) -> Array:
-    """A symmetric matrix, rid of the round-off of its asymmetry.
-
-    Parameters
-    ----------
-    name : str
-        What it is called in the message.
-    value : array_like, shape (n, n)
-
-    Returns
-    -------
-    ndarray, shape (n, n)
-        A copy, exactly symmetric.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite square matrix, or not symmetric within round-off.
-    """
-    matrix = real_array(name, value, "(n, n)")
-    if matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"{name}: shape {matrix.shape} is not square: give n rows of n numbers")
-    gap, limit = float(np.abs(matrix - matrix.T).max()), _ROUND_OFF * float(np.abs(matrix).max())
-    if gap > limit:
-        raise InputError(
-            f"{name}: entries across the diagonal differ by {gap:.9g}, more than round-off ({limit:.3g}): "
-            "give a symmetric matrix"
-        )
-    return 0.5 * (matrix + matrix.T)
-
-
 def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     """Refuse a symmetric matrix with an eigenvalue below 0 by more than round-off.
 
@@ -92,7 +53,7 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     ------
     InputError
     """
-    smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -_ROUND_OFF * abs(scale)
+    smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise InputError(
             f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): no mass "
@@ -100,41 +61,8 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
         )
 
 
-def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
-    """Rotations of n dimensions, or reflections.
-
-    Parameters
-    ----------
-    name : str
-        What they are called in the message.
-    value : array_like, shape (..., n, n)
-    n : int
-
-    Returns
-    -------
-    ndarray, shape (..., n, n)
-
-    Raises
-    ------
-    InputError
-        If the shape is another or AᵀA is not 1 within `ORTHOGONAL_TOLERANCE`.
-    """
-    matrices = real_array(name, value, "(…, n, n)")
-    if matrices.shape[-2:] != (n, n):
-        raise InputError(
-            f"{name}: shape {matrices.shape} is not (..., {n}, {n}): give matrices of the body's dimension"
-        )
-    worst = float(np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max())
-    if not worst <= ORTHOGONAL_TOLERANCE:
-        raise InputError(
-            f"{name}: AᵀA differs from 1 by {worst:.3g}, more than {ORTHOGONAL_TOLERANCE:g}: "
-            "give an orthogonal matrix, or project it onto the group"
-        )
-    return matrices
-
-
 def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Array:
-    """A K Aᵀ, the second moment of the rotated body, or of the same body in rotated axes.
+    """The second moment A K Aᵀ of a body in world axes: the A₀ K A₀ᵀ of Lucas (arXiv 1111.1275), eqs. (12), (13).
 
     Parameters
     ----------
@@ -160,7 +88,7 @@ def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Arra
 
 
 def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
-    """K about another origin with parallel axes, K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
+    """K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
 
     Parameters
     ----------
@@ -193,7 +121,7 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
 
 
 def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
-    """The usual inertia tensor I = tr(K) 1 − K.
+    """The inertia tensor I = tr(K) 1 − K; Lucas (arXiv 1111.1275), eq. (28).
 
     Parameters
     ----------
@@ -230,8 +158,8 @@ def second_moment_from_inertia(inertia: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (3, 3)
-        kg m², about the same origin in the same axes. Positive semidefinite within round-off, which is another way to
-        say that the principal moments obey the triangle inequality.
+        kg m², about the same origin in the same axes. Positive semidefinite within round-off, which is equivalent to
+        the triangle inequality of the principal moments.
 
     Raises
     ------

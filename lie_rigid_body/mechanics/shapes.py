@@ -9,13 +9,12 @@ from __future__ import annotations
 import operator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.mechanics.mass_moments import MassMoments
-
-Array = NDArray[np.float64]
 
 
 def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:

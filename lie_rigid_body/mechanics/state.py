@@ -1,19 +1,18 @@
-"""The state of a rotating body: where it points and how fast it turns."""
+"""The state of a rotating body: attitude and body rate."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 
-Array = NDArray[np.float64]
-
 UNIT_NORM_TOLERANCE: Final = 1e-6
-"""A quaternion farther than this from unit norm is refused, a nearer one normalised."""
+"""Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
 
 
 class State:
@@ -56,7 +55,7 @@ class State:
 
     @classmethod
     def trusted(cls, attitude_xyzw: Array, body_rate: Array) -> State:
-        """A state from arrays that are already right: float64, of equal leading axes, unit quaternions; not copied."""
+        """A state of arrays that are not checked or copied: float64, of equal leading axes, unit quaternions."""
         state = cls.__new__(cls)
         state._set(attitude_xyzw, body_rate)
         return state

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups import SO, Lagrangian, metric_at, require_metric, spatial_momentum
+from lie_rigid_body.groups import SO, Lagrangian, metric_at, spatial_momentum
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -108,38 +108,6 @@ def test_the_metric_in_space_is_the_second_moment_turned():
     turned, t = a @ np.diag(k) @ a.T, group.generators
     expected = -0.5 * np.einsum("ij,ajk,bki->ab", turned, t, t) - 0.5 * np.einsum("ij,bjk,aki->ab", turned, t, t)
     np.testing.assert_allclose(metric_at(Lagrangian(group, diagonal_body(group, k)), a), expected, atol=1e-14 * 8)
-
-
-@pytest.mark.parametrize(
-    ("metric", "said"),
-    [
-        (np.eye(2), r"shape \(2, 2\), the group needs \(3, 3\): give"),
-        (np.ones(3), r"shape \(3,\)"),
-        ("heavy", "not an array of real numbers: give 3 rows"),
-        (np.diag([1.0, np.nan, 1.0]), "not finite, it has nan"),
-        ([[1.0, 0.5, 0.0], [0.4, 1.0, 0.0], [0.0, 0.0, 1.0]], r"not symmetric: M\[0,1\] = 0.5 but M\[1,0\] = 0.4"),
-        (np.diag([1.0, 0.0, 1.0]), "smallest eigenvalue is 0 where the largest is 1"),
-        (np.diag([1.0, -1.0, 2.0]), "smallest eigenvalue is -1 where the largest is 2"),
-        (np.zeros((3, 3)), "not positive definite"),
-        (np.diag([1.0, 1.0, 1e-16]), "not positive definite"),
-    ],
-)
-def test_what_is_no_metric_is_refused(metric, said):
-    with pytest.raises(InputError, match=said) as error:
-        require_metric(metric, 3)
-    assert "\n" not in str(error.value)
-    with pytest.raises(InputError, match=said):
-        Lagrangian(SO(3), metric)
-
-
-def test_a_metric_symmetric_to_round_off_is_averaged_and_others_are_kept_to_the_bit():
-    m = random_metric(np.random.default_rng(8), 3)
-    kept = require_metric(m, 3)
-    np.testing.assert_array_equal(kept, m)
-    assert kept is not m
-    m[0, 1] += 4e-16
-    averaged = require_metric(m, 3)
-    np.testing.assert_array_equal(averaged, averaged.T)
 
 
 def test_rates_of_the_wrong_length_are_refused():

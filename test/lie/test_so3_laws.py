@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -94,3 +97,8 @@ def test_a_batch_gives_the_bits_of_its_rows():
 def test_wrong_shapes_are_refused_with_their_shape(function):
     with pytest.raises(InputError, match=r"\(5,\)"):
         function(np.zeros(5))
+
+
+def test_importing_the_room_does_not_wait_for_scipy():
+    said = "import sys, lie_rigid_body.lie; sys.exit('scipy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", said], check=False).returncode == 0

@@ -1,4 +1,4 @@
-"""Kinds of tops, and the momenta that their symmetry conserves."""
+"""Kinds of tops, the momenta that their symmetry conserves, and the stability of their spins."""
 
 from __future__ import annotations
 
@@ -12,8 +12,14 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.groups import SO
 from lie_rigid_body.groups.symmetries import conserved_momenta
 from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics.symmetric_top import SymmetricTop
-from lie_rigid_body.mechanics.top import conserved_body_axes, is_flat, kind_of_top, symmetry_axis
+from lie_rigid_body.mechanics.top import (
+    SpinStability,
+    SymmetricTop,
+    conserved_body_axes,
+    is_flat,
+    kind_of_top,
+    symmetry_axis,
+)
 
 TILT = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
 KINDS = {
@@ -22,6 +28,8 @@ KINDS = {
     "prolate": ([0.2, 1.0, 1.0], 0),
     "spherical": ([0.7, 0.7, 0.7], None),
 }
+
+MOMENTS = [[1.0, 2.0, 3.0], [0.6, 0.8, 1.0], [7.872e-5, 3.3846e-4, 4.1526e-4], [1.0, 1.0, 1.8], [0.2, 1.0, 1.0]]
 
 
 def turned(moments: list[float]) -> RigidBody:
@@ -107,3 +115,38 @@ def angle(a: np.ndarray, b: np.ndarray) -> float:
 @pytest.mark.parametrize("moments", [[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]])
 def test_no_other_body_is_a_symmetric_top(moments: list[float]):
     assert SymmetricTop.of(RigidBody(moments), State([0.0, 0.0, 0.0, 1.0], [1.0, 2.0, 3.0])) is None
+
+
+def eigenvalues(moments: list[float], axis: int, spin_rate: float) -> np.ndarray:
+    """Of δ ↦ M⁻¹(Mδ × ω + Mω × δ)."""
+    M, omega = np.diag(moments), spin_rate * np.eye(3)[axis]
+    return np.linalg.eigvals(np.linalg.inv(M) @ (so3.hat(M @ omega) - so3.hat(omega) @ M))
+
+
+@pytest.mark.parametrize("moments", [*MOMENTS, [2.0, 2.0, 2.0]])
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("spin_rate", [1.0, 12.0])
+def test_rates_are_the_eigenvalues(moments: list[float], axis: int, spin_rate: float):
+    spin, values = SpinStability.of(moments, axis, spin_rate), eigenvalues(moments, axis, spin_rate)
+    # a double eigenvalue 0 is found to the square root of round-off
+    assert spin.growth_rate_1_s == pytest.approx(values.real.max(), rel=1e-12, abs=1e-7 * spin_rate)
+    assert spin.wobble_rate_rad_s == pytest.approx(np.abs(values.imag).max(), rel=1e-12, abs=1e-7 * spin_rate)
+
+
+@pytest.mark.parametrize("moments", MOMENTS[:3])
+def test_the_intermediate_axis_alone_is_unstable(moments: list[float]):
+    verdicts = [SpinStability.of(moments, i, 1.0).verdict for i in range(3)]
+    assert verdicts == ["stable", "unstable", "stable"]
+    small, middle, large = moments
+    growth = 5.0 * math.sqrt((middle - small) * (large - middle) / (small * large))
+    assert SpinStability.of(moments, 1, 5.0).growth_rate_1_s == pytest.approx(growth, rel=1e-13)
+
+
+def test_equal_moments_are_neutral():
+    assert [SpinStability.of([1.0, 1.0, 1.8], i, 1.0).verdict for i in range(3)] == ["neutral", "neutral", "stable"]
+    assert [SpinStability.of([0.2, 1.0, 1.0], i, 1.0).verdict for i in range(3)] == ["stable", "neutral", "neutral"]
+    assert [SpinStability.of([2.0, 2.0, 2.0], i, 1.0).verdict for i in range(3)] == ["neutral"] * 3
+
+
+def test_a_stability_of_no_spin_has_no_rates():
+    assert SpinStability.of([1.0, 2.0, 3.0], 1, 0.0) == SpinStability("unstable", 0.0, 0.0, 0.0)

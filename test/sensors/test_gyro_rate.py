@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
 from sensor_models import BODY, MOTION, STEP_NS, imu_model, times
 
 from lie_rigid_body import State
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.sensors import Imu
+from lie_rigid_body.sensors.gyro_rate import IntegratedRate
 
 
 def sensor(before_ns: int = -STEP_NS, **given: object) -> Imu:
@@ -73,3 +77,18 @@ def test_stamps_must_rise_between_batches_too() -> None:
     gyro.measure(t, MOTION.at(t))
     with pytest.raises(InputError, match=f"{t[4]} follows {t[4]}"):
         gyro.measure(t[4:], MOTION.at(t[4:]))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-300, 1e-160, 1e-17, 1e-8, 1e-3, 0.5, 2.0, 3.1, math.pi - 1e-12])
+@pytest.mark.parametrize("interval_ns", [1, 10_000_000, 10**15])
+def test_an_integrated_rate_is_right_for_the_smallest_turns_and_up_to_half_a_turn(
+    angle: float, interval_ns: int
+) -> None:
+    with mp.workdps(60):
+        half = mpf(angle) / 2
+        before = State([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0])
+        after = State([[float(mp.sin(half)), 0.0, 0.0, float(mp.cos(half))]], [[0.0, 0.0, 0.0]])
+        [rate] = IntegratedRate(0, before).over(np.array([interval_ns]), after)
+        assert rate.tolist() == pytest.approx(
+            [float(mpf(angle) * 10**9 / interval_ns), 0.0, 0.0], rel=1e-15, abs=1e-320
+        )

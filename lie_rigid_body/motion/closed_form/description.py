@@ -10,9 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.mechanics.spin_stability import SpinStability
-from lie_rigid_body.mechanics.symmetric_top import SymmetricTop
-from lie_rigid_body.mechanics.top import Kind, conserved_body_axes, equal_moments, is_flat, kind_of_top
+from lie_rigid_body.mechanics.top import (
+    Kind,
+    SpinStability,
+    SymmetricTop,
+    conserved_body_axes,
+    equal_moments,
+    is_flat,
+    kind_of_top,
+)
 from lie_rigid_body.motion.closed_form.constants import Circulation, MotionConstants, Regime
 
 Array = NDArray[np.float64]

@@ -6,10 +6,11 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from group_bodies import random_metric
 from hypothesis import given
 
 from lie_rigid_body import InputError
-from lie_rigid_body.groups import mass_matrix
+from lie_rigid_body.groups import SO, Lagrangian, mass_matrix, require_metric
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import moments_of_points, rotated_second_moment
 from random_masses import dimensions, plane_generators, random_points, rotation_of, seeds
@@ -94,3 +95,35 @@ def test_impossible_inertias_are_refused_in_one_line(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("metric", "said"),
+    [
+        (np.eye(2), r"shape \(2, 2\), the group needs \(3, 3\): give"),
+        (np.ones(3), r"shape \(3,\)"),
+        ("heavy", "not an array of real numbers: give 3 rows"),
+        (np.diag([1.0, np.nan, 1.0]), "not finite, it has nan"),
+        ([[1.0, 0.5, 0.0], [0.4, 1.0, 0.0], [0.0, 0.0, 1.0]], r"not symmetric: M\[0,1\] = 0.5 but M\[1,0\] = 0.4"),
+        (np.diag([1.0, 0.0, 1.0]), "smallest eigenvalue is 0 where the largest is 1"),
+        (np.diag([1.0, -1.0, 2.0]), "smallest eigenvalue is -1 where the largest is 2"),
+        (np.zeros((3, 3)), "not positive definite"),
+        (np.diag([1.0, 1.0, 1e-16]), "not positive definite"),
+    ],
+)
+def test_what_is_no_metric_is_refused(metric, said):
+    with pytest.raises(InputError, match=said) as error:
+        require_metric(metric, 3)
+    assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match=said):
+        Lagrangian(SO(3), metric)
+
+
+def test_a_metric_symmetric_to_round_off_is_averaged_and_others_are_kept_to_the_bit():
+    m = random_metric(np.random.default_rng(8), 3)
+    kept = require_metric(m, 3)
+    np.testing.assert_array_equal(kept, m)
+    assert kept is not m
+    m[0, 1] += 4e-16
+    averaged = require_metric(m, 3)
+    np.testing.assert_array_equal(averaged, averaged.T)

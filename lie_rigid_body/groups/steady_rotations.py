@@ -1,4 +1,4 @@
-"""Steady rotations: the motions whose rate does not change, and what becomes of a small push."""
+"""Steady rotations: motions of constant body rate, and their stability."""
 
 from __future__ import annotations
 
@@ -9,33 +9,31 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_metric
-from lie_rigid_body.groups.components import require_components
 from lie_rigid_body.groups.lagrangian import Lagrangian
-
-Array = NDArray[np.float64]
+from lie_rigid_body.mechanics.array_input import ROUND_OFF
 
 STEADY_TOLERANCE: Final = 1e-9
-"""A rate that turns its own momentum by more than this, relative to both and to the structure constants, is refused."""
+"""Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
 
 _RANK: Final = 1e-10
-_ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 
 
 class Stability(Enum):
-    """What becomes of a small push that keeps the motion on its coadjoint orbit."""
+    """Stability of a steady rotation under a small disturbance that keeps the momentum on its coadjoint orbit."""
 
     STABLE = "stable"
-    """The energy is a strict extremum on the orbit, so that the motion stays near for ever (V. I. Arnold)."""
+    """The energy is a strict extremum on the orbit: the motion stays near the rotation for all time (V. I. Arnold)."""
 
     LINEARLY_STABLE = "linearly stable"
-    """The linearised motion stays bounded, its eigenvalues being imaginary and semisimple, but the energy is no strict
-    extremum: it does not bind the motion itself, which further integrals may (Manakov's, for a body in n dimensions)
-    or nothing. So turn a body in four dimensions in many a plane, and a spherical one about any axis."""
+    """The linearised motion stays bounded, as its eigenvalues are imaginary and semisimple, but the energy is no strict
+    extremum and does not decide on the motion itself. Other integrals may, as Manakov's for a body in n dimensions.
+    Examples: many coordinate planes of a body in four dimensions, every axis of a sphere."""
 
     MARGINAL = "marginal"
-    """The linearised motion grows, but no faster than a power of time: an imaginary eigenvalue is not semisimple."""
+    """The linearised motion grows like a power of time: an imaginary eigenvalue is not semisimple."""
 
     UNSTABLE = "unstable"
     """The linearised motion grows exponentially."""
@@ -43,7 +41,7 @@ class Stability(Enum):
 
 @dataclass(frozen=True)
 class SteadyRotation:
-    """A steady rotation with its linearised motion.
+    """A steady rotation, the eigenvalues of the motion linearised about it, and its stability.
 
     Parameters
     ----------
@@ -61,24 +59,23 @@ class SteadyRotation:
 
     @property
     def growth_rate(self) -> float:
-        """Largest real part of an eigenvalue, 1/s: a push grows by e in its inverse. Round-off, unless unstable."""
+        """Largest real part λ of an eigenvalue, 1/s: a disturbance grows like exp(λt). Round-off, unless unstable."""
         return float(self.eigenvalues.real.max(initial=0.0))
 
     @property
     def frequencies(self) -> Array:
-        """The imaginary parts above round-off, ascending, rad/s: with these a push oscillates about the rotation."""
+        """Angular frequencies of disturbances, rad/s: imaginary parts of eigenvalues above round-off, ascending."""
         imaginary = self.eigenvalues.imag
         # a double eigenvalue 0 splits under round-off by its square root
-        noise = np.sqrt(_ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
+        noise = np.sqrt(ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
         return np.asarray(np.sort(imaginary[imaginary > noise]))
 
 
 def steady_axes(lagrangian: Lagrangian) -> Array:
-    """Directions about which the body turns steadily at any rate: Mω is a multiple of ω read as a momentum.
+    """Directions about which the rotation is steady at any rate: the solutions of Mω = λgω with the trace metric g.
 
-    To read ω as a momentum takes the trace metric g, which is invariant: Mω = λgω makes ad*_ω Mω = λ ad*_ω gω = 0.
-    On SO(3) these are the principal axes; on SO(n) with a diagonal second moment, the coordinate planes. Where λ is
-    degenerate every combination is as good.
+    As g is invariant, ad*_ω Mω = λ ad*_ω gω = 0. On SO(3) these are the principal axes, on SO(n) with a diagonal second
+    moment the coordinate planes. Where λ is degenerate every linear combination is a solution as well.
 
     Parameters
     ----------
@@ -103,14 +100,14 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
 
 
 def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
-    """The stability of the body's steady rotation at a given rate.
+    """The steady rotation at a given rate, with its stability.
 
-    A push off the orbit of p adds nothing but a slow drift along neighbouring steady motions, so it is left out.
+    Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
 
-    The verdict rests on one resolution ε, round-off or what the rate itself is unsteady by: curvatures of the energy
-    on the orbit within ε of their terms count as 0, eigenvalues within √ε as equal, as a double eigenvalue splits by
-    that. An indefinite curvature with an odd number of negative directions is unstable however slow the growth, so that
-    on SO(3), where an orbit has two dimensions, the signs of the curvature decide alone.
+    The verdict depends on one resolution ε: round-off, or the unsteadiness of the given rate if that is larger.
+    Curvatures of the energy on the orbit within ε of their terms count as 0. Eigenvalues within √ε count as equal, as
+    a double eigenvalue splits by that much. An indefinite curvature with an odd number of negative directions is
+    unstable however slow the growth; on SO(3), whose orbits have two dimensions, the signs of the curvature decide.
 
     Parameters
     ----------
@@ -132,8 +129,8 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     V. I. Arnold, *Mathematical Methods of Classical Mechanics*, appendix 2; J. E. Marsden, T. S. Ratiu, *Introduction
     to Mechanics and Symmetry*, on the energy–Casimir method.
     """
-    w = require_components(lagrangian.group, rate, "rates").copy()
-    resolution = max(_ROUND_OFF, _unsteadiness(lagrangian, w))
+    w = lagrangian.group.as_components(rate, "rates").copy()
+    resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
     tangent, algebra = _orbit(lagrangian, w)
     linear = tangent.T @ linearisation(lagrangian, w) @ tangent
     signs = _signs(algebra.T @ _energy_curvature(lagrangian, w) @ algebra, resolution * _curvature_scale(lagrangian, w))
@@ -142,7 +139,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
-    """The matrix of δp ↦ d/dt δp = ad*_{M⁻¹δp} p + ad*_ω δp about p = Mω.
+    """Euler's equations linearised about p = Mω: the matrix of δp ↦ d/dt δp = ad*_{M⁻¹δp} p + ad*_ω δp.
 
     Parameters
     ----------
@@ -168,7 +165,7 @@ def _energy_curvature(lagrangian: Lagrangian, rate: Array) -> Array:
 
 
 def _curvature_scale(lagrangian: Lagrangian, rate: Array) -> float:
-    """The size of the terms of `_energy_curvature`, which cancel for a body that is nearly a sphere."""
+    """Size of the terms that `_energy_curvature` sums, and that cancel for a body that is nearly a sphere."""
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
     return float(np.linalg.norm(directions.T @ lagrangian.inverse_metric @ directions, 2))
 
@@ -188,7 +185,7 @@ def _orbit(lagrangian: Lagrangian, rate: Array) -> tuple[Array, Array]:
 
 
 def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
-    """What the rate turns its own momentum by, relative to both and to the structure constants, if that is small."""
+    """|ad*_ω Mω| relative to |ω|, |Mω| and the structure constants; refused where above `STEADY_TOLERANCE`."""
     if rate.ndim != 1 or not np.isfinite(rate).all():
         raise InputError(
             f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "
@@ -207,13 +204,13 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
 
 
 def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float) -> Stability:
-    """From the linearised motion and the signs of the energy's curvature on the orbit, both of its dimension m."""
+    """The stability by the linearised motion and the signs of the energy's curvature on the orbit, of dimension m."""
     if np.all(signs > 0) or np.all(signs < 0):
         return Stability.STABLE
     size = float(np.linalg.norm(linear, 2))
-    # the determinant of the linearised motion has the sign of the curvature's: < 0 asks for a real pair ±λ
+    # the determinant of the linearised motion has the sign of the curvature's: where it is < 0 there is a real pair ±λ
     odd = bool(np.prod(signs) < 0)
-    # a mode that grows has no energy, which a form of one sign grants to none but its own zeros, and these stand still
+    # a growing mode has energy 0: with a semidefinite curvature it would be in the kernel, which does not move
     indefinite = bool(signs.min() < 0 < signs.max())
     if odd or (indefinite and eigenvalues.real.max() > split * size):
         return Stability.UNSTABLE
@@ -221,7 +218,7 @@ def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[
 
 
 def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:
-    """Whether every eigenvalue, with those within a distance of it, has as many eigenvectors as its multiplicity."""
+    """Whether every eigenvalue has as many eigenvectors as its multiplicity, counted with those within 2·split."""
     for value in eigenvalues:
         multiplicity = np.count_nonzero(np.abs(eigenvalues - value) <= 2.0 * split)
         sizes = np.linalg.svd(linear - value * np.eye(len(linear)), compute_uv=False)

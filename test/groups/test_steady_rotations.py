@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups import SO, U1, Lagrangian, Stability, linearisation, steady_axes, steady_rotation
-from lie_rigid_body.mechanics.spin_stability import SpinStability
+from lie_rigid_body.mechanics.top import SpinStability
 
 MOMENTS = {3: [0.3, 0.5, 0.9], 4: [0.3, 0.5, 0.9, 1.4], 5: [0.2, 1.1, 0.5, 0.8, 1.7], 6: [0.2, 1.1, 0.5, 0.8, 1.7, 2.5]}
 

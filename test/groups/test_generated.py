@@ -8,7 +8,7 @@ from sample_groups import GENERATED, heisenberg, se3, sl2, so4_split, unit
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups import SO, SU, MatrixLieGroup
-from lie_rigid_body.groups.matrix_lie_algebra import dual_basis
+from lie_rigid_body.groups.algebra import dual_basis
 
 from_generators = MatrixLieGroup.from_generators
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from sample_groups import COMPACT
@@ -188,11 +185,6 @@ def test_sizes_that_have_no_group_are_refused(family):
         family(2.5)
     with pytest.raises(InputError, match=r"product\(\) of 0 groups"):
         product()
-
-
-def test_importing_the_room_does_not_wait_for_scipy():
-    said = "import sys, lie_rigid_body.lie; sys.exit('scipy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", said], check=False).returncode == 0
 
 
 def test_wrong_shapes_and_number_types_are_refused():

@@ -1,4 +1,4 @@
-"""Each function that the motion and the sensors take of an angle, with many digits, on both sides of its switches."""
+"""Each function of an angle against mpmath, on both sides of where its formula changes."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from lie_rigid_body import State
-from lie_rigid_body.groups import exponential, logarithm
 from lie_rigid_body.lie import quaternion, series
-from lie_rigid_body.sensors.gyro_rate import IntegratedRate
 
 UNDERFLOW = math.sqrt(series.SMALLEST_SQUARE)
 """rad"""
@@ -89,46 +86,3 @@ def test_the_logarithm_is_right_beside_no_turn_and_beside_half_a_turn(small: flo
     np.testing.assert_array_equal(quaternion.log([-sign * small, 0.0, 0.0, -large]), [x, 0.0, 0.0])
     [x, _, _] = quaternion.log([large, 0.0, 0.0, sign * small])
     assert x == pytest.approx(sign * float(mp.pi - 2 * mp.asin(mpf(small))), rel=2 * ULP)
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-300, 1e-160, 1e-17, 1e-8, 1e-3, 0.5, 2.0, 3.1, math.pi - 1e-12])
-@pytest.mark.parametrize("interval_ns", [1, 10_000_000, 10**15])
-def test_an_integrated_rate_is_right_for_the_smallest_turns_and_up_to_half_a_turn(angle: float, interval_ns: int):
-    half = mpf(angle) / 2
-    before = State([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0])
-    after = State([[float(mp.sin(half)), 0.0, 0.0, float(mp.cos(half))]], [[0.0, 0.0, 0.0]])
-    [rate] = IntegratedRate(0, before).over(np.array([interval_ns]), after)
-    assert rate.tolist() == pytest.approx([float(mpf(angle) * 10**9 / interval_ns), 0.0, 0.0], rel=1e-15, abs=1e-320)
-
-
-def beside(limit: float) -> list[float]:
-    return [limit * (1.0 + side) for side in (-1e-9, -2e-16, 0.0, 3e-16, 1e-9)]
-
-
-GENERATOR = np.array([[0.0, -0.5, 0.3], [0.5, 0.0, -0.2], [-0.3, 0.2, 0.0]])
-
-
-@pytest.mark.parametrize("size", [*beside(exponential.REACH), *beside(2.0 * exponential.REACH), 1e-9, 0.0])
-def test_the_exponential_of_matrices_is_right_where_halving_begins(size: float):
-    z = GENERATOR * (size / np.abs(GENERATOR).sum(axis=0).max())
-    exact = mp.matrix(z.tolist())
-    power, e, phi = mp.eye(3), mp.zeros(3), mp.zeros(3)
-    for k in range(80):
-        e, phi = e + power / mp.factorial(k), phi + power / mp.factorial(k + 1)
-        power = power * exact
-    for found, truth in (
-        (exponential.exp(z), e),
-        (exponential.phi(z), phi),
-        (exponential.phi_inverse(z), phi**-1),
-    ):
-        assert max(abs(mpf(float(found[i, j])) - truth[i, j]) for i in range(3) for j in range(3)) < 4e-15
-
-
-@pytest.mark.parametrize("size", [*beside(logarithm.NEAR), 1e-9, 1e-3, 0.9])
-@pytest.mark.parametrize("direction", [GENERATOR, np.diag([-1.0, 0.0, 0.0]), np.ones((3, 3))])
-def test_the_logarithm_of_matrices_is_right_where_roots_begin(direction: np.ndarray, size: float):
-    """The series converges the slowest where a matrix shrinks one direction alone."""
-    a = np.eye(3) + size / np.linalg.norm(direction) * direction
-    truth = mp.logm(mp.matrix(a.tolist()))
-    found = logarithm.each(a[np.newaxis], logarithm.principal)[0]
-    assert max(abs(mpf(float(found[i, j])) - truth[i, j]) for i in range(3) for j in range(3)) < 4e-15 * size

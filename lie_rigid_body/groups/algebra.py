@@ -1,0 +1,287 @@
+"""Matrix Lie algebras: generators, structure constants, coordinates, and the derivative of the exponential.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups import exponential
+from lie_rigid_body.groups.exponential import Matrix
+from lie_rigid_body.mechanics.array_input import as_numbers
+
+SPAN_TOLERANCE: Final = 1e-9
+"""Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
+
+DEPENDENCE_LIMIT: Final = 1e-7
+"""Smallest singular value of generators of unit size below which they count as linearly dependent."""
+
+SIZE_LIMIT: Final = 1e50
+"""Largest entry of a generator, and the inverse of the least: beyond them products leave the range of a double."""
+
+# at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
+_NEWTON_STEPS: Final = 3
+
+DEXPINV_LIMIT: Final = 1e12
+"""Largest entry of dexpinv: one beyond means that dexp is singular to within rounding."""
+
+
+def frobenius(matrices: Matrix) -> Array:
+    """Frobenius norm over the last two axes, shape (...)."""
+    return np.asarray(np.linalg.norm(matrices, axis=(-2, -1)))
+
+
+def flattened(matrices: Matrix) -> Array:
+    """Matrices as real vectors, real parts before imaginary parts, shape (..., n²) or (..., 2n²)."""
+    flat = matrices.reshape(*matrices.shape[:-2], matrices.shape[-2] * matrices.shape[-1])
+    return np.concatenate([flat.real, flat.imag], axis=-1) if np.iscomplexobj(flat) else flat
+
+
+def dual_basis(flat: Array) -> Array:
+    """The dual basis: linear forms that give the coordinates of vectors, by least squares outside the span.
+
+    The normal equations are solved and refined by Newton steps for the pseudo-inverse, D ← (2 − D Fᵀ) D, which restore
+    the digits that the normal equations lose, and leave an orthogonal basis exact.
+
+    Parameters
+    ----------
+    flat : ndarray, shape (d, m)
+        Linearly independent rows.
+
+    Returns
+    -------
+    ndarray, shape (d, m)
+    """
+    dual = np.linalg.solve(flat @ flat.T, flat)
+    for _ in range(_NEWTON_STEPS):
+        dual = (2.0 * np.eye(len(flat)) - dual @ flat.T) @ dual
+    return np.asarray(dual)
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixLieAlgebra:
+    """The real span of matrices Tᵃ with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42).
+
+    Parameters
+    ----------
+    generators : ndarray, shape (d, n, n)
+        Linearly independent over the reals and closed under commutation. Not checked here; see `closed_algebra`.
+    """
+
+    generators: Matrix
+
+    def __post_init__(self) -> None:
+        self.generators.setflags(write=False)
+
+    @property
+    def dimension(self) -> int:
+        """Number of generators, d."""
+        return len(self.generators)
+
+    @property
+    def size(self) -> int:
+        """Rows of a matrix, n."""
+        return int(self.generators.shape[-1])
+
+    @cached_property
+    def _flat(self) -> Array:
+        return flattened(self.generators)
+
+    @cached_property
+    def _dual(self) -> Array:
+        return dual_basis(self._flat)
+
+    @cached_property
+    def _rows(self) -> Matrix:
+        return self.generators.reshape(self.dimension, -1)
+
+    @cached_property
+    def structure_constants(self) -> Array:
+        """The structure constants fᵃᵇᶜ of eq. (42), shape (d, d, d)."""
+        f = np.stack([self.coordinates(t @ self.generators - self.generators @ t) for t in self.generators])
+        f.setflags(write=False)
+        return f
+
+    @cached_property
+    def adjoint_representation(self) -> Array:
+        """Matrices of ad Tᵃ, shape (d, d, d); see `MatrixLieGroup.adjoint_representation`."""
+        return self.structure_constants.transpose(0, 2, 1)
+
+    @cached_property
+    def _adjoint_rows(self) -> Array:
+        return self.adjoint_representation.reshape(self.dimension, -1)
+
+    def trace_metric(self, scale: float) -> Array:
+        """The matrix scale · Re tr(Tᵃ†Tᵇ), shape (d, d)."""
+        metric = scale * np.real(self._rows.conj() @ self._rows.T)
+        metric.setflags(write=False)
+        return metric
+
+    def as_coordinates(self, x: ArrayLike) -> Array:
+        """The argument as float64 coordinates, shape (..., d); an `InputError` if its type or shape is another."""
+        x = as_numbers("coordinates", x)
+        if np.iscomplexobj(x):
+            raise InputError(f"coordinates are real, given {x.dtype}: give their real part if that is meant")
+        x = x.astype(np.float64, copy=False)
+        if x.ndim == 0 or x.shape[-1] != self.dimension:
+            raise InputError(
+                f"coordinates need shape (..., {self.dimension}), given {x.shape}: "
+                "put one component per generator on the last axis"
+            )
+        return x
+
+    def hat(self, x: ArrayLike) -> Matrix:
+        """The matrix xᵃTᵃ, shape (..., n, n), of coordinates x, shape (..., d)."""
+        x = self.as_coordinates(x)
+        matrices: Matrix = (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
+        return matrices
+
+    def coordinates(self, X: Matrix) -> Array:
+        """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
+        if np.iscomplexobj(self.generators):
+            X = X.astype(np.complex128, copy=False)
+        return np.asarray(flattened(X) @ self._dual.T)
+
+    def off_span(self, X: Matrix) -> Array:
+        """Frobenius distance of matrices from the span, shape (...)."""
+        return frobenius(X - self.hat(self.coordinates(X)))
+
+    def vee(self, X: Matrix) -> Array:
+        """Coordinates of matrices of the algebra; inverse of `hat`. Refuses matrices outside the span.
+
+        A matrix is outside if its distance from the span exceeds 1e-9 of its own size. Round-off of a product of
+        elements stays below that, unless cancellation has left little of the product.
+
+        Parameters
+        ----------
+        X : ndarray, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+        """
+        if not np.all(np.isfinite(X)):
+            raise InputError("a matrix has entries that are not finite numbers: give a combination of the generators")
+        x = self.coordinates(X)
+        # measured in the largest entry, so that no square of an entry underflows or overflows
+        size = np.abs(X).max(axis=(-2, -1), keepdims=True)
+        unit = X / np.where(size > 0.0, size, 1.0)
+        worst = np.max(self.off_span(unit) / np.maximum(1.0, frobenius(unit)), initial=0.0)
+        if not worst <= SPAN_TOLERANCE:
+            raise InputError(
+                f"a matrix lies outside the span of the generators by {worst:.3g} of its size "
+                f"(limit {SPAN_TOLERANCE:g}): give a combination of them"
+            )
+        return x
+
+    def ad(self, x: ArrayLike) -> Array:
+        """The matrix of y ↦ [x, y] in coordinates, xᵃfᵃᵇᶜ at [c, b], shape (..., d, d)."""
+        x = self.as_coordinates(x)
+        return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
+
+    def dexp(self, x: ArrayLike) -> Array:
+        """J with d/dt exp(x) = hat(J ẋ) exp(x); see `MatrixLieGroup.dexp`."""
+        return exponential.phi(self.ad(x))
+
+    def dexpinv(self, x: ArrayLike) -> Array:
+        """The inverse of `dexp`; see `MatrixLieGroup.dexpinv`."""
+        inverse = exponential.phi_inverse(self.ad(x))
+        largest = np.max(np.abs(inverse), initial=0.0)
+        if not largest <= DEXPINV_LIMIT:
+            raise InputError(
+                f"dexpinv has entries of {largest:.3g} (limit {DEXPINV_LIMIT:g}): exp is not invertible there, as "
+                "an eigenvalue of ad(x) is a multiple of 2πi; take x closer to 0"
+            )
+        return inverse
+
+
+def closed_algebra(generators: ArrayLike) -> MatrixLieAlgebra:
+    """The algebra of given generators, checked for shape, linear independence and closure under commutation.
+
+    Parameters
+    ----------
+    generators : array_like, shape (d, n, n)
+
+    Returns
+    -------
+    MatrixLieAlgebra
+
+    Raises
+    ------
+    InputError
+        See `MatrixLieGroup.from_generators`.
+    """
+    T = _as_generators(generators)
+    _refuse_dependent(T)
+    algebra = MatrixLieAlgebra(T)
+    _refuse_open(algebra)
+    return algebra
+
+
+def _as_generators(generators: ArrayLike) -> Matrix:
+    try:
+        T = np.asarray(generators)
+        T = T.astype(np.complex128 if np.iscomplexobj(T) else np.float64)
+    except (TypeError, ValueError):
+        raise InputError("generators need shape (d, n, n), given rows of unequal length or no numbers") from None
+    if T.ndim != 3 or T.shape[1] != T.shape[2] or 0 in T.shape:
+        raise InputError(f"generators need shape (d, n, n) with d, n ≥ 1, given {T.shape}: stack square matrices")
+    if not np.all(np.isfinite(T)):
+        worst = int(np.argmin(np.isfinite(T).all(axis=(1, 2))))
+        raise InputError(f"T{worst} has an entry that is not a finite number: give finite generators")
+    return T
+
+
+def _refuse_dependent(T: Matrix) -> None:
+    """Refuse dependent generators, with the first that lies in the span of those before it."""
+    _refuse_sizes(np.abs(T).max(axis=(1, 2)))
+    size = frobenius(T)
+    flat = flattened(T) / size[:, np.newaxis]
+    if len(flat) <= flat.shape[1] and np.linalg.svd(flat, compute_uv=False)[-1] > DEPENDENCE_LIMIT:
+        return
+    for k in range(1, len(flat)):
+        weights = np.linalg.lstsq(flat[:k].T, flat[k], rcond=None)[0]
+        if np.linalg.norm(flat[k] - weights @ flat[:k]) <= DEPENDENCE_LIMIT * np.sqrt(len(flat)):
+            raise InputError(_dependence(k, weights * size[k] / size[:k]))
+    raise InputError(f"the generators are dependent to within {DEPENDENCE_LIMIT:g}: give fewer or more distinct ones")
+
+
+def _refuse_sizes(largest: Array) -> None:
+    """Refuse a generator that is zero, or whose products leave the range of a double."""
+    if np.any(largest == 0.0):
+        raise InputError(f"T{int(np.argmin(largest))} is zero: leave it out")
+    beyond = (largest > SIZE_LIMIT) | (largest < 1.0 / SIZE_LIMIT)
+    if np.any(beyond):
+        worst = int(np.argmax(beyond))
+        raise InputError(
+            f"the largest entry of T{worst} is {largest[worst]:.3g} (limits {1.0 / SIZE_LIMIT:g} and {SIZE_LIMIT:g}): "
+            "rescale it, which changes the unit of its coordinate alone"
+        )
+
+
+def _dependence(k: int, weights: Array) -> str:
+    kept = np.flatnonzero(np.abs(weights) > DEPENDENCE_LIMIT * np.max(np.abs(weights)))
+    combination = " ".join(f"{weights[j]:+.3g} T{j}" for j in kept)
+    return f"the generators are dependent, T{k} = {combination} over the reals: leave one of these out"
+
+
+def _refuse_open(algebra: MatrixLieAlgebra) -> None:
+    """Refuse generators that are not closed, with the commutator farthest outside the span."""
+    T, size = algebra.generators, frobenius(algebra.generators)
+    off = np.stack([algebra.off_span(t @ T - T @ t) for t in T])
+    allowed = SPAN_TOLERANCE * np.outer(size, size)
+    if np.all(off <= allowed):
+        return
+    a, b = np.unravel_index(np.argmax(np.where(off > allowed, off, 0.0)), off.shape)
+    raise InputError(
+        f"[T{a}, T{b}] leaves the span by {off[a, b]:.3g} (limit {allowed[a, b]:.3g}), "
+        f"one of {np.count_nonzero(off > allowed) // 2} commutators that do: add the matrices that it needs"
+    )

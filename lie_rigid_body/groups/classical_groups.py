@@ -1,0 +1,303 @@
+"""The classical compact groups: the rotations SO(n), the unitary matrices SU(n) of determinant 1, and the circle U(1).
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
+
+from __future__ import annotations
+
+import operator
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+from scipy.linalg import schur
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
+from lie_rigid_body.groups.elements import Elements
+from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+
+UNIQUE_LIMIT: Final = 1e-12
+"""Singular values, relative to the largest, and angles, rad, below which a nearest element is not unique."""
+
+TIE_MARGIN: Final = 1e-13
+"""Angle, rad, below which rounding decides which of two logarithms is the shorter."""
+
+_BISECTIONS: Final = 60
+
+
+def SO(n: int) -> MatrixLieGroup:  # noqa: N802
+    """The group of n×n rotation matrices, of dimension n(n−1)/2: eqs. (6) and (39).
+
+    The generators are antisymmetric, eq. (41): ±(E_ji − E_ij) for the planes i < j in descending order, (n−2, n−1)
+    first and (0, 1) last, with the sign (−1)^(i+j+1). Those of SO(3) are the basis of `so3.hat` and obey
+    [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, eq. (26); the matrices printed in (25) have the opposite sign. The first (n−1)(n−2)/2
+    generators are those of SO(n−1) on all axes but the first.
+
+    Parameters
+    ----------
+    n : int
+        At least 2.
+    """
+    n = _as_size("SO", n)
+    algebra = MatrixLieAlgebra(_so_generators(n))
+    return MatrixLieGroup(f"SO({n})", algebra, algebra.trace_metric(0.5), OrthogonalElements(n))
+
+
+def SU(n: int) -> MatrixLieGroup:  # noqa: N802
+    """The group of unitary n×n matrices of determinant 1, of dimension n² − 1; eq. (31) is SU(2).
+
+    The generators are Tᵃ = −iλᵃ/2 with the generalised Gell-Mann matrices λᵃ in their usual order: for each column j
+    the symmetric and the antisymmetric matrix of each row i < j, then the diagonal one. Those of SU(2) are −iσᵃ/2 and
+    obey [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, as those of SO(3).
+
+    Parameters
+    ----------
+    n : int
+        At least 2.
+    """
+    n = _as_size("SU", n)
+    algebra = MatrixLieAlgebra(_su_generators(n))
+    return MatrixLieGroup(f"SU({n})", algebra, algebra.trace_metric(2.0), SpecialUnitaryElements(n))
+
+
+def U1() -> MatrixLieGroup:  # noqa: N802
+    """The circle: phases e^{iθ} as 1×1 matrices, with the generator i; the coordinate is the angle θ."""
+    algebra = MatrixLieAlgebra(np.array([[[1j]]]))
+    return MatrixLieGroup("U(1)", algebra, algebra.trace_metric(1.0), PhaseElements())
+
+
+def _as_size(family: str, n: int) -> int:
+    """The size n of the matrices of SO(n) or SU(n), an integer from 2 on."""
+    try:
+        size = operator.index(n)
+    except TypeError:
+        raise InputError(f"{family}(n) needs a whole number n, given {n!r}: give the size of the matrices") from None
+    if size < 2:
+        raise InputError(f"{family}({size}) is too small (limit n ≥ 2): give the size of the matrices")
+    return size
+
+
+def _so_generators(n: int) -> Array:
+    planes = list(combinations(range(n), 2))[::-1]
+    T = np.zeros((len(planes), n, n))
+    for t, (i, j) in zip(T, planes, strict=True):
+        t[j, i] = (-1.0) ** (i + j + 1)
+        t[i, j] = -t[j, i]
+    return T
+
+
+class OrthogonalElements(Elements):
+    """Rotation matrices: AᵀA = 1 and det A = 1, eq. (6).
+
+    Parameters
+    ----------
+    n : int
+    """
+
+    def __init__(self, n: int) -> None:
+        self._n = n
+
+    def distance(self, A: Matrix) -> Array:
+        """Frobenius norm of AᵀA − 1, or infinity where the determinant is not positive."""
+        off = frobenius(np.swapaxes(A, -1, -2) @ A - np.eye(self._n))
+        return np.where(np.linalg.det(A) > 0.0, off, np.inf)
+
+    def project(self, A: Matrix) -> Matrix:
+        """The nearest rotation, U diag(1, …, 1, det UV) Vᵀ of A = U Σ Vᵀ (Kabsch, Acta Cryst. A 32 (1976) 922)."""
+        U, sigma, Vt = np.linalg.svd(A)
+        sign = np.sign(np.linalg.det(U @ Vt))
+        _refuse_ambiguous_rotation(sigma, sign)
+        U[..., :, -1] *= sign[..., np.newaxis]
+        return np.asarray(U @ Vt)
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """The transpose."""
+        return np.swapaxes(A, -1, -2)
+
+    def log(self, A: Matrix) -> Matrix:
+        """The principal logarithm, by the series near the identity and from the real Schur form elsewhere."""
+        return batched_log(A, _log_of_rotation)
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Elements by the Haar measure: orthogonalised normal matrices (F. Mezzadri, Notices AMS 54 (2007) 592)."""
+        Q, R = np.linalg.qr(rng.standard_normal((*shape, self._n, self._n)))
+        Q = Q * np.sign(np.diagonal(R, axis1=-2, axis2=-1))[..., np.newaxis, :]
+        Q[..., :, 0] *= np.linalg.det(Q)[..., np.newaxis].round()
+        return np.asarray(Q)
+
+
+def _refuse_ambiguous_rotation(sigma: Array, sign: Array) -> None:
+    """Refuse a matrix whose two smallest singular values leave a plane in which every rotation is equally near."""
+    margin = (sigma[..., -2] + sign * sigma[..., -1]) / np.maximum(sigma[..., 0], np.finfo(np.float64).tiny)
+    worst = np.min(margin, initial=np.inf)
+    if not worst > UNIQUE_LIMIT:
+        raise InputError(
+            f"no nearest rotation: the smallest singular values of a matrix leave a margin of {worst:.3g} "
+            f"(limit {UNIQUE_LIMIT:g} of the largest), so that several are equally near; give a matrix nearer to one"
+        )
+
+
+def _log_of_rotation(A: Matrix) -> Matrix:
+    """The principal logarithm of one rotation, shape (n, n), from the angle of each plane of its Schur basis."""
+    T, Z = schur(A, output="real")
+    L, k = np.zeros_like(A), 0
+    while k < len(A):
+        if k + 1 < len(A) and T[k + 1, k] != 0.0:
+            angle = np.arctan2(T[k + 1, k] - T[k, k + 1], T[k, k] + T[k + 1, k + 1])
+            L[k + 1, k], L[k, k + 1] = angle, -angle
+            k += 2
+        else:
+            angle = 0.0 if T[k, k] > 0.0 else np.pi
+            k += 1
+        _refuse_half_turn(float(angle))
+    return np.asarray(Z @ L @ Z.T)
+
+
+def _refuse_half_turn(angle: float) -> None:
+    if np.pi - abs(angle) <= HALF_TURN_MARGIN:
+        raise InputError(
+            f"no principal logarithm: a plane turns by {abs(angle):.15g} rad (limit π − {HALF_TURN_MARGIN:g}), "
+            "where either sense is right; give an element closer to the identity"
+        )
+
+
+def _su_generators(n: int) -> Matrix:
+    T = np.zeros((n * n - 1, n, n), dtype=np.complex128)
+    rows = iter(T)
+    for j in range(1, n):
+        for i in range(j):
+            symmetric, antisymmetric = next(rows), next(rows)
+            symmetric[i, j] = symmetric[j, i] = -0.5j
+            antisymmetric[i, j], antisymmetric[j, i] = -0.5, 0.5
+        next(rows)[range(j + 1), range(j + 1)] = -0.5j * np.sqrt(2.0 / (j * (j + 1))) * np.array([1.0] * j + [-j])
+    return T
+
+
+class SpecialUnitaryElements(Elements):
+    """Unitary matrices of determinant 1.
+
+    Parameters
+    ----------
+    n : int
+    """
+
+    def __init__(self, n: int) -> None:
+        self._n = n
+
+    def distance(self, A: Matrix) -> Array:
+        """The larger of the Frobenius norm of A†A − 1 and |det A − 1|."""
+        off = frobenius(self.inverse(A) @ A - np.eye(self._n))
+        return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
+
+    def project(self, A: Matrix) -> Matrix:
+        """The nearest element U diag(e^{iθ}) V† of A = U Σ V†.
+
+        The distance is least where Σ σₖ cos θₖ is largest under Σ θₖ = −arg det UV†: σₖ sin θₖ is equal for all k.
+        """
+        U, sigma, Vh = np.linalg.svd(A)
+        theta = _nearest_angles(sigma, -np.angle(np.linalg.det(U @ Vh)))
+        return np.asarray((U * np.exp(1j * theta)[..., np.newaxis, :]) @ Vh)
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """The conjugate transpose."""
+        return np.swapaxes(A.conj(), -1, -2)
+
+    def log(self, A: Matrix) -> Matrix:
+        """The logarithm of least norm in the algebra, by the series near the identity, else from the Schur form."""
+        return batched_log(A, _log_of_unitary)
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Elements by the Haar measure: as for SO(n), with the determinant divided out of the first column."""
+        size = (*shape, self._n, self._n)
+        Q, R = np.linalg.qr(rng.standard_normal(size) + 1j * rng.standard_normal(size))
+        phases = np.diagonal(R, axis1=-2, axis2=-1)
+        Q = Q * (phases / np.abs(phases))[..., np.newaxis, :]
+        Q[..., :, 0] /= np.linalg.det(Q)[..., np.newaxis]
+        return np.asarray(Q)
+
+
+def _nearest_angles(sigma: Array, total: Array) -> Array:
+    """Angles θ with the given sum and σₖ sin θₖ equal for all k, shape (..., n); see `SpecialUnitaryElements.project`.
+
+    The angle of the smallest σ determines the others. It is found by bisection: the sum is 0 at 0 and π at π.
+    """
+    _refuse_ambiguous_unitary(sigma, total)
+    ratio = sigma[..., -1:] / sigma[..., :-1]
+    first = 0.5 * np.pi + np.arcsin(ratio).sum(axis=-1) >= np.abs(total)
+    low, high = np.where(first, 0.0, 0.5 * np.pi), np.where(first, 0.5 * np.pi, np.pi)
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        below = middle + np.arcsin(ratio * np.sin(middle)[..., np.newaxis]).sum(axis=-1) < np.abs(total)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    others = np.arcsin(ratio * np.sin(low)[..., np.newaxis])
+    last = np.abs(total) - others.sum(axis=-1)
+    return np.asarray(np.sign(total)[..., np.newaxis] * np.concatenate([others, last[..., np.newaxis]], axis=-1))
+
+
+def _refuse_ambiguous_unitary(sigma: Array, total: Array) -> None:
+    margin = sigma[..., -2] / np.maximum(sigma[..., 0], np.finfo(np.float64).tiny)
+    worst = np.min(np.minimum(margin, np.pi - np.abs(total)), initial=np.inf)
+    if not worst > UNIQUE_LIMIT:
+        raise InputError(
+            f"no nearest element of SU(n): the singular values or the phase of a matrix leave a margin of {worst:.3g} "
+            f"(limit {UNIQUE_LIMIT:g}), so that several are equally near; give a matrix nearer to one"
+        )
+
+
+def _log_of_unitary(A: Matrix) -> Matrix:
+    """The logarithm of least norm of one element, shape (n, n), in the basis of its Schur form."""
+    T, Z = schur(A, output="complex")
+    angles = _balanced(np.angle(np.diagonal(T)))
+    return np.asarray((Z * (1j * angles)) @ Z.conj().T)
+
+
+def _balanced(angles: Array) -> Array:
+    """Principal angles, shape (n,), with 2π taken off the largest or added to the smallest until their sum is 0."""
+    turns = round(float(angles.sum()) / (2.0 * np.pi))
+    order = np.argsort(angles)
+    balanced = angles.copy()
+    extreme = order[len(order) - turns :] if turns > 0 else order[:-turns]
+    balanced[extreme] -= np.sign(turns) * 2.0 * np.pi
+    spread = float(np.ptp(balanced))
+    if 2.0 * np.pi - spread <= TIE_MARGIN:
+        raise InputError(
+            f"no logarithm is singled out: the eigenvalues' angles spread over {spread:.15g} rad "
+            f"(limit 2π − {TIE_MARGIN:g}), where several are equally short; give an element closer to the identity"
+        )
+    return balanced
+
+
+class PhaseElements(Elements):
+    """Complex numbers of modulus 1, as 1×1 matrices."""
+
+    def distance(self, A: Matrix) -> Array:
+        """How far the modulus is from 1."""
+        return np.asarray(np.abs(np.abs(A[..., 0, 0]) - 1.0))
+
+    def project(self, A: Matrix) -> Matrix:
+        """The number divided by its modulus."""
+        modulus = np.abs(A)
+        if not np.all(modulus > 0.0):
+            raise InputError("no nearest phase: 0 is equally near to all; give a number other than 0")
+        return np.asarray(A / modulus)
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """The complex conjugate."""
+        return np.asarray(A.conj())
+
+    def log(self, A: Matrix) -> Matrix:
+        """The angle, within ±π, times i."""
+        angle = np.angle(A)
+        if np.any(np.pi - np.abs(angle) <= HALF_TURN_MARGIN):
+            raise InputError(
+                f"no principal logarithm: a phase is −1 (within {HALF_TURN_MARGIN:g} rad), where "
+                "either sign of the angle is right; give an element closer to 1"
+            )
+        return np.asarray(1j * angle)
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Uniform phases."""
+        return np.asarray(np.exp(1j * rng.uniform(-np.pi, np.pi, (*shape, 1, 1))))
