@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.conditions import Conditions
 from lie_rigid_body.certificate.propagation import Propagation
 from lie_rigid_body.certificate.step_error import StepError
@@ -22,8 +22,6 @@ from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
-
-Array = NDArray[np.float64]
 
 U: Final = 2.0**-53
 

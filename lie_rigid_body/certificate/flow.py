@@ -11,13 +11,11 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-
-Array = NDArray[np.float64]
 
 LONGEST_TURN: Final = 32.0
 """rad: over intervals in which the body may turn farther the flow is not followed."""

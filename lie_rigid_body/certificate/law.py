@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array, Integers
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ def judge(
     unit: str,
     residuals: Array,
     limits: Array | float,
-    samples: NDArray[np.int64],
-    stamps_ns: NDArray[np.int64],
+    samples: Integers,
+    stamps_ns: Integers,
     what: str,
 ) -> Law:
     """Hold residuals against their limits.
@@ -98,7 +97,7 @@ def judge(
     return Law(name, unit, worst, limit, sample, stamp, count, residuals.size, message)
 
 
-def _where(broken: NDArray[np.int64], worst: int) -> str:
+def _where(broken: Integers, worst: int) -> str:
     if broken.size == 1:
         return f"sample {worst}"
     if broken.size <= 4:

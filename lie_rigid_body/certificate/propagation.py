@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import ClosedForm
-
-Array = NDArray[np.float64]
 
 _PROBE: Final = 2.0**-30
 _TIMES: Final = 257

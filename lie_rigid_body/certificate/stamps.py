@@ -6,12 +6,10 @@ import itertools
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law import Law
 from lie_rigid_body.simulation import SampleClock, Segment
-
-Integers = NDArray[np.int64]
 
 _SHOWN = 4
 

@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.certificate.flow import flow
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import Method, MovingChart
-
-Array = NDArray[np.float64]
 
 PROBE_TURN: Final = 1.0 / 16.0
 """rad"""

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.conditions import Conditions
 from lie_rigid_body.certificate.drift import (
     Drift,
@@ -35,8 +35,6 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.scenario import Scenario
-
-Array = NDArray[np.float64]
 
 ATTITUDE_CAP: Final = 1e-7
 """rad"""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d.axes3d import Axes3D
-
-Array = NDArray[np.float64]
 
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
 """Of the x, y and z components: told apart by every kind of colour vision."""

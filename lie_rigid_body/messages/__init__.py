@@ -12,16 +12,14 @@ A table of contents
 
 from lie_rigid_body.messages.decoding import Decoded, decode, decode_string
 from lie_rigid_body.messages.encoding import MessageEncoder, encode_string
-from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS, Array, Integers
+from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 from lie_rigid_body.messages.sensor_encoding import ImuEncoder, MagneticFieldEncoder
 
 __all__ = [
     "POSE_NUMBERS",
     "TWIST_NUMBERS",
-    "Array",
     "Decoded",
     "ImuEncoder",
-    "Integers",
     "MagneticFieldEncoder",
     "MessageEncoder",
     "decode",

@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.layout import FRAME, NS, Array, Integers, numbers_after
+from lie_rigid_body.messages.layout import FRAME, NS, numbers_after
 
 _ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 

@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from lie_rigid_body.arrays import Array, Integers
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 NS: Final = 1_000_000_000

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from lie_rigid_body.messages.layout import Array, Integers, Layout
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.messages.layout import Layout
 
 _VECTOR: Final = [0.0, 0.0, 0.0]
 _NO_ORIENTATION: Final = [0.0, 0.0, 0.0, 1.0, -1.0, *[0.0] * 8]

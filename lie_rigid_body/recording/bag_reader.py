@@ -12,8 +12,9 @@ import numpy as np
 import yaml
 
 from lie_rigid_body import messages
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Array, Decoded, Integers
+from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_tracks import McapTracks, Track, read_file

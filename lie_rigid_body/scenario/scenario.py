@@ -9,8 +9,8 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
@@ -184,10 +184,10 @@ def _require_ordinary_motion(body: RigidBody, start: State) -> None:
         )
 
 
-def _is_ordinary(values: NDArray[np.float64]) -> bool:
+def _is_ordinary(values: Array) -> bool:
     """Whether positive numbers are finite, and not so small that they lose digits."""
     return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
 
 
-def _listed(values: NDArray[np.float64]) -> str:
+def _listed(values: Array) -> str:
     return ", ".join(f"{value:g}" for value in values)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class GyroRate(Protocol):

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
@@ -16,9 +14,6 @@ from lie_rigid_body.sensors.noise import Source
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 LONGEST_LEVER_ARM_M: Final = 1e6
 

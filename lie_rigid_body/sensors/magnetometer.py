@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
@@ -17,8 +17,6 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.converter import Converter
 from lie_rigid_body.sensors.noise import Ahead, Source, WhiteNoise
 from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
 
 STRONGEST_FIELD_T: Final = 1e3
 LARGEST_SOFT_IRON: Final = 1e6

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array
 
 BLOCK: Final = 256
 """Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""

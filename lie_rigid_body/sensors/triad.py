@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
@@ -17,8 +17,6 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.converter import Converter
 from lie_rigid_body.sensors.noise import Ahead, RandomWalk, Source, WhiteNoise
 from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
 
 LARGEST_SCALE_FACTOR: Final = 1e6
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 
@@ -45,7 +45,7 @@ class SampleClock:
         last = (2 * (stamp_ns - self.epoch_ns) + 1) * period.denominator // (2 * period.numerator)
         return max(0, last if self.stamp_ns(last) > stamp_ns else last + 1)
 
-    def stamps_ns(self, first: int, count: int) -> NDArray[np.int64]:
+    def stamps_ns(self, first: int, count: int) -> Integers:
         """The stamps of ``count`` samples from number ``first``.
 
         Returns

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel
@@ -18,8 +16,6 @@ from lie_rigid_body.simulation.segment import Segment
 from lie_rigid_body.simulation.track import SlicedRows, Track
 
 R = TypeVar("R", bound=SlicedRows)
-Integers = NDArray[np.int64]
-
 LOOK_AHEAD: Final = 64
 """Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
 

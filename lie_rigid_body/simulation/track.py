@@ -6,12 +6,10 @@ from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.simulation.sample_clock import SampleClock
-
-Integers = NDArray[np.int64]
 
 
 class Rows(Protocol):
