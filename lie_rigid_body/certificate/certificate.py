@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from lie_rigid_body.certificate import laws
-from lie_rigid_body.certificate.flow import LONGEST_TURN
 from lie_rigid_body.certificate.law import Law
 from lie_rigid_body.certificate.segments import RecordedSegment, cut, logged_at_stamps, seconds_since_start
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
@@ -16,6 +15,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
 

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.flow import LONGEST_TURN, flow
 from lie_rigid_body.certificate.law import Law, judge
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, flow
 
 
 @dataclass(frozen=True)

@@ -19,21 +19,13 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.conditions import Conditions
-from lie_rigid_body.certificate.drift import (
-    Drift,
-    MoserVeselovDrift,
-    MuntheKaasDrift,
-    NoDrift,
-    U,
-    equal_steps,
-)
-from lie_rigid_body.certificate.flow import TURN_PER_SUBSTEP
 from lie_rigid_body.certificate.propagation import Propagation
-from lie_rigid_body.certificate.step_error import step_error
-from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.condition_numbers import ConditionNumbers
+from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.step_error import step_error
+from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
+from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.scenario import Scenario
 
 ATTITUDE_CAP: Final = 1e-7
@@ -60,7 +52,7 @@ class Tolerance:
     ----------
     fastest : float
         Bound Ω of the body rate, rad/s.
-    conditions : Conditions
+    conditions : ConditionNumbers
     drift : Drift
     propagation : Propagation
     inversion : float
@@ -68,7 +60,7 @@ class Tolerance:
     """
 
     fastest: float
-    conditions: Conditions
+    conditions: ConditionNumbers
     drift: Drift
     propagation: Propagation
     inversion: float = 1.0
@@ -124,9 +116,9 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start = scenario.body(), scenario.start()
-    fastest = _fastest(body, start)
+    fastest = scenario.rate_bound()
     propagation = Propagation.of(body, start, duration, fastest)
-    conditions = Conditions.of(body, propagation.states, fastest)
+    conditions = ConditionNumbers.of(body, propagation.states, fastest)
     if scenario.motion == "closed_form":
         return Tolerance(fastest, conditions, NoDrift(), propagation)
     method = METHODS[scenario.method]
@@ -134,15 +126,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     if method.largest_turn < math.inf:
         drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
         return Tolerance(fastest, conditions, drift, propagation)
-    step = equal_steps(period, scenario.max_step)
+    step = period / steps_between(period, scenario.max_step)
     error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
-    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation)
+    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
-
-
-def _fastest(body: RigidBody, start: State) -> float:
-    """Ω from ½ I_min |ω|² ≤ H and from I_min |ω| ≤ |L|, whichever is tighter."""
-    smallest = float(body.principal_moments[0])
-    by_energy = np.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
-    by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
-    return float(min(by_energy, by_momentum))

@@ -133,10 +133,7 @@ def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
 
 def _batch(scenario: Scenario) -> int:
     """How many samples to take at once: few when each costs many steps, so that an interruption loses little."""
-    if scenario.motion == "closed_form":
-        return _LARGEST_BATCH
-    steps = math.ceil(1.0 / (scenario.rate * scenario.max_step))
-    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // steps))
+    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // scenario.steps_between(scenario.rate)))
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

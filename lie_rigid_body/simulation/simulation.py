@@ -17,10 +17,8 @@ from lie_rigid_body.simulation.track import SlicedRows, Track
 
 R = TypeVar("R", bound=SlicedRows)
 LOOK_AHEAD: Final = 64
-"""Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
-
-STEPS_AHEAD: Final = 64
-"""Steps of the moving chart taken at once when fewer are wanted, about a millisecond of work."""
+"""Samples of the closed form, or steps of the moving chart, computed at once when fewer are wanted: one sample of the
+closed form costs almost as much as all of them, and so many steps about a millisecond."""
 
 
 @dataclass(frozen=True)
@@ -156,19 +154,13 @@ def _followed(relay: Relay[R] | None, track: Track[R] | None, start_ns: int) -> 
     return relay
 
 
-def _look_ahead(scenario: Scenario, rate: float) -> int:
-    if scenario.motion == "closed_form":
-        return LOOK_AHEAD
-    return min(LOOK_AHEAD, int(STEPS_AHEAD * min(1.0, rate * scenario.max_step)))
-
-
 def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
     motion = segment.scenario.make_motion()
     return Track(
         clock,
         segment.first_sample,
         lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
-        _look_ahead(segment.scenario, segment.scenario.rate),
+        LOOK_AHEAD // segment.scenario.steps_between(segment.scenario.rate),
     )
 
 
@@ -185,7 +177,7 @@ def _imu(segment: Segment, model: ImuModel) -> Track[ImuSamples]:
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return Track(clock, first, compute, _look_ahead(scenario, model.rate))
+    return Track(clock, first, compute, LOOK_AHEAD // scenario.steps_between(model.rate))
 
 
 def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[MagnetometerSamples]:
@@ -196,5 +188,5 @@ def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[Magnetome
         clock,
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
-        _look_ahead(scenario, model.rate),
+        LOOK_AHEAD // scenario.steps_between(model.rate),
     )
