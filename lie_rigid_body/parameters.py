@@ -13,11 +13,14 @@ from lie_rigid_body.errors import ParameterError
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
 Value: TypeAlias = float | int | str | bool | tuple[float, ...]
 
-MAX_EPOCH_NS: Final = (2**31 - 1) * 1_000_000_000
-"""Stamps end in 2038, with the 32-bit seconds of builtin_interfaces/Time."""
+NS: Final = 1_000_000_000
+"""Nanoseconds in a second."""
+
+MAX_EPOCH_NS: Final = (2**31 - 1) * NS
+"""The latest stamp, in 2038: builtin_interfaces/Time has 32-bit seconds."""
 
 LONGEST_FRAME_NAME: Final = 255
-"""Every message carries one."""
+"""Characters. Every message carries one."""
 
 
 @dataclass(frozen=True)

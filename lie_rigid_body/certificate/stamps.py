@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law import Law
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 
 _SHOWN = 4
@@ -27,7 +28,7 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     ndarray of int64, shape (N,)
     """
     # in two parts, as the product of a long time and a rate exceeds 53 bits
-    whole, rest = np.divmod(stamps_ns - clock.epoch_ns, 1_000_000_000)
+    whole, rest = np.divmod(stamps_ns - clock.epoch_ns, NS)
     if float(clock.rate).is_integer():
         rate = int(clock.rate)
         return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)

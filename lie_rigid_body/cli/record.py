@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.parameters import NS
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -127,7 +128,7 @@ def _record(
 
 def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
     """The last stamp that a sensor may have: the end of the duration, but for rounding, which the truth decides."""
-    end = clock.epoch_ns + math.ceil(duration * 1_000_000_000) - 1
+    end = clock.epoch_ns + math.ceil(duration * NS) - 1
     return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
 
 
@@ -153,7 +154,7 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
 
 
 def _seconds(stamp_ns: int) -> str:
-    return f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d}"
+    return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
 
 
 def _size(count: int) -> str:

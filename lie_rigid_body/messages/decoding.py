@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.layout import FRAME, NS, numbers_after
+from lie_rigid_body.messages.layout import FRAME, numbers_after
+from lie_rigid_body.parameters import NS
 
 _ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.parameters import NS
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
-NS: Final = 1_000_000_000
 FRAME: Final = 16
 """Where a header's frame name begins in the payload: after the encapsulation, two words of stamp and its length."""
 

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.messages.layout import ENCAPSULATION, NS, numbers_after, text
+from lie_rigid_body.messages.layout import ENCAPSULATION, numbers_after, text
+from lie_rigid_body.parameters import NS
 
 _ONE: Final = struct.pack("<I", 1)
 _TRANSLATION: Final = 3

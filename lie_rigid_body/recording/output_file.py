@@ -1,4 +1,4 @@
-"""A file that is never created over another one, or replaces it only when it is whole."""
+"""An output file, which never overwrites another one, or replaces it only when it is whole."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class SampleClock:
     @cached_property
     def period_ns(self) -> Fraction:
         """Time between samples, ns, exactly: a stamp costs less than reading the rate's decimals again."""
-        return 1_000_000_000 / Fraction(repr(self.rate))
+        return NS / Fraction(repr(self.rate))
 
     def stamp_ns(self, number: int) -> int:
         """The stamp of one sample, ns; of a negative number, where it would have been."""
