@@ -38,15 +38,18 @@ CLOSED_FORM: Final = 2e-15
 """rad: the error of the closed form in every regime, which its tests hold against multiprecision."""
 
 NORM_LIMIT: Final = 8 * U
+"""Of | |q| − 1 |."""
+
 READING: Final = 48 * U
 """5.3e-15: twice ``CLOSED_FORM``, and a dozen roundings."""
 
 FLOW: Final = 16 * U
+"""Roundings of a substep of the Taylor flow."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The limits for one segment.
+    """The limits of the laws for one segment.
 
     Parameters
     ----------
@@ -80,24 +83,24 @@ class Tolerance:
         return np.asarray(np.minimum(self.attitude_uncapped(t), ATTITUDE_CAP))
 
     def attitude_uncapped(self, t: Array) -> Array:
-        """What the declared motion may err by at times t, rad, shape (N,)."""
+        """The same without the cap, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
     def attitude_step(self, spans: Array) -> Array:
-        """Limit of what the attitudes of neighbouring samples may disagree by, capped, rad, shape (N,)."""
+        """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans
         limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude(spans)
         carried = turns * (self._rate_reading(turns) + self.drift.rate(spans))
         return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
-        """The same for their rates, relative to Ω, shape (N,)."""
+        """Limit of the difference between their rates, relative to Ω, capped, shape (N,)."""
         turns = self.fastest * spans
         limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
         return np.asarray(np.minimum(limit, ATTITUDE_CAP))
 
     def _rate_reading(self, turns: Array) -> Array:
-        """Roundings of a rate, of the momentum made of it, and of what Euler's equations make of that, over Ω."""
+        """Roundings of a recorded rate, and of the momentum and the flow that start from it, relative to Ω."""
         return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
 
 
