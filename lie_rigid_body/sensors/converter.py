@@ -1,4 +1,4 @@
-"""The last stage of a sensor: its range and its resolution."""
+"""Range and resolution of a sensor: its last stage."""
 
 from __future__ import annotations
 

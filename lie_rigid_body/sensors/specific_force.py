@@ -1,4 +1,4 @@
-"""The specific force at a point of the body: what an accelerometer there is after."""
+"""The specific force at a point of the body, which an accelerometer there measures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.vectors import Vector
+from lie_rigid_body.parameters import Vector
 
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
