@@ -1,4 +1,4 @@
-"""The angular velocity that a gyro measures: at the stamp of a sample, or the mean over the interval that ends there."""
+"""The angular velocity that a gyro measures: at the stamp of a sample, or its mean over the interval before."""
 
 from __future__ import annotations
 
