@@ -11,7 +11,7 @@ from lie_rigid_body.parameters import Value
 
 _COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
 _WIDTH: Final = 80
-"""Of the table with a broken law, and of the sentences."""
+"""Characters of a line of the table, and of the sentences."""
 
 
 def as_table(bag: str, certificate: Certificate) -> str:
@@ -37,7 +37,7 @@ def as_table(bag: str, certificate: Certificate) -> str:
 
 
 def verdict(certificate: Certificate) -> str:
-    """One sentence: certified to what accuracy, or what is broken."""
+    """The verdict in sentences: to what accuracy the bag is certified, or which laws it breaks."""
     if not certificate.passed:
         return "\n".join(["NOT CERTIFIED", *(_wrapped(message, "  - ") for message in certificate.messages)])
     lines = [

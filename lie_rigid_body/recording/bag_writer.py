@@ -26,7 +26,7 @@ METADATA: Final = "lie_rigid_body"
 
 _CHUNK_BYTES: Final = 256 * 1024
 _SAMPLE_DEPTH: Final = 10
-"""Depth of the history that the topics of samples are said to be offered with."""
+"""Depth of the history in the quality of service of the topics of samples."""
 _SEQUENCE_NUMBERS: Final = 2**32
 """MCAP counts messages in 32 bits."""
 
@@ -93,7 +93,7 @@ class BagWriter:
 
     @property
     def path(self) -> Path:
-        """Where the bag is, or will be when it is finished."""
+        """The path of the bag, where an older file may stand until it is finished."""
         return self._file.path
 
     @property

@@ -95,7 +95,7 @@ class Scenario:
         return scenario
 
     def parameters(self) -> dict[str, Value]:
-        """Names and values, in the order of the table; those of the sensors only if there is one."""
+        """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
         return {**own, **dict(self.sensor_parameters)} if self.has_sensors else own
 
@@ -113,7 +113,7 @@ class Scenario:
         return State(self.initial_attitude_xyzw, self.initial_body_rate)
 
     def make_motion(self) -> Motion:
-        """A fresh motion from the start."""
+        """A new motion from the start."""
         if self.motion == "closed_form":
             return ClosedForm(self.body(), self.start())
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
@@ -209,7 +209,7 @@ def _require_normal_inertia(body: RigidBody) -> None:
 
 
 def _require_normal_motion(body: RigidBody, start: State) -> None:
-    """Energy and momentum in the range of double precision; an energy may be so small that it is 0."""
+    """Refuse energies and momenta out of the range of double precision; an energy may be so small that it is 0."""
     energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(

@@ -73,12 +73,12 @@ class ImuModel:
 
     @property
     def angular_velocity_variance(self) -> float:
-        """Of one reading on each axis, (rad/s)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of an angular velocity on each axis, (rad/s)²; 0 ("unknown") without noise and resolution."""
         return self.gyro.variance(self.rate)
 
     @property
     def linear_acceleration_variance(self) -> float:
-        """Of one reading on each axis, (m/s²)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of a specific force on each axis, (m/s²)²; 0 ("unknown") without noise and resolution."""
         return self.accelerometer.variance(self.rate)
 
 

@@ -80,7 +80,7 @@ class MagnetometerModel:
 
     @property
     def variance(self) -> float:
-        """Of one reading on each axis, T²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of a reading on each axis, T²; 0 ("unknown") without noise and resolution."""
         return self.noise_density * self.noise_density * self.rate + self.converter.variance
 
 

@@ -1,4 +1,4 @@
-"""The stamps of samples, by their numbers."""
+"""The clock of samples: integer-nanosecond stamps by sample number."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SampleClock:
 
     @cached_property
     def period_ns(self) -> Fraction:
-        """Time between samples, ns, exactly: a stamp costs less than reading the rate's decimals again."""
+        """Time between samples, ns, exact. It is kept, as reading the decimals of the rate costs more than a stamp."""
         return NS / Fraction(repr(self.rate))
 
     def stamp_ns(self, number: int) -> int:

@@ -1,4 +1,4 @@
-"""States, or what sensors make of them, at their stamps."""
+"""Samples: states, or readings of sensors, and their stamps."""
 
 from __future__ import annotations
 
