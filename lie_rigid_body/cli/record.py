@@ -112,7 +112,8 @@ def _record(
     from lie_rigid_body.messages.batch import BatchEncoder
 
     encoder = BatchEncoder(simulation.segment.scenario)
-    batch = _batch(simulation.segment.scenario)
+    # few samples when each takes many steps, so that an interruption loses little
+    batch = simulation.segment.scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
     # disable=None: shown on a terminal only
     with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
@@ -130,11 +131,6 @@ def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
     """The last stamp that a reading may have, ns: the end of the duration, rounded as for the truth."""
     end = clock.epoch_ns + math.ceil(duration * NS) - 1
     return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
-
-
-def _batch(scenario: Scenario) -> int:
-    """The number of samples to take at once: few when each takes many steps, so that an interruption loses little."""
-    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // scenario.steps_between(scenario.rate)))
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

@@ -126,11 +126,31 @@ class Scenario:
         by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
         return min(by_energy, by_momentum)
 
-    def steps_between(self, rate: float) -> int:
-        """Steps of the moving chart between samples, of which there are ``rate`` per second; 1 of the closed form."""
+    def steps_per_sample(self, rate: float | None = None) -> int:
+        """Steps of the moving chart from one sample to the next; 1 of the closed form.
+
+        Parameters
+        ----------
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
         if self.motion == "closed_form":
             return 1
-        return steps_between(1.0 / rate, self._longest_step(self.rate_bound()))
+        return steps_between(1.0 / (rate or self.rate), self._longest_step(self.rate_bound()))
+
+    def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
+        """How many samples to compute at once, at least 1.
+
+        Parameters
+        ----------
+        at_most : int
+            The most samples.
+        steps : int
+            The most steps of the moving chart, if one sample does not take more.
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
+        return max(1, min(at_most, steps // self.steps_per_sample(rate)))
 
     def _longest_step(self, fastest: float) -> float:
         return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)
@@ -170,7 +190,7 @@ class Scenario:
             )
 
     def _require_possible_steps(self, fastest: float) -> None:
-        steps = self.steps_between(self._slowest_rate())
+        steps = self.steps_per_sample(self._slowest_rate())
         if steps > MOST_STEPS:
             raise ParameterError(
                 "initial_body_rate",

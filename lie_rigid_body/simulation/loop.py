@@ -17,8 +17,9 @@ from lie_rigid_body.simulation.segment import Segment
 
 R = TypeVar("R", bound=Rows)
 LOOK_AHEAD: Final = 64
-"""Samples of the closed form, or steps of the moving chart, computed at once when fewer are wanted: one sample of the
-closed form costs almost as much as all of them, and so many steps about a millisecond."""
+"""Samples computed at once when fewer are wanted: of the closed form one costs almost as much as all of them."""
+STEPS_AHEAD: Final = 64
+"""The most steps of the moving chart taken for that, about a millisecond of work."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[
         clock,
         segment.first_sample,
         lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
-        LOOK_AHEAD // segment.scenario.steps_between(clock.rate),
+        segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, clock.rate),
     )
 
 
@@ -189,7 +190,7 @@ def _imu(segment: Segment, model: ImuModel, motion: Motion) -> SampleQueue[ImuSa
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return SampleQueue(clock, first, compute, LOOK_AHEAD // scenario.steps_between(model.rate))
+    return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate))
 
 
 def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
@@ -204,5 +205,5 @@ def _magnetometer(segment: Segment, model: MagnetometerModel, motion: Motion) ->
         clock,
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
-        LOOK_AHEAD // scenario.steps_between(model.rate),
+        scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate),
     )

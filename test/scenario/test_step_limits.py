@@ -74,5 +74,15 @@ def test_steps_are_counted_as_the_motion_takes_them(parameters: dict[str, object
     )._ensemble._integrators[0]
     _, counts = TimeSteps(integrator.largest_step).to(np.array([round(1e9 / scenario.rate)]))
     # the scenario knows a bound of the body rate, the stepper its maximum
-    assert counts[0] <= scenario.steps_between(scenario.rate) <= 1.3 * counts[0]
-    assert Scenario.from_parameters({**parameters, "motion": "closed_form"}).steps_between(scenario.rate) == 1
+    assert counts[0] <= scenario.steps_per_sample() <= 1.3 * counts[0]
+    assert Scenario.from_parameters({**parameters, "motion": "closed_form"}).steps_per_sample() == 1
+
+
+def test_a_batch_is_bounded_by_its_samples_and_its_steps() -> None:
+    scenario = Scenario.from_parameters({**BODY, "rate": 100.0, "max_step": 0.001})
+    assert scenario.batch_size(250, 2000) == 200
+    assert scenario.batch_size(100, 2000) == 100
+    assert scenario.batch_size(250, 2) == 1
+    assert scenario.batch_size(250, 2000, rate=1000.0) == 250
+    assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 1) == 1
+    assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 250) == 250
