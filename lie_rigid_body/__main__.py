@@ -16,7 +16,7 @@ PROGRAM = "lie-rigid-body"
 
 
 class Verb(NamedTuple):
-    """Where a verb's ``main(argv) -> int`` lives, and what it does."""
+    """A verb: the module of its ``main(argv) -> int``, and a summary."""
 
     module: str
     summary: str
@@ -50,8 +50,8 @@ def usage() -> str:
     )
 
 
-def tell(text: str) -> int:
-    """Print what was asked for on stdout, and return the exit status."""
+def answer(text: str) -> int:
+    """Print a text on stdout, and return the exit status."""
 
     def action() -> int:
         console.say(text)
@@ -61,9 +61,9 @@ def tell(text: str) -> int:
 
 
 def refuse(message: str) -> int:
-    """Say on one line of stderr what is wrong, and return the exit status for unusable input."""
+    """Print on one line of stderr what is wrong, and return the exit status for unusable input."""
     print(f"{PROGRAM}: {message}", file=sys.stderr)
-    return 2
+    return console.UNUSABLE
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -82,12 +82,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     if not arguments:
         print(usage(), file=sys.stderr)
-        return 2
+        return console.UNUSABLE
     name, *rest = arguments
     if name in ("-h", "--help"):
-        return tell(usage())
+        return answer(usage())
     if name == "--version":
-        return tell(f"{PROGRAM} {__version__}")
+        return answer(f"{PROGRAM} {__version__}")
     if name not in VERBS:
         return refuse(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
     return run(name, rest)

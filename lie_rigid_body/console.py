@@ -1,4 +1,4 @@
-"""What the executables share: arguments, one-line errors, exit statuses."""
+"""The console of every executable: arguments, output, one-line errors and exit statuses."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Parser(argparse.ArgumentParser):
         super().__init__(prog=program(verb), description=description, allow_abbrev=False)
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """Print the help on stdout, and notice it when that fails."""
+        """Print the help on stdout, by `say`."""
         say(self.format_help().rstrip("\n"))
 
     def error(self, message: str) -> NoReturn:
@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def program(verb: str) -> str:
-    """How the user calls a verb: with ROS 2 each is an executable of its own, with pip all belong to one."""
+    """The command of a verb: an executable of its own where ROS 2 installed it, one of ``lie-rigid-body`` with pip."""
     own = Path(sys.argv[0]).stem == verb
     return f"ros2 run lie_rigid_body {verb}" if own else f"lie-rigid-body {verb}"
 
@@ -59,7 +59,7 @@ def complain(prog: str, message: str) -> None:
 
 
 def say(text: str) -> None:
-    """Print a line or more on stdout; nothing where it is closed.
+    """Print on stdout, and report if that fails: every verb answers by this. Where stdout is closed nothing is printed.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def say(text: str) -> None:
 
 
 def silence() -> None:
-    """Send what stdout still holds nowhere: else the interpreter would try once more at its end, and complain."""
+    """Discard what stdout still holds: else the interpreter would try to write it at its end, and fail again."""
     if sys.stdout is not None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -110,7 +110,7 @@ def parameters(arguments: argparse.Namespace) -> dict[str, object]:
 
 @contextmanager
 def files_named(arguments: argparse.Namespace) -> Iterator[None]:
-    """Add to an error about a parameter the file that gave it."""
+    """A context that adds to an error about a parameter the name of the file that gave it."""
     from lie_rigid_body.scenario.parameter_file import file_that_gives
 
     try:
@@ -144,7 +144,7 @@ def run(main: Main) -> Main:
 
 
 def status_of(prog: str, action: Callable[[], int]) -> int:
-    """The exit status of an action, its errors told on stderr under the name of a program; see `run`."""
+    """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
     try:
         return action()
     except SystemExit as request:

@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM, heeded where it does no harm."""
+"""SIGINT and SIGTERM, acted on only where nothing is lost."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """While it is entered, either signal raises KeyboardInterrupt inside `allowed`, and is noted elsewhere.
+    """A context in which either signal raises KeyboardInterrupt inside `allowed`, and is only noted elsewhere.
 
     Attributes
     ----------
@@ -25,8 +25,8 @@ class Interruption:
         self._allowed = False
 
     def install(self) -> None:
-        """Heed the signals from now on."""
-        self._previous = [signal.signal(number, self._heed) for number in _SIGNALS]
+        """Handle the signals from now on."""
+        self._previous = [signal.signal(number, self._handle) for number in _SIGNALS]
 
     def __enter__(self) -> Interruption:
         self.install()
@@ -48,7 +48,7 @@ class Interruption:
         for number in _SIGNALS:
             signal.signal(number, signal.SIG_IGN)
 
-    def _heed(self, number: int, frame: FrameType | None) -> None:
+    def _handle(self, number: int, frame: FrameType | None) -> None:
         self.requested = True
         if self._allowed:
             self._allowed = False
@@ -56,7 +56,7 @@ class Interruption:
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """Let the signals end this block, which has nothing to lose; one that came before ends it at once."""
+        """A context that the signals may interrupt; one that came before interrupts it at once."""
         self._allowed = True
         try:
             if self.requested:
@@ -70,9 +70,10 @@ class Interruption:
 
 
 def count_as_handled() -> None:
-    """Say that a KeyboardInterrupt is being handled.
+    """Tell CPython that a KeyboardInterrupt is being handled.
 
-    CPython notes one that leaves code compiled from a string, which much of what is imported runs, and in the end
-    kills the process by SIGINT, though it was handled further out. The next code from a string takes the note away.
+    CPython notes a KeyboardInterrupt that leaves code compiled from a string, as importing a module may run. At its end
+    it then kills the process by SIGINT, though the exception was handled further out. Running other code from a string
+    clears the note.
     """
     exec("")

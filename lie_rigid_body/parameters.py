@@ -1,4 +1,4 @@
-"""A parameter: its type, its limits, and how it is read."""
+"""Parameters: their types and limits, and reading their values."""
 
 from __future__ import annotations
 
@@ -6,23 +6,27 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, cast
 
 from lie_rigid_body.errors import ParameterError
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
-Value: TypeAlias = float | int | str | bool | tuple[float, ...]
+Vector: TypeAlias = tuple[float, ...]
+Value: TypeAlias = float | int | str | bool | Vector
 
-MAX_EPOCH_NS: Final = (2**31 - 1) * 1_000_000_000
-"""Stamps end in 2038, with the 32-bit seconds of builtin_interfaces/Time."""
+NS: Final = 1_000_000_000
+"""Nanoseconds in a second."""
+
+MAX_EPOCH_NS: Final = (2**31 - 1) * NS
+"""The latest stamp, in 2038: builtin_interfaces/Time has 32-bit seconds."""
 
 LONGEST_FRAME_NAME: Final = 255
-"""Every message carries one."""
+"""Characters. Every message carries one."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter: its type, its default, its limits and the words that explain it.
+    """One parameter: its type, default, limits and description.
 
     Parameters
     ----------
@@ -163,3 +167,22 @@ def require_frame_name(name: str, value: str) -> None:
         raise ParameterError(
             name, f"{value!r} is not a frame name: give a word without spaces that does not begin with a slash"
         )
+
+
+def vector(values: Mapping[str, Value], name: str) -> Vector:
+    """The numbers of an array parameter."""
+    return cast(Vector, values[name])
+
+
+def require_at_most(name: str, numbers: Vector, limit: float, unit: str) -> None:
+    """Refuse numbers beyond what any instrument has, with which readings could overflow.
+
+    Raises
+    ------
+    ParameterError
+        If the size of one exceeds the limit.
+    """
+    worst = max(numbers, key=abs)
+    if abs(worst) > limit:
+        within = f"{limit:g} {unit}".rstrip()
+        raise ParameterError(name, f"{worst:g} is outside ±{within}: give numbers of that size at most")

@@ -10,7 +10,17 @@ import pytest
 
 from lie_rigid_body.cli.record import main as record
 
-ANSWERS = ["--help", "--version", "scenarios", "scenarios --json", "check --help", "check {bag}", "check --json {bag}"]
+ANSWERS = [
+    "--help",
+    "--version",
+    "scenarios",
+    "scenarios --json",
+    "check --help",
+    "check {bag}",
+    "check --json {bag}",
+    "explain",
+    "explain --json",
+]
 WRITERS = ["record {new} --duration 0.1", "plot {bag} -o {new}.png"]
 
 

@@ -1,6 +1,12 @@
-"""The conservation certificate: a bag replayed without ROS and held against the laws of torque-free motion."""
+"""The certificate of a bag: its samples held against the laws of torque-free motion.
 
-from lie_rigid_body.certificate.certificate import Certificate, SegmentCertificate, certify
-from lie_rigid_body.certificate.law import Law
+- `segments`, `stamps`: a recording cut at its resets, its samples numbered, paired and complete;
+- `tolerance`, `propagation`: the limit of each law for the declared motion;
+- `laws`, `law_result`: the laws, and how near each came to its limit;
+- `certification`: the verdict on a bag.
+"""
 
-__all__ = ["Certificate", "Law", "SegmentCertificate", "certify"]
+from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate, certify
+from lie_rigid_body.certificate.law_result import LawResult
+
+__all__ = ["Certificate", "LawResult", "SegmentCertificate", "certify"]

@@ -7,20 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.certificate.flow import LONGEST_TURN, flow
-from lie_rigid_body.certificate.law import Law, judge
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.certificate.law_result import LawResult, judge
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, flow
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """What the laws look at: the samples of a segment beside what its declaration implies.
+class Comparison:
+    """The samples of a segment beside the motion that the bag declares, which the laws compare.
 
     Parameters
     ----------
@@ -31,9 +29,9 @@ class Evidence:
     t : ndarray, shape (N,)
         Seconds since the segment's start.
     unit : State
-        The recorded states with their quaternions normalised, as directions only.
+        The recorded states, their quaternions normalised.
     exact : State
-        The states that the closed form gives from the segment's start.
+        The states of the closed form from the segment's start.
     """
 
     recorded: RecordedSegment
@@ -44,16 +42,16 @@ class Evidence:
     unit: State
     exact: State
 
-    def judge(self, name: str, unit: str, residuals: Array, limits: Array | float, what: str) -> Law:
-        """`law.judge` over all samples, or over all intervals, each of which belongs to its later sample."""
+    def judge(self, name: str, unit: str, residuals: Array, limits: Array | float, what: str) -> LawResult:
+        """`law_result.judge` over all samples, or over all intervals, each of which belongs to its later sample."""
         later = slice(len(self.t) - len(residuals), None)
         return judge(name, unit, residuals, limits, self.recorded.samples[later], self.recorded.stamps_ns[later], what)
 
 
-def unit_norm(evidence: Evidence) -> Law:
-    """|q| = 1."""
-    residuals = np.abs(quaternion.norm(evidence.recorded.states.attitude_xyzw) - 1.0)
-    return evidence.judge(
+def unit_norm(compared: Comparison) -> LawResult:
+    """The attitude is a unit quaternion, |q| = 1."""
+    residuals = np.abs(quaternion.norm(compared.recorded.states.attitude_xyzw) - 1.0)
+    return compared.judge(
         "unit norm",
         "1",
         residuals,
@@ -62,27 +60,27 @@ def unit_norm(evidence: Evidence) -> Law:
     )
 
 
-def kinetic_energy(evidence: Evidence) -> Law:
-    """½ ω·Mω stays what the start makes it."""
-    energy = evidence.body.kinetic_energy(evidence.recorded.states)
-    start = float(evidence.body.kinetic_energy(evidence.start))
-    return evidence.judge(
+def kinetic_energy(compared: Comparison) -> LawResult:
+    """The kinetic energy ½ ω·Mω is that of the start."""
+    energy = compared.body.kinetic_energy(compared.recorded.states)
+    start = float(compared.body.kinetic_energy(compared.start))
+    return compared.judge(
         "kinetic energy",
         "rel",
         _relative(np.abs(energy - start), start),
-        evidence.tolerance.energy(evidence.t),
+        compared.tolerance.energy(compared.t),
         "kinetic energy is {worst} off its value at the start (relative, limit {limit}) at {where}",
     )
 
 
-def world_momentum(evidence: Evidence) -> list[Law]:
-    """Each component of A M ω stays what the start makes it."""
-    momentum = evidence.body.angular_momentum(evidence.unit)
-    start = evidence.body.angular_momentum(evidence.start)
+def world_momentum(compared: Comparison) -> list[LawResult]:
+    """Each component of the angular momentum in the world, A M ω, is that of the start."""
+    momentum = compared.body.angular_momentum(compared.unit)
+    start = compared.body.angular_momentum(compared.start)
     scale = float(so3.norm(start))
-    limits = evidence.tolerance.world_momentum(evidence.t)
+    limits = compared.tolerance.world_momentum(compared.t)
     return [
-        evidence.judge(
+        compared.judge(
             f"world momentum {axis}",
             "rel",
             _relative(np.abs(momentum[:, i] - start[i]), scale),
@@ -93,48 +91,50 @@ def world_momentum(evidence: Evidence) -> list[Law]:
     ]
 
 
-def neighbours(evidence: Evidence) -> list[Law]:
-    """Each sample follows from the one before: its attitude from the twist, its twist from Euler's equations, its sign
-    from continuity. The flow between them is summed as a Taylor series.
+def neighbours(compared: Comparison) -> list[LawResult]:
+    """Each sample follows from the one before by the Taylor flow.
+
+    The attitude follows from the twist, the twist from Euler's equations, the sign of the quaternion from continuity.
     """
-    spans = np.diff(evidence.recorded.stamps_ns) * 1e-9
-    fastest = evidence.tolerance.fastest
+    spans = np.diff(compared.recorded.stamps_ns) * 1e-9
+    fastest = compared.tolerance.fastest
     resolved = spans * fastest <= LONGEST_TURN
-    before = State.trusted(evidence.unit.attitude_xyzw[:-1], evidence.unit.body_rate[:-1])
-    after = evidence.unit[1:]
-    predicted = flow(evidence.body, before, np.where(resolved, spans, 0.0), fastest)
+    before = State.trusted(compared.unit.attitude_xyzw[:-1], compared.unit.body_rate[:-1])
+    after = compared.unit[1:]
+    predicted = flow(compared.body, before, np.where(resolved, spans, 0.0), fastest)
     turned = so3.norm(
         quaternion.log(quaternion.multiply(quaternion.conjugate(predicted.attitude_xyzw), after.attitude_xyzw))
     )
     changed = _relative(so3.norm(after.body_rate - predicted.body_rate), fastest)
     return [
-        evidence.judge(
+        compared.judge(
             "twist is the attitude's derivative",
             "rad",
             np.where(resolved, turned, 0.0),
-            evidence.tolerance.attitude_step(spans),
+            compared.tolerance.attitude_step(spans),
             "the attitude's step differs by {worst} rad (limit {limit}) from what the twist makes it, up to {where}",
         ),
-        evidence.judge(
+        compared.judge(
             "Euler's equations",
             "rel",
             np.where(resolved, changed, 0.0),
-            evidence.tolerance.rate_step(spans),
+            compared.tolerance.rate_step(spans),
             "the twist's step differs by {worst} (of its largest, limit {limit}) from Euler's equations, up to {where}",
         ),
-        _sign_continuity(evidence, predicted.attitude_xyzw, resolved),
+        _sign_continuity(compared, predicted.attitude_xyzw, resolved),
     ]
 
 
-def _sign_continuity(evidence: Evidence, predicted: Array, resolved: NDArray[np.bool_]) -> Law:
-    """Each quaternion has the sign of the path from the one before; the first, and any after a long gap, that of the
-    path from the segment's start.
+def _sign_continuity(compared: Comparison, predicted: Array, resolved: NDArray[np.bool_]) -> LawResult:
+    """Each quaternion has the sign of the continuous path from the one before.
+
+    The first, and any after a long gap, has that of the path from the segment's start.
     """
-    attitudes = evidence.unit.attitude_xyzw
-    by_start = np.sum(evidence.exact.attitude_xyzw * attitudes, axis=-1)
+    attitudes = compared.unit.attitude_xyzw
+    by_start = np.sum(compared.exact.attitude_xyzw * attitudes, axis=-1)
     by_neighbour = np.sum(predicted * attitudes[1:], axis=-1)
     agreement = np.concatenate([by_start[:1], np.where(resolved, by_neighbour, by_start[1:])])
-    return evidence.judge(
+    return compared.judge(
         "sign continuity",
         "1",
         np.where(agreement < 0.0, 2.0, 0.0),
@@ -143,14 +143,14 @@ def _sign_continuity(evidence: Evidence, predicted: Array, resolved: NDArray[np.
     )
 
 
-def closed_form(evidence: Evidence) -> Law:
-    """The attitude is that of the exact solution from the segment's start."""
-    turned = quaternion.multiply(quaternion.conjugate(evidence.exact.attitude_xyzw), evidence.unit.attitude_xyzw)
-    return evidence.judge(
+def closed_form(compared: Comparison) -> LawResult:
+    """The attitude is that of the closed form from the segment's start."""
+    turned = quaternion.multiply(quaternion.conjugate(compared.exact.attitude_xyzw), compared.unit.attitude_xyzw)
+    return compared.judge(
         "closed form",
         "rad",
         so3.norm(quaternion.log(turned)),
-        evidence.tolerance.attitude(evidence.t),
+        compared.tolerance.attitude(compared.t),
         "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}",
     )
 

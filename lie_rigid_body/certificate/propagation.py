@@ -1,4 +1,4 @@
-"""What an error of the rate costs in attitude later: a property of the motion alone."""
+"""How an error of the body rate grows into one of the attitude: a property of the motion alone."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import ClosedForm
 
-Array = NDArray[np.float64]
-
 _PROBE: Final = 2.0**-30
+"""Relative size of the change."""
 _TIMES: Final = 257
+"""States along the motion."""
 
 
 @dataclass(frozen=True)
 class Propagation:
-    """The exact motion at some times, and what becomes of a small change of its start.
+    """States of the exact motion, and the turns that a small change of its initial rate causes.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Propagation:
 
     @classmethod
     def of(cls, body: RigidBody, start: State, duration: float, fastest: float) -> Propagation:
-        """Read off the closed form by differences.
+        """The propagation along a motion, by differences of the closed form.
 
         Parameters
         ----------
@@ -63,9 +63,9 @@ class Propagation:
         return cls(times, states, np.asarray(scale * np.maximum.accumulate(gains), dtype=np.float64))
 
     def gain(self, t: Array) -> Array:
-        """G at times t, shape (N,)."""
+        """G at times t, s, shape (N,)."""
         return np.asarray(self.gains[np.minimum(np.searchsorted(self.times, t), len(self.gains) - 1)])
 
     def growth(self, turns: Array) -> Array:
-        """Over an interval a disturbance grows no faster than exp of the angle turned, and no more than G allows."""
+        """How many times larger a disturbance may become over turns, rad: at most exp(turn), and at most 1 + G."""
         return np.asarray(np.minimum(np.exp(np.minimum(turns, 700.0)), 1.0 + self.gains[-1]))

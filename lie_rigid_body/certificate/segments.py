@@ -1,4 +1,4 @@
-"""A recording cut into stretches of torque-free motion, each with its samples numbered and paired."""
+"""A recording cut at its resets into segments, the samples of each numbered, and pose and twist paired."""
 
 from __future__ import annotations
 
@@ -6,34 +6,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.certificate.law import Law
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import number_samples, stamp_law
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 
 @dataclass(frozen=True)
 class RecordedSegment:
-    """The samples of one segment, as the bag has them.
+    """The samples of one segment, as recorded.
 
     Parameters
     ----------
     segment : Segment
-        What the bag declares.
+        The segment that the bag declares.
     samples : ndarray of int64, shape (N,)
         Numbers of the samples that have both pose and twist, rising.
     stamps_ns : ndarray of int64, shape (N,)
         Their stamps.
     states : State
         Their states, of shapes (N, 4) and (N, 3), not normalised.
-    stamps : Law
+    stamps : LawResult
         Whether the stamps of pose and twist are complete, even and in order.
     """
 
@@ -41,18 +38,19 @@ class RecordedSegment:
     samples: Integers
     stamps_ns: Integers
     states: State
-    stamps: Law
+    stamps: LawResult
 
 
 @dataclass(frozen=True)
-class _Track:
-    """Stamps and values of one topic, in file order, or of the part that belongs to one segment."""
+class _StampedValues:
+    """Stamps and values of one topic, in file order."""
 
-    topic: str
+    name: str
     stamps_ns: Integers
     values: Array
 
-    def between(self, begin: int, end: int | None) -> _Track:
+    def between(self, begin: int, end: int | None) -> _StampedValues:
+        """Those stamped from ``begin`` on and before ``end``, ns, if it is given."""
         inside = self.stamps_ns >= begin
         if end is not None:
             inside &= self.stamps_ns < end
@@ -80,12 +78,12 @@ def declared_segments(recording: Recording) -> list[Segment]:
 
 
 def logged_at_stamps(recording: Recording) -> bool:
-    """Whether the first scenario message was logged at its own start, as this package does, and no live recorder."""
+    """Whether the first scenario message was logged at its segment's start, as by `BagWriter`, not by a recorder."""
     log_time, text = recording.scenario_texts[0]
     return log_time == Segment.from_json(text).start_ns
 
 
-def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+def recorded_segments(recording: Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
     """The segments of a recording with their samples, at least one of which has a sample with pose and twist.
 
     Parameters
@@ -107,8 +105,8 @@ def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[Re
         If a declared scenario or the given inertia is impossible.
     """
     segments = [_with_inertia(segment, inertia) for segment in declared_segments(recording)]
-    pose = _Track("pose", recording.poses.stamps_ns, recording.poses.attitudes_xyzw)
-    twist = _Track("twist", _twist_stamps(recording, segments), recording.twists.body_rates)
+    pose = _StampedValues("pose", recording.poses.stamps_ns, recording.poses.attitudes_xyzw)
+    twist = _StampedValues("twist", _twist_stamps(recording, segments), recording.twists.body_rates)
     first = min(int(pose.stamps_ns.min()), int(twist.stamps_ns.min()))
     if first < segments[0].start_ns:
         raise BagError(
@@ -116,18 +114,21 @@ def cut(recording: Recording, inertia: Sequence[float] | None = None) -> list[Re
             "record the scenario topic from the start"
         )
     own = logged_at_stamps(recording)
-    pieces: list[RecordedSegment] = []
+    found: list[RecordedSegment] = []
     for i, segment in enumerate(segments):
         following = segments[i + 1].start_ns if i + 1 < len(segments) else None
-        tracks = [track.between(segment.start_ns, following) for track in (pose, twist)]
-        if any(track.stamps_ns.size for track in tracks):
-            pieces.append(_piece(segment, following, tracks, late_start=not own and not pieces, open_end=not own))
-    if not any(len(piece.samples) for piece in pieces):
+        topics = [topic.between(segment.start_ns, following) for topic in (pose, twist)]
+        if any(topic.stamps_ns.size for topic in topics):
+            found.append(
+                _recorded_segment(segment, following, topics, late_start=not own and not found, open_end=not own)
+            )
+    if not any(len(recorded.samples) for recorded in found):
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
-    return pieces
+    return found
 
 
 def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
+    """The segment with the body of another inertia, kg m², if one is given."""
     if inertia is None:
         return segment
     parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
@@ -151,26 +152,27 @@ def _twist_stamps(recording: Recording, segments: list[Segment]) -> Integers:
     return recording.poses.stamps_ns
 
 
-def _piece(
-    segment: Segment, following: int | None, tracks: list[_Track], *, late_start: bool, open_end: bool
+def _recorded_segment(
+    segment: Segment, following: int | None, topics: list[_StampedValues], *, late_start: bool, open_end: bool
 ) -> RecordedSegment:
     law = stamp_law(
         segment,
         following,
-        {track.topic: track.stamps_ns for track in tracks},
+        {topic.name: topic.stamps_ns for topic in topics},
         late_start=late_start,
         open_end=open_end and following is None,
     )
-    pose, twist = (_unique(track) for track in tracks)
+    pose, twist = (_unique(topic) for topic in topics)
     common, at_pose, at_twist = np.intersect1d(pose.stamps_ns, twist.stamps_ns, return_indices=True)
     numbers = number_samples(segment.clock(), common)
     states = State.trusted(pose.values[at_pose], twist.values[at_twist])
     return RecordedSegment(segment, numbers, common, states, law)
 
 
-def _unique(track: _Track) -> _Track:
-    stamps, first = np.unique(track.stamps_ns, return_index=True)
-    return replace(track, stamps_ns=stamps, values=track.values[first])
+def _unique(topic: _StampedValues) -> _StampedValues:
+    """The first of the values of each stamp, in the order of the stamps."""
+    stamps, first = np.unique(topic.stamps_ns, return_index=True)
+    return replace(topic, stamps_ns=stamps, values=topic.values[first])
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

@@ -1,19 +1,20 @@
-"""The law of the stamps: every sample of the grid once, in order, on the nanosecond."""
+"""The law of the stamps: every topic has every sample once, in order, stamped on the nanosecond."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.certificate.law import Law
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 
-Integers = NDArray[np.int64]
-
-_SHOWN = 4
+_SHOWN: Final = 4
+"""Faults of a kind that a message names."""
 
 
 def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
@@ -29,7 +30,7 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     ndarray of int64, shape (N,)
     """
     # in two parts, as the product of a long time and a rate exceeds 53 bits
-    whole, rest = np.divmod(stamps_ns - clock.epoch_ns, 1_000_000_000)
+    whole, rest = np.divmod(stamps_ns - clock.epoch_ns, NS)
     if float(clock.rate).is_integer():
         rate = int(clock.rate)
         return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
@@ -38,7 +39,7 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
 
 def stamp_law(
     segment: Segment, following: int | None, stamps: Mapping[str, Integers], *, late_start: bool, open_end: bool
-) -> Law:
+) -> LawResult:
     """Whether every topic has every sample of the segment once, in order, stamped on the grid.
 
     Parameters
@@ -54,8 +55,8 @@ def stamp_law(
 
     Returns
     -------
-    Law
-        Its worst is how far a stamp is off the grid, ns; its message names gaps, duplicates and swaps.
+    LawResult
+        ``worst`` is how far a stamp is off the grid, ns; the message names gaps, duplicates and swaps.
     """
     clock = segment.clock()
     numbers = {topic: number_samples(clock, values) for topic, values in stamps.items()}
@@ -70,7 +71,7 @@ def stamp_law(
         faults += _faults(topic, found, off, values, first[topic], last[topic], clock)
     checked = sum(len(v) for v in stamps.values())
     stamp = None if at is None else int(clock.stamps_ns(at, 1)[0])
-    return Law("stamps", "ns", float(worst), 0.0, at, stamp, len(faults), checked, "; ".join(faults))
+    return LawResult("stamps", "ns", float(worst), 0.0, at, stamp, len(faults), checked, "; ".join(faults))
 
 
 def _expected(
@@ -91,6 +92,7 @@ def _expected(
 
 
 def _grid(clock: SampleClock, numbers: Integers) -> Integers:
+    """The exact stamps of samples by their numbers, ns."""
     if numbers.size == 0:
         return numbers
     low, high = int(numbers.min()), int(numbers.max())
@@ -102,6 +104,7 @@ def _grid(clock: SampleClock, numbers: Integers) -> Integers:
 def _faults(
     topic: str, found: Integers, off: Integers, values: Integers, first: int, last: int, clock: SampleClock
 ) -> list[str]:
+    """What is wrong with the stamps of a topic, in words."""
     faults = []
     order = np.flatnonzero(np.diff(found) < 0)
     if order.size:
@@ -136,5 +139,6 @@ def _gaps(present: Integers, first: int, last: int) -> list[str]:
 
 
 def _some(items: list[str]) -> str:
+    """The first of some faults, and how many more there are."""
     more = len(items) - _SHOWN
     return ", ".join(items[:_SHOWN]) + (f" and {more} more" if more > 0 else "")

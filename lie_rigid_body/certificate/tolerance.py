@@ -17,26 +17,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.certificate.conditions import Conditions
-from lie_rigid_body.certificate.drift import (
-    Drift,
-    MoserVeselovDrift,
-    MuntheKaasDrift,
-    NoDrift,
-    U,
-    equal_steps,
-)
-from lie_rigid_body.certificate.flow import TURN_PER_SUBSTEP
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
-from lie_rigid_body.certificate.step_error import step_error
-from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.condition_numbers import ConditionNumbers
+from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.step_error import step_error
+from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
+from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.scenario import Scenario
-
-Array = NDArray[np.float64]
 
 ATTITUDE_CAP: Final = 1e-7
 """rad"""
@@ -48,21 +38,24 @@ CLOSED_FORM: Final = 2e-15
 """rad: the error of the closed form in every regime, which its tests hold against multiprecision."""
 
 NORM_LIMIT: Final = 8 * U
+"""Of | |q| − 1 |."""
+
 READING: Final = 48 * U
 """5.3e-15: twice ``CLOSED_FORM``, and a dozen roundings."""
 
 FLOW: Final = 16 * U
+"""Roundings of a substep of the Taylor flow."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The limits for one segment.
+    """The limits of the laws for one segment.
 
     Parameters
     ----------
     fastest : float
         Bound Ω of the body rate, rad/s.
-    conditions : Conditions
+    conditions : ConditionNumbers
     drift : Drift
     propagation : Propagation
     inversion : float
@@ -70,7 +63,7 @@ class Tolerance:
     """
 
     fastest: float
-    conditions: Conditions
+    conditions: ConditionNumbers
     drift: Drift
     propagation: Propagation
     inversion: float = 1.0
@@ -90,24 +83,24 @@ class Tolerance:
         return np.asarray(np.minimum(self.attitude_uncapped(t), ATTITUDE_CAP))
 
     def attitude_uncapped(self, t: Array) -> Array:
-        """What the declared motion may err by at times t, rad, shape (N,)."""
+        """The same without the cap, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
     def attitude_step(self, spans: Array) -> Array:
-        """Limit of what the attitudes of neighbouring samples may disagree by, capped, rad, shape (N,)."""
+        """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans
         limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude(spans)
         carried = turns * (self._rate_reading(turns) + self.drift.rate(spans))
         return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
-        """The same for their rates, relative to Ω, shape (N,)."""
+        """Limit of the difference between their rates, relative to Ω, capped, shape (N,)."""
         turns = self.fastest * spans
         limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
         return np.asarray(np.minimum(limit, ATTITUDE_CAP))
 
     def _rate_reading(self, turns: Array) -> Array:
-        """Roundings of a rate, of the momentum made of it, and of what Euler's equations make of that, over Ω."""
+        """Roundings of a recorded rate, and of the momentum and the flow that start from it, relative to Ω."""
         return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
 
 
@@ -126,9 +119,9 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start = scenario.body(), scenario.start()
-    fastest = _fastest(body, start)
+    fastest = scenario.rate_bound()
     propagation = Propagation.of(body, start, duration, fastest)
-    conditions = Conditions.of(body, propagation.states, fastest)
+    conditions = ConditionNumbers.of(body, propagation.states, fastest)
     if scenario.motion == "closed_form":
         return Tolerance(fastest, conditions, NoDrift(), propagation)
     method = METHODS[scenario.method]
@@ -136,15 +129,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     if method.largest_turn < math.inf:
         drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
         return Tolerance(fastest, conditions, drift, propagation)
-    step = equal_steps(period, scenario.max_step)
+    step = period / steps_between(period, scenario.max_step)
     error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
-    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation)
+    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
-
-
-def _fastest(body: RigidBody, start: State) -> float:
-    """Ω from ½ I_min |ω|² ≤ H and from I_min |ω| ≤ |L|, whichever is tighter."""
-    smallest = float(body.principal_moments[0])
-    by_energy = np.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
-    by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
-    return float(min(by_energy, by_momentum))

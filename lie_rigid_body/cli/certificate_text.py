@@ -6,12 +6,12 @@ import math
 import textwrap
 from typing import Final
 
-from lie_rigid_body.certificate import Certificate, Law, SegmentCertificate
+from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.parameters import Value
 
 _COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
 _WIDTH: Final = 80
-"""Of the table with a broken law, and of the sentences."""
+"""Characters of a line of the table, and of the sentences."""
 
 
 def as_table(bag: str, certificate: Certificate) -> str:
@@ -37,7 +37,7 @@ def as_table(bag: str, certificate: Certificate) -> str:
 
 
 def verdict(certificate: Certificate) -> str:
-    """One sentence: certified to what accuracy, or what is broken."""
+    """The verdict in sentences: to what accuracy the bag is certified, or which laws it breaks."""
     if not certificate.passed:
         return "\n".join(["NOT CERTIFIED", *(_wrapped(message, "  - ") for message in certificate.messages)])
     lines = [
@@ -105,7 +105,7 @@ def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> 
     return lines + [_wrapped(note, " note: ") for note in certificate.notes]
 
 
-def _row(law: Law, time_s: float | None) -> str:
+def _row(law: LawResult, time_s: float | None) -> str:
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
         sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
@@ -149,7 +149,7 @@ def _segment_json(certificate: SegmentCertificate) -> dict[str, object]:
     }
 
 
-def _law_json(law: Law, time_s: float | None) -> dict[str, object]:
+def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
     return {
         "name": law.name,
         "unit": law.unit,

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
-from lie_rigid_body.scenario.shipped import scenario_files
 
 
 @console.run
@@ -24,16 +23,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     description = describe(scenario.body(), scenario.start())
     if given.json:
         facts = explanation_text.as_json(scenario, description)
-        print(json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False))
+        console.say(json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        print(explanation_text.as_text(scenario, description, _title(given)))
+        console.say(explanation_text.as_text(scenario, description, _title(given)))
     return console.SUCCESS
 
 
 def _title(given: argparse.Namespace) -> str:
-    """The name of a shipped scenario and what it is, unless other parameters may have made it something else."""
+    """The name of a scenario and what it is, unless other parameters may have made it something else."""
     if given.scenario is None or given.params_file or given.assignments:
         return ""
+
+    from lie_rigid_body.scenario.parameter_file import scenario_files
+
     return f"{given.scenario}: {describe_file(scenario_files()[given.scenario])}"
 
 

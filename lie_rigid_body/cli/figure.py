@@ -1,4 +1,4 @@
-"""One picture of a recording: body rate, drift of what should not drift, and the polhode on the energy ellipsoid."""
+"""The picture of a recording: body rate, drift of energy and momentum, and the polhode on the energy ellipsoid."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
@@ -18,15 +18,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-Array = NDArray[np.float64]
-
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
-"""Of the x, y and z components: told apart by every kind of colour vision."""
+"""Colours of the x, y and z components, distinct in every kind of colour vision."""
 
 FEW: Final = 3
-"""Samples that a line alone would hardly show."""
+"""Number of samples that a line alone would hardly show."""
 MANY: Final = 20_000
-"""Samples of a segment from which on the curves of fast motion fill whole areas."""
+"""Number of samples of a segment above which the curves of a fast motion fill whole areas."""
 
 _GREY: Final = "#555555"
 _VIEW: Final = (24.0, 35.0)
@@ -73,7 +71,7 @@ def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
 
 
 def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
-    """How to draw the curves of a segment: few points as dots, many so that one curve does not hide the others."""
+    """The line style of a segment's curves: few points as dots, many so that one curve does not hide the others."""
     count = len(piece.samples)
     if count <= FEW:
         return {"marker": "o", "ms": 4.0, "lw": width}
@@ -114,7 +112,7 @@ def _draw_momentum(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
 
 
 def _legend(axes: Axes) -> None:
-    """Above the axes, where it hides nothing."""
+    """A legend above the axes, where it hides nothing."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.parameters import NS
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
     from lie_rigid_body.simulation import SampleClock, Simulation
 
 BYTES_PER_SAMPLE: Final = 105
-"""What a pose and a twist take in a bag after compression."""
+"""Bytes of a pose and a twist in a bag, compressed."""
 BYTES_PER_READING: Final = 130
-"""The same of a sensor's reading: a little more than what an IMU with noise takes, its bias included."""
+"""Bytes of a reading in a bag, compressed: a little more than an IMU with noise takes, its bias included."""
 LARGEST_DURATION: Final = 10**10
-"""s; beyond it no stamp of builtin_interfaces/Time reaches."""
+"""s; more is beyond every stamp of builtin_interfaces/Time."""
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 _LARGEST_BATCH: Final = 1024
 _STEPS_PER_BATCH: Final = 10_000
@@ -83,7 +84,7 @@ def _duration(text: str) -> Fraction:
 
 
 def _readings(scenario: Scenario, duration: Fraction) -> int:
-    """How many readings the sensors give in a time."""
+    """The number of readings of all sensors in a time, s."""
     from lie_rigid_body.simulation import SampleClock
 
     sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
@@ -111,7 +112,8 @@ def _record(
     from lie_rigid_body.messages.batch import BatchEncoder
 
     encoder = BatchEncoder(simulation.segment.scenario)
-    batch = _batch(simulation.segment.scenario)
+    # few samples when each takes many steps, so that an interruption loses little
+    batch = simulation.segment.scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
     # disable=None: shown on a terminal only
     with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
@@ -126,17 +128,9 @@ def _record(
 
 
 def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
-    """The last stamp that a sensor may have: the end of the duration, but for rounding, which the truth decides."""
-    end = clock.epoch_ns + math.ceil(duration * 1_000_000_000) - 1
+    """The last stamp that a reading may have, ns: the end of the duration, rounded as for the truth."""
+    end = clock.epoch_ns + math.ceil(duration * NS) - 1
     return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
-
-
-def _batch(scenario: Scenario) -> int:
-    """How many samples to take at once: few when each costs many steps, so that an interruption loses little."""
-    if scenario.motion == "closed_form":
-        return _LARGEST_BATCH
-    steps = math.ceil(1.0 / (scenario.rate * scenario.max_step))
-    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // steps))
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:
@@ -156,7 +150,7 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
 
 
 def _seconds(stamp_ns: int) -> str:
-    return f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d}"
+    return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
 
 
 def _size(count: int) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.scenario.shipped import scenario_files
 
 
 @console.run
@@ -16,6 +15,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = console.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
     parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
     given = parser.parse_args(argv)
+
+    from lie_rigid_body.scenario.parameter_file import scenario_files
+
     entries = [_entry(name, path) for name, path in scenario_files().items()]
     console.say(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
     return console.SUCCESS

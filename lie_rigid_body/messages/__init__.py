@@ -1,29 +1,33 @@
-"""CDR, the byte form of ROS 2 messages: written for samples, read for whole tracks, without ROS.
+"""Messages as bytes, for publishers and bags alike: CDR, the byte form of ROS 2 messages, without ROS.
 
 A payload is 4 bytes of encapsulation (0, the byte order, two options) and a body in which a number of n bytes begins at
 a multiple of n. Padding is written as zeros; rclpy leaves there what the memory held before.
 
-A table of contents
-
-- `layout`: what all messages share, and the bytes of those of one type;
-- `encoding`, `sensor_encoding`: the messages of the truth and of the sensors;
-- `decoding`: tracks of the truth, of either byte order, from any writer.
+- `layout`: the fields that all messages share, and the bytes of messages of one type;
+- `encoding`: samples as messages;
+- `batch`: the messages of the truth and the sensors, in the order of their stamps;
+- `decoding`: poses and twists of either byte order, from any writer;
+- `definitions`: type names and definitions of the messages, and their quality of service.
 """
 
 from lie_rigid_body.messages.decoding import Decoded, decode, decode_string
-from lie_rigid_body.messages.encoding import MessageEncoder, encode_string
-from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS, Array, Integers
-from lie_rigid_body.messages.sensor_encoding import ImuEncoder, MagneticFieldEncoder
+from lie_rigid_body.messages.encoding import (
+    ImuEncoder,
+    MagneticFieldEncoder,
+    PoseTwistEncoder,
+    TransformEncoder,
+    encode_string,
+)
+from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 
 __all__ = [
     "POSE_NUMBERS",
     "TWIST_NUMBERS",
-    "Array",
     "Decoded",
     "ImuEncoder",
-    "Integers",
     "MagneticFieldEncoder",
-    "MessageEncoder",
+    "PoseTwistEncoder",
+    "TransformEncoder",
     "decode",
     "decode_string",
     "encode_string",

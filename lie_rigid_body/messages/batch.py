@@ -1,4 +1,4 @@
-"""Messages of the truth and of the sensors, as they go out together."""
+"""Batches: the messages of the truth and of the sensors that are published or recorded together."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Final
 
-from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder, MessageEncoder
+from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder, PoseTwistEncoder
 from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuModel, Sensors
@@ -42,7 +42,7 @@ class Messages:
 
 @dataclass(frozen=True)
 class Batch:
-    """What was taken at once, as messages.
+    """The messages of what was taken from a simulation at once.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def sensor_topics(sensors: Sensors) -> list[str]:
 
 
 class BatchEncoder:
-    """What a simulation gives, as the bytes that go to publishers or into a bag.
+    """Samples and readings of a simulation as messages, for publishers or a bag.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ class BatchEncoder:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._truth = MessageEncoder(scenario)
+        self._truth = PoseTwistEncoder(scenario)
         imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
         self._imu = None if imu is None else _ImuMessages(imu)
         self._field = None if magnetometer is None else MagneticFieldEncoder(magnetometer.frame, magnetometer.variance)
 
     def encode(self, taken: Taken) -> Batch:
-        """The messages of what was taken."""
+        """The messages of samples and readings that were taken at once."""
         samples = taken.samples
         return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._sensors(taken)))
 
@@ -109,7 +109,7 @@ class BatchEncoder:
 
 
 class _ImuMessages:
-    """The two topics of an IMU."""
+    """The messages of an IMU: its readings, and their true bias."""
 
     def __init__(self, model: ImuModel) -> None:
         self._data = ImuEncoder(model.frame, model.angular_velocity_variance, model.linear_acceleration_variance)

@@ -1,4 +1,4 @@
-"""Reading messages back: whole tracks at once, of either byte order."""
+"""Bytes of messages back into arrays: all messages of a topic at once, of either byte order."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.layout import FRAME, NS, Array, Integers, numbers_after
+from lie_rigid_body.messages.layout import FRAME, numbers_after
+from lie_rigid_body.parameters import NS
 
-_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
+_BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded
 
 
 def _alike(payloads: Sequence[bytes], stamped: bool) -> list[list[int]]:
-    """Message numbers grouped by all that decides the layout: size, encapsulation, length and text of the frame."""
+    """Message numbers grouped by what determines the layout: size, encapsulation, length and text of the frame."""
     groups: dict[tuple[int, bytes, bytes], list[int]] = {}
     for i, payload in enumerate(payloads):
         key = (len(payload), payload[:2], payload[12:FRAME] if stamped else b"")
@@ -137,7 +139,7 @@ def decode_string(payload: bytes, index: int = 0) -> str:
 
 
 def _byte_order(payload: bytes, index: int) -> str:
-    order = _ORDERS.get(payload[:2])
+    order = _BYTE_ORDERS.get(payload[:2])
     if order is None:
         begin = payload[:4].hex(" ") or "nothing"
         raise BagError(f"message {index} begins with {begin}, which is not plain CDR (00 00 or 00 01)")

@@ -1,4 +1,4 @@
-"""What a bag says about its messages: type names, definitions, and the quality of service they were offered with."""
+"""Message types as a bag describes them: names, definitions, and the quality of service they were offered with."""
 
 from __future__ import annotations
 

@@ -1,14 +1,27 @@
-"""The messages of the truth: poses, twists and texts."""
+"""Samples as the bytes of ROS 2 messages: poses, twists, readings of sensors, transforms and texts."""
 
 from __future__ import annotations
 
-from lie_rigid_body.messages.layout import ENCAPSULATION, POSE_NUMBERS, TWIST_NUMBERS, Layout, text
+import struct
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.messages.layout import ENCAPSULATION, POSE_NUMBERS, TWIST_NUMBERS, Layout, numbers_after, text
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples
 
+_VECTOR: Final = [0.0, 0.0, 0.0]
+_NO_ORIENTATION: Final = [0.0, 0.0, 0.0, 1.0, -1.0, *[0.0] * 8]
+"""The identity, and a covariance that begins with −1: "not given" (REP-145)."""
+_ONE_TRANSFORM: Final = struct.pack("<I", 1)
+_TRANSLATION: Final = 3
 
-class MessageEncoder:
-    """Samples as the bytes that go to a publisher or into a bag.
+
+class PoseTwistEncoder:
+    """Samples of the truth as geometry_msgs/PoseStamped and TwistStamped or Twist.
 
     Parameters
     ----------
@@ -31,6 +44,122 @@ class MessageEncoder:
         return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
 
 
+class ImuEncoder:
+    """Readings of an IMU, or its true bias, as sensor_msgs/Imu without an orientation (REP-145).
+
+    Parameters
+    ----------
+    frame : str
+        The sensor's frame.
+    angular_velocity_variance : float
+        On each axis, (rad/s)²; 0: unknown.
+    linear_acceleration_variance : float
+        On each axis, (m/s²)²; 0: unknown.
+    """
+
+    def __init__(
+        self, frame: str, angular_velocity_variance: float = 0.0, linear_acceleration_variance: float = 0.0
+    ) -> None:
+        velocity, acceleration = _diagonal(angular_velocity_variance), _diagonal(linear_acceleration_variance)
+        numbers = [*_NO_ORIENTATION, *_VECTOR, *velocity, *_VECTOR, *acceleration]
+        self._layout = Layout(frame, numbers, [(13, 3), (25, 3)])
+
+    def encode(self, stamps_ns: Integers, angular_velocity: Array, linear_acceleration: Array) -> list[bytes]:
+        """One sensor_msgs/Imu a sample.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+        angular_velocity : ndarray, shape (N, 3)
+            rad/s.
+        linear_acceleration : ndarray, shape (N, 3)
+            m/s².
+
+        Returns
+        -------
+        list of bytes
+        """
+        return self._layout.encode(stamps_ns, angular_velocity, linear_acceleration)
+
+
+class MagneticFieldEncoder:
+    """Readings of a magnetometer as sensor_msgs/MagneticField.
+
+    Parameters
+    ----------
+    frame : str
+        The sensor's frame.
+    variance : float
+        On each axis, T²; 0: unknown.
+    """
+
+    def __init__(self, frame: str, variance: float = 0.0) -> None:
+        self._layout = Layout(frame, [*_VECTOR, *_diagonal(variance)], [(0, 3)])
+
+    def encode(self, stamps_ns: Integers, magnetic_field: Array) -> list[bytes]:
+        """One sensor_msgs/MagneticField a sample.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+        magnetic_field : ndarray, shape (N, 3)
+            T.
+
+        Returns
+        -------
+        list of bytes
+        """
+        return self._layout.encode(stamps_ns, magnetic_field)
+
+
+class TransformEncoder:
+    """Attitudes as tf2_msgs/TFMessage, each with one transform and no translation.
+
+    Parameters
+    ----------
+    frame, child_frame : str
+        Frame names: an attitude takes components in ``child_frame`` to those in ``frame``.
+    """
+
+    def __init__(self, frame: str, child_frame: str) -> None:
+        head = ENCAPSULATION + _ONE_TRANSFORM + bytes(8) + text(frame)
+        head = head.ljust(-(-len(head) // 4) * 4, b"\x00") + text(child_frame)
+        start = numbers_after(len(head))
+        self._template = head.ljust(start + 8 * (_TRANSLATION + 4), b"\x00")
+        self._fields = np.dtype(
+            {
+                "names": ["sec", "nanosec", "rotation"],
+                "formats": ["<i4", "<u4", ("<f8", (4,))],
+                "offsets": [8, 12, start + 8 * _TRANSLATION],
+                "itemsize": len(self._template),
+            }
+        )
+
+    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> list[bytes]:
+        """One message a sample.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+        attitude_xyzw : ndarray, shape (N, 4)
+
+        Returns
+        -------
+        list of bytes
+        """
+        buffer = bytearray(self._template * len(stamps_ns))
+        rows = np.frombuffer(buffer, dtype=self._fields)
+        rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
+        rows["rotation"] = attitude_xyzw
+        size = len(self._template)
+        return [bytes(buffer[i : i + size]) for i in range(0, len(buffer), size)]
+
+
 def encode_string(value: str) -> bytes:
-    """A std_msgs/String."""
+    """A text as std_msgs/String."""
     return ENCAPSULATION + text(value)
+
+
+def _diagonal(variance: float) -> list[float]:
+    """The covariance of three independent components, row by row."""
+    return [variance if i % 4 == 0 else 0.0 for i in range(9)]

@@ -1,4 +1,4 @@
-"""What all messages share, and the bytes of the messages of one type."""
+"""The layout of messages in CDR: the fields that all share, and the bytes of messages of one type."""
 
 from __future__ import annotations
 
@@ -7,20 +7,18 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.parameters import NS
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
-NS: Final = 1_000_000_000
 FRAME: Final = 16
-"""Where a header's frame name begins in the payload: after the encapsulation, two words of stamp and its length."""
+"""Byte of a payload where the frame name of its header begins: after the encapsulation, the stamp and its length."""
 
 POSE_NUMBERS: Final = 7
-"""A pose: position x y z, orientation x y z w."""
+"""float64 fields of a pose: position x y z, orientation x y z w."""
 TWIST_NUMBERS: Final = 6
-"""A twist: linear x y z, angular x y z."""
+"""float64 fields of a twist: linear x y z, angular x y z."""
 
 
 def numbers_after(end: int) -> int:
@@ -35,7 +33,7 @@ def text(value: str) -> bytes:
 
 
 class Layout:
-    """A message with everything in it that samples do not change, and where the rest goes.
+    """The bytes of a message type: a template, and the places of the fields that samples set.
 
     Parameters
     ----------

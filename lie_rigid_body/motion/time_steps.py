@@ -3,23 +3,67 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 
-Integers = NDArray[np.int64]
+MOST_STEPS: Final = 1e15
+"""In one call: a year's work."""
 
 _SLACK: Final = 1e-9
 _SHRUNK: Final = 1.0 - 1e-15
 """What round-off may make of an interval that the largest step divides, in steps and relative."""
 
-_MOST_STEPS: Final = 1e15
-"""In one call: a year's work."""
+_MOST_PER_NS: Final = 1e280
+"""Steps: more are as impossible, and would overflow."""
 
-_FASTEST: Final = 1e280
+
+def longest_step(max_step: float, largest_turn: float, fastest: float) -> float:
+    """The longest step that a stepper takes.
+
+    Parameters
+    ----------
+    max_step : float
+        What the caller allows, s.
+    largest_turn : float
+        What the stepper allows the body to turn in one step, rad.
+    fastest : float
+        The largest body rate, rad/s.
+
+    Returns
+    -------
+    float
+        s
+    """
+    return min(max_step, largest_turn / fastest) if fastest else max_step
+
+
+def steps_between(period_s: float, max_step: float) -> int:
+    """How many equal steps divide the time between two samples, none longer than allowed; at least 1.
+
+    Parameters
+    ----------
+    period_s, max_step : float
+        Positive, s.
+
+    Returns
+    -------
+    int
+    """
+    return max(1, int(_whole(1e9 * period_s * _steps_per_ns(max_step))))
+
+
+def _steps_per_ns(max_step: float) -> float:
+    return min(1e-9 / max_step, _MOST_PER_NS)
+
+
+def _whole(steps: NDArray[np.floating[Any]] | float) -> Array:
+    """The least whole number of steps, but for the round-off of a time that the largest step divides."""
+    return np.asarray(np.ceil(_SHRUNK * steps - _SLACK))
 
 
 class TimeSteps:
@@ -34,7 +78,7 @@ class TimeSteps:
     __slots__ = ("_steps_per_ns",)
 
     def __init__(self, max_step: float) -> None:
-        self._steps_per_ns = min(1e-9 / max_step, _FASTEST)
+        self._steps_per_ns = _steps_per_ns(max_step)
 
     def to(self, times_ns: Integers, reached_ns: int = 0) -> tuple[Integers, Integers]:
         """The steps that lead to each time from the one before.
@@ -62,7 +106,7 @@ class TimeSteps:
         spans = times_ns.copy()
         spans[0] -= reached_ns
         spans[1:] -= times_ns[:-1]
-        counts = np.ceil(_SHRUNK * (spans * self._steps_per_ns) - _SLACK)
+        counts = _whole(spans * self._steps_per_ns)
         return spans, np.maximum(counts, spans > 0).astype(np.int64)
 
     def through(self, last_ns: int, reached_ns: int) -> int:
@@ -74,7 +118,7 @@ class TimeSteps:
             If they are impossibly many.
         """
         steps = (last_ns - reached_ns) * self._steps_per_ns
-        if steps > _MOST_STEPS:
+        if steps > MOST_STEPS:
             raise InputError(
                 f"{last_ns} ns lie too many steps of {1e-9 / self._steps_per_ns:.3g} s ahead: ask for an earlier time, "
                 "take longer steps if it is max_step that limits them, or use ClosedForm"

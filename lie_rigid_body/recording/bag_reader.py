@@ -1,4 +1,4 @@
-"""A bag as arrays: our own, or one that ``ros2 bag record`` made of the running node."""
+"""Reading a bag into arrays: one of this package, or one that ``ros2 bag record`` made of the running node."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ import numpy as np
 import yaml
 
 from lie_rigid_body import messages
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Array, Decoded, Integers
+from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.mcap_tracks import McapTracks, Track, read_file
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
 
 T = TypeVar("T")
 
@@ -75,7 +76,7 @@ class TwistTrack:
 
 @dataclass(frozen=True)
 class Recording:
-    """What a bag holds of a run.
+    """The messages of a run that a bag holds.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def read_bag(path: str | Path) -> Recording:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
     path = Path(path)
-    contents = McapTracks()
+    contents = McapContents()
     for file in _files(path):
         read_file(file, _WANTED, contents)
     pose = _find(path, contents, "pose", POSE_STAMPED)
@@ -130,7 +131,7 @@ def read_bag(path: str | Path) -> Recording:
     )
 
 
-def _pose_track(path: Path, track: Track) -> PoseTrack:
+def _pose_track(path: Path, track: RawTrack) -> PoseTrack:
     decoded = _decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
     assert decoded.stamps_ns is not None
     numbers = decoded.numbers
@@ -139,7 +140,7 @@ def _pose_track(path: Path, track: Track) -> PoseTrack:
     )
 
 
-def _twist_track(path: Path, track: Track) -> TwistTrack:
+def _twist_track(path: Path, track: RawTrack) -> TwistTrack:
     stamped = track.message_type == TWIST_STAMPED
     decoded: Decoded = _decoded(
         path, track, lambda: messages.decode(track.payloads, messages.TWIST_NUMBERS, stamped=stamped)
@@ -150,11 +151,11 @@ def _twist_track(path: Path, track: Track) -> TwistTrack:
     )
 
 
-def _log_times(track: Track) -> Integers:
+def _log_times(track: RawTrack) -> Integers:
     return np.array(track.log_times_ns, dtype=np.uint64).astype(np.int64)
 
 
-def _decoded(path: Path, track: Track, decode: Callable[[], T]) -> T:
+def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
     if track.encoding != "cdr":
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
     try:
@@ -163,7 +164,7 @@ def _decoded(path: Path, track: Track, decode: Callable[[], T]) -> T:
         raise BagError(f"{path}: topic {track.topic}: {error}: record the bag again") from None
 
 
-def _find(path: Path, contents: McapTracks, ending: str, *types: str) -> Track:
+def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
     """The one track of these types whose topic has the given last name, or else the only one of these types."""
     alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
     found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
@@ -179,11 +180,11 @@ def _find(path: Path, contents: McapTracks, ending: str, *types: str) -> Track:
     return found[0]
 
 
-def _list(contents: McapTracks) -> str:
+def _list(contents: McapContents) -> str:
     return ", ".join(f"{topic} ({kind})" for topic, kind in contents.tracks) or "no topic at all"
 
 
-def _expected_samples(path: Path, contents: McapTracks) -> int | None:
+def _expected_samples(path: Path, contents: McapContents) -> int | None:
     text = contents.metadata.get(METADATA, {}).get("samples")
     if text is not None and not re.fullmatch("[0-9]{1,18}", text):
         raise BagError(f"{path} is damaged: its metadata counts {text!r} samples: record it again")

@@ -1,4 +1,4 @@
-"""Samples into an MCAP file that rosbag2 plays."""
+"""Writing messages into an MCAP file that rosbag2 plays."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ TWIST_TOPIC: Final = "/twist"
 SCENARIO_TOPIC: Final = "/lie_rigid_body/scenario"
 
 METADATA: Final = "lie_rigid_body"
-"""Name of the record that closes a finished bag; it tells a bag's end from a cut."""
+"""Name of the metadata record that ends a finished bag, with the number of its samples."""
 
 _CHUNK_BYTES: Final = 256 * 1024
 _SAMPLE_DEPTH: Final = 10
-_SEQUENCES: Final = 2**32
+"""Depth of the history in the quality of service of the topics of samples."""
+_SEQUENCE_NUMBERS: Final = 2**32
+"""MCAP counts messages in 32 bits."""
 
 
 class BagWriter:
@@ -91,7 +93,7 @@ class BagWriter:
 
     @property
     def path(self) -> Path:
-        """Where the bag is, or will be when it is finished."""
+        """The path of the bag, where an older file may stand until it is finished."""
         return self._file.path
 
     @property
@@ -131,7 +133,7 @@ class BagWriter:
                 if topic not in self._channels:
                     self._channels[topic] = self._channel(self._sensor_topics[topic], SENSOR_TOPICS[topic])
                 number = self._counts[topic]
-                self._add(self._channels[topic], stamp, payload, number % _SEQUENCES)
+                self._add(self._channels[topic], stamp, payload, number % _SEQUENCE_NUMBERS)
                 self._counts[topic] = number + 1
                 if topic == TWIST:
                     self._bound_chunk(stamp)

@@ -1,4 +1,4 @@
-"""A file that is never created over another one, or replaces it only when it is whole."""
+"""An output file, which never overwrites another one, or replaces it only when it is whole."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class OutputFile:
 
 
 def reason(error: Exception) -> str:
-    """What the operating system says of an error, without its number and path."""
+    """The message of an error of the operating system, without its number and path."""
     return (isinstance(error, OSError) and error.strerror) or str(error)
 
 

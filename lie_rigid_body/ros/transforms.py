@@ -9,8 +9,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
+from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.messages.transform_encoding import TransformEncoder
 from lie_rigid_body.ros.pace import FOREVER
 from lie_rigid_body.ros.punctuality import Punctuality
 from lie_rigid_body.simulation import Segment

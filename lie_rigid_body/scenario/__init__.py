@@ -1,5 +1,10 @@
-"""A scenario: the parameters of one run, checked and frozen, and the files that hold them."""
+"""A scenario: the parameters of one run.
 
-from lie_rigid_body.scenario.scenario import Scenario
+- `parameter_table`: every parameter, its type, default and limits;
+- `parameter_file`: reading them from files and assignments;
+- `definition`: the scenario made of them, frozen and validated as a whole.
+"""
+
+from lie_rigid_body.scenario.definition import Scenario
 
 __all__ = ["Scenario"]

@@ -1,4 +1,4 @@
-"""Parameters from where ROS 2 users keep them: parameter files and ``name:=value`` assignments.
+"""Parameters as ROS 2 users give them: parameter files, those of the named scenarios among them, and assignments.
 
 Scalars are read as rcl reads them, which is not how YAML 1.1 does: ``1e-3`` is a number, ``010`` is eight, ``null`` is
 a word. So a file means the same to the node and to the headless verbs.
@@ -15,13 +15,15 @@ from typing import Any, Final
 import yaml
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.scenario.shipped import scenario_files
+
+CONFIG: Final = Path(__file__).parent.parent / "config"
+"""The folder of the named scenarios."""
 
 NODE_NAME: Final = "lie_rigid_body"
 PARAMETERS_KEY: Final = "ros__parameters"
 
 _NODE_ONLY: Final = re.compile(r"use_sim_time|start_type_description_service|qos_overrides\..*")
-"""Parameters that every ROS 2 node has, without a meaning where there is no node."""
+"""Parameters that every ROS 2 node has and no scenario."""
 
 _TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"})
 _FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
@@ -147,13 +149,24 @@ def file_that_gives(name: str, files: Sequence[str | Path], assignments: Sequenc
     return next((path for path in reversed(files) if name in read_parameter_file(path)), None)
 
 
+def scenario_files() -> dict[str, Path]:
+    """The parameter files of the named scenarios.
+
+    Returns
+    -------
+    dict of str to Path
+        By name, as given to ``--scenario``; in the order of the names.
+    """
+    return {file.stem: file for file in sorted(CONFIG.glob("*.yaml"))}
+
+
 def scenario_file(name: str) -> Path:
-    """The parameter file of a shipped scenario.
+    """The parameter file of a named scenario.
 
     Raises
     ------
     InputError
-        If there is none of that name; lists them.
+        If there is none of that name; the message lists them.
     """
     files = scenario_files()
     if name not in files:
@@ -178,11 +191,11 @@ def _read_text(path: Path) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """Plain scalars as rcl reads them, and no key twice."""
+    """A YAML loader that reads plain scalars as rcl does, and refuses a key given twice."""
 
 
 def _plain(text: str) -> object:
-    """The value of an unquoted scalar: bool, int, float or else a word."""
+    """The value of an unquoted scalar: bool, int or float, or else the text itself."""
     if text in _TRUE or text in _FALSE:
         return text in _TRUE
     if integer := _INTEGER.fullmatch(text):

@@ -1,4 +1,4 @@
-"""The one table of parameters: for the node, for parameter files, for the command line and for the docs."""
+"""The table of all parameters: for the node, parameter files, the command line and the documentation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The last stage of a sensor: its range and its resolution."""
+"""Range and resolution of a sensor: its last stage."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
-
-Array = NDArray[np.float64]
 
 FINEST_RESOLUTION: Final = 1e-18
 """In the sensor's unit: far below any instrument, and far above where a reading in steps would overflow."""

@@ -1,22 +1,19 @@
-"""The angular velocity that a gyro is after: at the instant of its sample, or over the interval that ends there."""
+"""The angular velocity that a gyro measures: at the stamp of a sample, or its mean over the interval before."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 
 class GyroRate(Protocol):
-    """A rate for each sample, in the body frame."""
+    """The angular velocity that a gyro measures, in the body frame, for samples in order."""
 
     def over(self, stamps_ns: Integers, states: State) -> Array:
         """The rates of the next samples, shape (N, 3), rad/s."""
@@ -32,7 +29,7 @@ class InstantaneousRate:
 
 
 class IntegratedRate:
-    """The constant rate that would take the attitude of each sample before to that of this one.
+    """The constant rate that takes the attitude of the sample before to that of this one.
 
     ``log(R_(j-1)ᵀ R_j) / (t_j − t_(j-1))``, so that the product of the ``exp(ω_j (t_j − t_(j-1)))`` is the rotation of
     the truth, with no error of integration. The logarithm takes the shorter way round: between two samples the body

@@ -6,26 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
-from lie_rigid_body.sensors.noise import Source
+from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
-from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 LONGEST_LEVER_ARM_M: Final = 1e6
 
 
 @dataclass(frozen=True)
 class ImuModel:
-    """An IMU, as its parameters describe it.
+    """The model of an IMU, made of its parameters.
 
     Parameters
     ----------
@@ -79,18 +73,18 @@ class ImuModel:
 
     @property
     def angular_velocity_variance(self) -> float:
-        """Of one reading on each axis, (rad/s)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of an angular velocity on each axis, (rad/s)²; 0 ("unknown") without noise and resolution."""
         return self.gyro.variance(self.rate)
 
     @property
     def linear_acceleration_variance(self) -> float:
-        """Of one reading on each axis, (m/s²)²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of a specific force on each axis, (m/s²)²; 0 ("unknown") without noise and resolution."""
         return self.accelerometer.variance(self.rate)
 
 
 @dataclass(frozen=True)
 class ImuReadings:
-    """What an IMU gives, on the sensor's axes.
+    """Readings of an IMU and their true biases, on the sensor's axes.
 
     Parameters
     ----------
@@ -114,7 +108,7 @@ class ImuReadings:
 
 
 class Imu:
-    """An IMU at work: readings one after the other, the same to the bit in batches of any size.
+    """An IMU: readings in order, the same to the bit in batches of any size.
 
     Parameters
     ----------
@@ -137,17 +131,17 @@ class Imu:
             model.gyro,
             model.rate,
             model.seed,
-            turn_on=Source.GYRO_TURN_ON,
-            walk=Source.GYRO_WALK,
-            white=Source.GYRO_WHITE,
+            turn_on=NoiseSource.GYRO_TURN_ON,
+            walk=NoiseSource.GYRO_WALK,
+            white=NoiseSource.GYRO_WHITE,
         )
         self._accelerometer = Triad(
             model.accelerometer,
             model.rate,
             model.seed,
-            turn_on=Source.ACCELEROMETER_TURN_ON,
-            walk=Source.ACCELEROMETER_WALK,
-            white=Source.ACCELEROMETER_WHITE,
+            turn_on=NoiseSource.ACCELEROMETER_TURN_ON,
+            walk=NoiseSource.ACCELEROMETER_WALK,
+            white=NoiseSource.ACCELEROMETER_WHITE,
         )
 
     def measure(self, stamps_ns: Integers, states: State) -> ImuReadings:

@@ -8,17 +8,14 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.converter import Converter
-from lie_rigid_body.sensors.noise import Ahead, Source, WhiteNoise
-from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
+from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 
 STRONGEST_FIELD_T: Final = 1e3
 LARGEST_SOFT_IRON: Final = 1e6
@@ -26,7 +23,7 @@ LARGEST_SOFT_IRON: Final = 1e6
 
 @dataclass(frozen=True)
 class MagnetometerModel:
-    """What a magnetometer reads of the field B of the world, at the attitude A.
+    """The model of a magnetometer in the field B of the world, at the attitude A.
 
     ::
 
@@ -83,7 +80,7 @@ class MagnetometerModel:
 
     @property
     def variance(self) -> float:
-        """Of one reading on each axis, T²; 0 if neither noise nor resolution is given, which reads "unknown"."""
+        """Variance of a reading on each axis, T²; 0 ("unknown") without noise and resolution."""
         return self.noise_density * self.noise_density * self.rate + self.converter.variance
 
 
@@ -91,7 +88,7 @@ _NUMBERS: Final = ("rate", "noise_density", "resolution", "range")
 
 
 class Magnetometer:
-    """A magnetometer at work: readings one after the other, the same to the bit in batches of any size.
+    """A magnetometer: readings in order, the same to the bit in batches of any size.
 
     Parameters
     ----------
@@ -103,8 +100,8 @@ class Magnetometer:
         self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
         self._hard_iron = np.array(model.hard_iron)
         self._converter = model.converter
-        self._noise = Ahead(
-            WhiteNoise(model.seed, Source.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
+        self._noise = BlockBuffer(
+            WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
         )
 
     def measure(self, states: State) -> Array:

@@ -1,4 +1,4 @@
-"""Random numbers that are the same for ever: one sequence for each source of noise, from the seed alone.
+"""Reproducible noise: for each source a sequence of random vectors that depends on the seed alone.
 
 Each source has a counter-based generator of its own, Philox 4×64 with 10 rounds, under the key (seed, source). So no
 source moves another, whichever are in use and in whatever order they are read. A normal deviate is the inverse of the
@@ -20,15 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array
 
 BLOCK: Final = 256
 """Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""
 
 
 @unique
-class Source(IntEnum):
-    """What is random. The numbers are part of the keys: one that changed would change every recording."""
+class NoiseSource(IntEnum):
+    """The sources of noise. The numbers are part of the keys: one that changed would change every recording."""
 
     GYRO_TURN_ON = 1
     GYRO_WALK = 2
@@ -40,7 +40,7 @@ class Source(IntEnum):
 
 
 class RandomVectors(Protocol):
-    """Random vectors one after the other."""
+    """A sequence of random vectors."""
 
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
@@ -54,12 +54,12 @@ class WhiteNoise:
     ----------
     seed : int
         From 0 to 2⁶⁴ − 1.
-    source : Source
+    source : NoiseSource
     sigma : float
         Standard deviation on each axis.
     """
 
-    def __init__(self, seed: int, source: Source, sigma: float) -> None:
+    def __init__(self, seed: int, source: NoiseSource, sigma: float) -> None:
         self._words = np.random.Philox(key=np.array([seed, source], dtype=np.uint64))
         self._sigma = sigma
 
@@ -76,7 +76,7 @@ def _uniform(words: NDArray[np.uint64]) -> Array:
 
 
 class RandomWalk:
-    """Sums of white noise: the vector before each step, beginning with the start.
+    """A random walk: the sums of white noise, the first of which is the start.
 
     Parameters
     ----------
@@ -96,8 +96,8 @@ class RandomWalk:
         return path[:count]
 
 
-class Ahead:
-    """Random vectors, drawn in blocks and handed out in any number.
+class BlockBuffer:
+    """A buffer of random vectors, drawn in blocks and taken in any number.
 
     Parameters
     ----------

@@ -1,18 +1,16 @@
-"""The specific force at a point of the body: what an accelerometer there is after."""
+"""The specific force at a point of the body, which an accelerometer there measures."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.vectors import Vector
-
-Array = NDArray[np.float64]
+from lie_rigid_body.parameters import Vector
 
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
@@ -82,5 +80,5 @@ def _cross(a: Array, b: Array) -> Array:
     return _take(a, _YZX) * _take(b, _ZXY) - _take(a, _ZXY) * _take(b, _YZX)
 
 
-def _take(vectors: Array, order: NDArray[np.int64]) -> Array:
+def _take(vectors: Array, order: Integers) -> Array:
     return vectors.take(order, axis=-1)

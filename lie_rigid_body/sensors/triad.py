@@ -1,4 +1,4 @@
-"""A triad, three sensitive axes with their errors: the law that a gyro and an accelerometer share."""
+"""A triad of sensitive axes and its errors, the same for gyro and accelerometer."""
 
 from __future__ import annotations
 
@@ -8,24 +8,21 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.converter import Converter
-from lie_rigid_body.sensors.noise import Ahead, RandomWalk, Source, WhiteNoise
-from lie_rigid_body.sensors.vectors import Vector, require_at_most, vector
-
-Array = NDArray[np.float64]
+from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
 
 LARGEST_SCALE_FACTOR: Final = 1e6
 
 
 @dataclass(frozen=True)
 class TriadModel:
-    """What a triad reads of the truth x, given in the body frame.
+    """The model of a triad that measures the true quantity x, given in the body frame.
 
     ::
 
@@ -97,7 +94,7 @@ def _require_rotation_vector(name: str, turn: Vector) -> None:
 
 
 class Triad:
-    """A triad at work: readings one after the other.
+    """A triad: readings in order.
 
     Parameters
     ----------
@@ -105,19 +102,19 @@ class Triad:
     rate : float
         Samples per second.
     seed : int
-    turn_on, walk, white : Source
+    turn_on, walk, white : NoiseSource
         Of its bias at the start, of its bias' steps and of its white noise.
     """
 
     def __init__(
-        self, model: TriadModel, rate: float, seed: int, *, turn_on: Source, walk: Source, white: Source
+        self, model: TriadModel, rate: float, seed: int, *, turn_on: NoiseSource, walk: NoiseSource, white: NoiseSource
     ) -> None:
         self._sensitivity = model.sensitivity
         self._converter = model.converter
         start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(1)[0]
         steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
-        self._bias = Ahead(RandomWalk(start, steps))
-        self._noise = Ahead(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
+        self._bias = BlockBuffer(RandomWalk(start, steps))
+        self._noise = BlockBuffer(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
 
     def read(self, truth: Array) -> tuple[Array, Array]:
         """The next readings.

@@ -1,4 +1,4 @@
-"""The stamps of samples, by their numbers."""
+"""The clock of samples: integer-nanosecond stamps by sample number."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class SampleClock:
 
     @cached_property
     def period_ns(self) -> Fraction:
-        """Time between samples, ns, exactly: a stamp costs less than reading the rate's decimals again."""
-        return 1_000_000_000 / Fraction(repr(self.rate))
+        """Time between samples, ns, exact. It is kept, as reading the decimals of the rate costs more than a stamp."""
+        return NS / Fraction(repr(self.rate))
 
     def stamp_ns(self, number: int) -> int:
         """The stamp of one sample, ns; of a negative number, where it would have been."""
@@ -45,7 +45,7 @@ class SampleClock:
         last = (2 * (stamp_ns - self.epoch_ns) + 1) * period.denominator // (2 * period.numerator)
         return max(0, last if self.stamp_ns(last) > stamp_ns else last + 1)
 
-    def stamps_ns(self, first: int, count: int) -> NDArray[np.int64]:
+    def stamps_ns(self, first: int, count: int) -> Integers:
         """The stamps of ``count`` samples from number ``first``.
 
         Returns

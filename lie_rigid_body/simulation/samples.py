@@ -1,17 +1,14 @@
-"""States, or what sensors make of them, at their stamps."""
+"""Samples: states, or readings of sensors, and their stamps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors import ImuReadings
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class Samples:
         return Samples(self.stamps_ns[index], self.states[index])
 
     def joined(self, later: Samples) -> Samples:
-        """These, and then those."""
+        """These samples followed by later ones."""
         attitude = np.concatenate([self.states.attitude_xyzw, later.states.attitude_xyzw])
         body_rate = np.concatenate([self.states.body_rate, later.states.body_rate])
         return Samples(np.concatenate([self.stamps_ns, later.stamps_ns]), State.trusted(attitude, body_rate))
@@ -61,7 +58,7 @@ class ImuSamples:
         return ImuSamples(self.stamps_ns[index], ImuReadings(*(column[index] for column in _columns(self.readings))))
 
     def joined(self, later: ImuSamples) -> ImuSamples:
-        """These, and then those."""
+        """These samples followed by later ones."""
         pairs = zip(_columns(self.readings), _columns(later.readings), strict=True)
         readings = ImuReadings(*(np.concatenate(pair) for pair in pairs))
         return ImuSamples(np.concatenate([self.stamps_ns, later.stamps_ns]), readings)
@@ -97,6 +94,6 @@ class MagnetometerSamples:
         return MagnetometerSamples(self.stamps_ns[index], self.magnetic_field[index])
 
     def joined(self, later: MagnetometerSamples) -> MagnetometerSamples:
-        """These, and then those."""
+        """These samples followed by later ones."""
         field = np.concatenate([self.magnetic_field, later.magnetic_field])
         return MagnetometerSamples(np.concatenate([self.stamps_ns, later.stamps_ns]), field)

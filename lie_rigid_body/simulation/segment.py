@@ -1,4 +1,4 @@
-"""A stretch of torque-free motion, and what a bag says of it."""
+"""A segment: the torque-free motion between two resets, and its JSON."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SOFTWARE: Final = "lie_rigid_body"
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of torque-free motion between two resets, and what a bag says of it.
+    """The torque-free motion between two resets, as a bag declares it.
 
     Parameters
     ----------

@@ -122,6 +122,8 @@ def test_low_orders_err_in_phase_only(method):
         {"inertia": [1e-3, 1.0, 1.0], "initial_body_rate": [0.5, 2.0, 1.0], "method": "dmv4", "max_step": 0.01},
         {"inertia": [3e-13, 4e-13, 5e-13], "initial_body_rate": [40.0, 2.0, 17.0], "max_step": 0.01},
         {"inertia": [1.0, 1.0 + 2e-16, 1.5], "initial_body_rate": [1e-3, 2e-3, 1e-4], "rate": 1000.0},
+        {**FAST, "max_step": 10.0, "rate": 0.1},
+        {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [3e3, 2e3, 1e2], "rate": 1e4},
     ],
     ids=[
         "separatrix",
@@ -131,6 +133,8 @@ def test_low_orders_err_in_phase_only(method):
         "rod",
         "tiny and fast",
         "nearly symmetric",
+        "steps limited by the stepper",
+        "faster than max_step allows",
     ],
 )
 def test_difficult_motions_are_certified(parameters):

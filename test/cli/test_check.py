@@ -157,7 +157,7 @@ def test_shipped_scenarios_are_certified(name, tmp_path, capsys):
 def test_every_shipped_scenario_is_certified_over_a_minute_and_drawn(tmp_path, capsys):
     from lie_rigid_body.cli.plot import main as plot
     from lie_rigid_body.cli.record import main as record
-    from lie_rigid_body.scenario.shipped import scenario_files
+    from lie_rigid_body.scenario.parameter_file import scenario_files
 
     for name in scenario_files():
         bag = tmp_path / f"{name}.mcap"

@@ -12,7 +12,7 @@ import pytest
 
 from lie_rigid_body.cli.explain import main
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.shipped import scenario_files
+from lie_rigid_body.scenario.parameter_file import scenario_files
 
 SEPARATRIX = ["-p", "inertia:=[3.0, 4.0, 6.0]", "-p", "initial_body_rate:=[-2.0, 3.0, 1.0]"]
 LAST_FLIP_GONE = [*SEPARATRIX, "-p", "initial_body_rate:=[2.0, 3.0, 1.0]"]

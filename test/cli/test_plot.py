@@ -9,7 +9,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from test_check import write_bag
 
-from lie_rigid_body.certificate.segments import cut
+from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.cli.figure import draw
 from lie_rigid_body.cli.plot import main
 from lie_rigid_body.errors import BagError
@@ -54,7 +54,7 @@ def test_bad_places_and_bags(bag, tmp_path, capsys):
 
 
 def test_it_shows_rate_drifts_and_polhode_with_units(bag):
-    figure = draw(cut(read_bag(bag)))
+    figure = draw(recorded_segments(read_bag(bag)))
     rate, energy, momentum, polhode = figure.axes
     assert "rad/s" in rate.get_ylabel()
     assert "energy drift" in energy.get_ylabel()
@@ -71,7 +71,7 @@ def test_it_shows_rate_drifts_and_polhode_with_units(bag):
 def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     """Every point of the drawn path obeys ½ Σ Iᵢωᵢ² = H in the axes' own, principal, coordinates."""
     bag = write_bag(tmp_path / "bag.mcap", inertia=inertia, initial_body_rate=[0.4, -1.2, 0.7])
-    pieces = cut(read_bag(bag))
+    pieces = recorded_segments(read_bag(bag))
     body = pieces[0].segment.scenario.body()
     polhode = draw(pieces).axes[3]
     paths = [line for line in polhode.get_lines() if line.get_linewidth() > 2]
@@ -87,18 +87,21 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     "parameters", [{"initial_body_rate": [0, 0, 0]}, {"inertia": [2, 2, 2]}, {"initial_body_rate": [0, 0, 3]}]
 )
 def test_degenerate_motions_are_drawn(parameters, tmp_path):
-    draw(cut(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
+    draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
 
 
 def test_a_single_sample_is_seen(tmp_path):
-    figure = draw(cut(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
+    figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
     figure.canvas.draw()
     assert "1 sample at" in title(figure)
     assert [line.get_marker() for axes in figure.axes[:3] for line in axes.get_lines()] == ["o"] * 7
 
 
 def test_many_samples_do_not_hide_each_other(tmp_path):
-    few, many = (draw(cut(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form")))) for n in (99, 30_000))
+    few, many = (
+        draw(recorded_segments(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form"))))
+        for n in (99, 30_000)
+    )
     assert few.axes[0].get_lines()[0].get_alpha() is None
     assert many.axes[0].get_lines()[0].get_alpha() < 1.0
 
@@ -107,7 +110,7 @@ def segments(tmp_path, *counts: int) -> list:
     """Pieces of recordings of the given numbers of samples; 0 for one whose poses and twists do not pair."""
     pieces = []
     for number, count in enumerate(counts):
-        [piece] = cut(
+        [piece] = recorded_segments(
             read_bag(write_bag(tmp_path / f"{number}.mcap", max(1, count), inertia=[1, 2, 2.5 + 0.5 * number]))
         )
         none = slice(0, count)
@@ -135,7 +138,7 @@ def test_of_several_segments_the_first_is_named(tmp_path):
 
 
 def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
-    figure = draw(cut(read_bag(bag)))
+    figure = draw(recorded_segments(read_bag(bag)))
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     left = max(axes.get_tightbbox().x1 for axes in figure.axes[:3])

@@ -13,7 +13,7 @@ from lie_rigid_body.cli import record, scenarios
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.shipped import scenario_files
+from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.simulation import Segment
 
 

@@ -15,7 +15,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import (
     POSE_NUMBERS,
     TWIST_NUMBERS,
-    MessageEncoder,
+    PoseTwistEncoder,
     decode,
     decode_string,
     encode_string,
@@ -35,8 +35,8 @@ def samples_of(stamps: list[int], attitudes: object, rates: object) -> Samples:
     return Samples(np.array(stamps, dtype=np.int64), state)
 
 
-def encoder(frame: str = "world", body: str = "base_link", stamped: bool = True) -> MessageEncoder:
-    return MessageEncoder(
+def encoder(frame: str = "world", body: str = "base_link", stamped: bool = True) -> PoseTwistEncoder:
+    return PoseTwistEncoder(
         Scenario.from_parameters({"world_frame": frame, "body_frame": body, "stamped_twist": stamped})
     )
 

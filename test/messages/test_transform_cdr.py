@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from lie_rigid_body.messages.transform_encoding import TransformEncoder
+from lie_rigid_body.messages import TransformEncoder
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 TYPE = "tf2_msgs/msg/TFMessage"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body import InputError, MovingChart, RigidBody, State
 from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
-from lie_rigid_body.motion.time_steps import TimeSteps
+from lie_rigid_body.motion.time_steps import TimeSteps, longest_step, steps_between
 
 SLACK = Fraction(1, 10**9)
 
@@ -38,6 +38,23 @@ def test_a_span_of_whole_steps_has_as_many(step_ns: int, number: int):
         if step_ns * number < 10**8:
             _, counts = TimeSteps(max_step).to(np.array([number * step_ns + 1]))
             assert counts.tolist() == [number + 1]
+
+
+@given(st.integers(1, 10**15), st.floats(1e-9, 1e6))
+def test_one_period_is_divided_as_a_row_of_them(span_ns: int, max_step: float):
+    _, counts = TimeSteps(max_step).to(np.array([span_ns]))
+    assert steps_between(span_ns / 1e9, max_step) == pytest.approx(counts[0], rel=1e-14, abs=0)
+
+
+@pytest.mark.parametrize(("period", "max_step", "count"), [(0.01, 0.001, 10), (0.1, 0.03, 4), (1e-9, 1.0, 1)])
+def test_a_period_has_the_fewest_steps_that_are_allowed(period: float, max_step: float, count: int):
+    assert steps_between(period, max_step) == count
+
+
+def test_a_step_is_limited_by_the_turn_as_well():
+    assert longest_step(10.0, 0.25, 5.0) == 0.05
+    assert longest_step(0.01, 0.25, 5.0) == 0.01
+    assert longest_step(10.0, 0.25, 0.0) == longest_step(10.0, np.inf, 5.0) == 10.0
 
 
 @pytest.mark.parametrize("max_step", [1e-300, 5e-324, 1e300])

@@ -10,7 +10,7 @@ import pytest
 
 import lie_rigid_body
 from lie_rigid_body.__main__ import VERBS, main
-from lie_rigid_body.scenario.shipped import scenario_files
+from lie_rigid_body.scenario.parameter_file import scenario_files
 
 
 def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:

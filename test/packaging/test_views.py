@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import yaml
 from rosbags.typesys import Stores, get_typestore
 
-from lie_rigid_body.scenario.shipped import CONFIG, scenario_files
+from lie_rigid_body.scenario.parameter_file import CONFIG, scenario_files
 
 TYPES = {
     "/pose": "geometry_msgs/msg/PoseStamped",

@@ -15,8 +15,8 @@ import pytest
 import yaml
 
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.scenario.shipped import scenario_files
 
 LAUNCH = Path(__file__).parents[2] / "launch"
 FILES = sorted(LAUNCH.glob("*.launch.py"))

@@ -102,7 +102,7 @@ def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient
         ({"inertia": [1.0, float("nan"), 1.0]}, "finite"),
         ({"initial_attitude_xyzw": [0.0, 0.0, 0.0, 0.0]}, "norm 0"),
         ({"motion": "perpetual"}, "moving_chart, closed_form"),
-        ({"max_step": 10.0, "rate": 0.01}, "max_step"),
+        ({"method": "rkmk4", "max_step": 10.0, "rate": 0.01}, "max_step"),
         ({"world_frame": "/world"}, "slash"),
         ({"stamped_twist": False}, "read-only"),
         ({"record_path": "/tmp/x.mcap"}, "read-only"),

@@ -13,8 +13,13 @@ import yaml
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import gather, parse_assignment, read_parameter_file, scenario_file
-from lie_rigid_body.scenario.shipped import scenario_files
+from lie_rigid_body.scenario.parameter_file import (
+    gather,
+    parse_assignment,
+    read_parameter_file,
+    scenario_file,
+    scenario_files,
+)
 
 Write = Callable[..., Path]
 

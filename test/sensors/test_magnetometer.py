@@ -10,7 +10,7 @@ from reference_noise import normal, words
 from scipy.spatial.transform import Rotation
 from sensor_models import MOTION, at_rest, magnetometer, magnetometer_model, times
 
-from lie_rigid_body.sensors.noise import Source
+from lie_rigid_body.sensors.noise import NoiseSource
 
 FIELD = [2e-5, -1e-5, 4e-5]
 SOFT_IRON = [1.1, 0.02, 0.01, -0.03, 0.95, 0.04, 0.05, 0.02, 1.05]
@@ -58,5 +58,5 @@ def test_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> None:
 def test_its_noise_has_deviates_of_its_own() -> None:
     settings = {"magnetic_field": [0.0, 0.0, 0.0], "magnetometer_noise_density": 0.1, "sensor_seed": 11}
     read = magnetometer(**settings).measure(at_rest(5))
-    drawn = [float(normal(word)) for word in islice(words(11, Source.MAGNETOMETER_WHITE), 15)]
+    drawn = [float(normal(word)) for word in islice(words(11, NoiseSource.MAGNETOMETER_WHITE), 15)]
     assert read.ravel() == pytest.approx(drawn, rel=1e-14)

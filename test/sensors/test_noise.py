@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from reference_noise import normal, philox, words
 from scipy import stats
 
-from lie_rigid_body.sensors.noise import BLOCK, Ahead, RandomWalk, Source, WhiteNoise, _uniform
+from lie_rigid_body.sensors.noise import BLOCK, BlockBuffer, NoiseSource, RandomWalk, WhiteNoise, _uniform
 
 COUNT = 100_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -21,7 +21,7 @@ PI_COUNTER = (0x243F6A8885A308D3, 0x13198A2E03707344, 0xA4093822299F31D0, 0x082E
 PI_KEY = (0x452821E638D01377, 0xBE5466CF34E90C6C)
 
 
-def white(source: Source = Source.GYRO_WHITE, seed: int = 3, sigma: float = 1.0) -> WhiteNoise:
+def white(source: NoiseSource = NoiseSource.GYRO_WHITE, seed: int = 3, sigma: float = 1.0) -> WhiteNoise:
     return WhiteNoise(seed, source, sigma)
 
 
@@ -42,13 +42,13 @@ FIRST_WORDS = "7b6cc7b1862cc5f2 b960f2ea4b3f8d9f 0cdd72e015deb1a6 50edb0d22a6a6f
 
 def test_the_first_words_are_these_for_ever() -> None:
     """Written out, so that what is recorded today can be recorded again: other words would break every seed."""
-    assert " ".join(f"{word:016x}" for word in islice(words(7, Source.GYRO_WHITE), 5)) == FIRST_WORDS
-    raw = np.random.Philox(key=np.array([7, Source.GYRO_WHITE], dtype=np.uint64)).random_raw(5)
+    assert " ".join(f"{word:016x}" for word in islice(words(7, NoiseSource.GYRO_WHITE), 5)) == FIRST_WORDS
+    raw = np.random.Philox(key=np.array([7, NoiseSource.GYRO_WHITE], dtype=np.uint64)).random_raw(5)
     assert " ".join(f"{word:016x}" for word in raw.tolist()) == FIRST_WORDS
 
 
 def test_source_numbers_are_these_for_ever() -> None:
-    assert {source.name: int(source) for source in Source} == {
+    assert {source.name: int(source) for source in NoiseSource} == {
         "GYRO_TURN_ON": 1,
         "GYRO_WALK": 2,
         "GYRO_WHITE": 3,
@@ -60,8 +60,8 @@ def test_source_numbers_are_these_for_ever() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 1, 7, 2**63 - 1])
-@pytest.mark.parametrize("source", Source)
-def test_deviates_are_the_inverse_normal_of_the_words(seed: int, source: Source) -> None:
+@pytest.mark.parametrize("source", NoiseSource)
+def test_deviates_are_the_inverse_normal_of_the_words(seed: int, source: NoiseSource) -> None:
     drawn = white(source, seed).draw(20).ravel()
     for ours, word in zip(drawn.tolist(), words(seed, source), strict=False):
         assert abs(mpmath.mpf(ours) - normal(word)) < 2e-15 * max(1.0, abs(ours))
@@ -78,7 +78,7 @@ def test_batches_of_any_size_give_the_same_bits(counts: list[int]) -> None:
         return RandomWalk(np.array([0.1, -3.0, 1e9]), white(sigma=0.01))
 
     for make in (white, walk):
-        batches = Ahead(make())
+        batches = BlockBuffer(make())
         taken = np.concatenate([np.empty((0, 3)), *(batches.take(n) for n in counts)])
         assert taken.tobytes() == make().draw(sum(counts)).tobytes()
 
@@ -107,7 +107,7 @@ def test_deviates_are_white() -> None:
 
 
 def test_axes_sources_and_seeds_are_independent() -> None:
-    columns = [white(source, seed).draw(COUNT) for source in Source for seed in (0, 1, 2**62)]
+    columns = [white(source, seed).draw(COUNT) for source in NoiseSource for seed in (0, 1, 2**62)]
     correlation = np.corrcoef(np.concatenate(columns, axis=1), rowvar=False)
     assert np.abs(correlation - np.eye(len(correlation))).max() < 1.2 * FIVE_SIGMA  # the largest of 1953 numbers
     squares = np.corrcoef(np.concatenate(columns, axis=1) ** 2, rowvar=False)

@@ -13,7 +13,7 @@ from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
 
 from lie_rigid_body import RigidBody, State
 from lie_rigid_body.sensors import Imu
-from lie_rigid_body.sensors.noise import Source
+from lie_rigid_body.sensors.noise import NoiseSource
 
 COUNT = 50_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -169,22 +169,22 @@ def test_the_variance_of_a_perfect_sensor_is_unknown() -> None:
     assert (imu_model().angular_velocity_variance, imu_model().linear_acceleration_variance) == (0.0, 0.0)
 
 
-def reference_deviates(source: Source, seed: int, count: int) -> np.ndarray:
+def reference_deviates(source: NoiseSource, seed: int, count: int) -> np.ndarray:
     return np.array([float(normal(word)) for word in islice(words(seed, source), 3 * count)]).reshape(count, 3)
 
 
 @pytest.mark.parametrize(
     ("parameter", "source"),
     [
-        ("gyro_turn_on_bias", Source.GYRO_TURN_ON),
-        ("gyro_bias_random_walk", Source.GYRO_WALK),
-        ("gyro_noise_density", Source.GYRO_WHITE),
-        ("accelerometer_turn_on_bias", Source.ACCELEROMETER_TURN_ON),
-        ("accelerometer_bias_random_walk", Source.ACCELEROMETER_WALK),
-        ("accelerometer_noise_density", Source.ACCELEROMETER_WHITE),
+        ("gyro_turn_on_bias", NoiseSource.GYRO_TURN_ON),
+        ("gyro_bias_random_walk", NoiseSource.GYRO_WALK),
+        ("gyro_noise_density", NoiseSource.GYRO_WHITE),
+        ("accelerometer_turn_on_bias", NoiseSource.ACCELEROMETER_TURN_ON),
+        ("accelerometer_bias_random_walk", NoiseSource.ACCELEROMETER_WALK),
+        ("accelerometer_noise_density", NoiseSource.ACCELEROMETER_WHITE),
     ],
 )
-def test_every_error_has_deviates_of_its_own(parameter: str, source: Source) -> None:
+def test_every_error_has_deviates_of_its_own(parameter: str, source: NoiseSource) -> None:
     read = readings_at_rest(5, imu_rate=4.0, sensor_seed=11, **{parameter: 0.5})
     values = read.angular_velocity if parameter.startswith("gyro") else read.linear_acceleration
     drawn = reference_deviates(source, 11, 5)

@@ -13,7 +13,7 @@ from lie_rigid_body import InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation
-from lie_rigid_body.simulation.simulation import LOOK_AHEAD
+from lie_rigid_body.simulation.loop import LOOK_AHEAD
 
 MOTIONS = [{"motion": "closed_form"}, {"motion": "moving_chart", "max_step": 0.01}]
 

@@ -14,6 +14,7 @@ from lie_rigid_body.motion.moser_veselov.loop import LENGTH, LOOP, SAMPLE_SIZE, 
 from lie_rigid_body.motion.moser_veselov.motion_constants import MotionConstants, motion_constants, pairs
 from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, PrincipalAxes, SpinningFrame
 from lie_rigid_body.motion.starts import Starts
+from lie_rigid_body.motion.time_steps import longest_step
 
 Array = NDArray[np.float64]
 
@@ -58,8 +59,7 @@ class MoserVeselovIntegrator:
         self.start = [*pairs([*frame.momentum, *attitude]), *[0.0] * STATE_SIZE][:STATE_SIZE]
         self.start[LENGTH] = -1.0  # of no step yet
         self.constants = [*constants.frame, *pairs(world), *constants.rates, *constants.differences, *constants.series]
-        fastest = float(frame.fastest)
-        self.largest_step = min(max_step, LARGEST_TURN / fastest) if fastest else max_step
+        self.largest_step = longest_step(max_step, LARGEST_TURN, float(frame.fastest))
         self._change = change
 
     def require_short_steps(self, state: list[float], ahead_ns: int) -> None:

@@ -1,4 +1,7 @@
-"""The exact flow over one sample interval, by Taylor series: a third way to move a state, for checking neighbours.
+"""The flow of Euler's equations and of the attitude over a short time, by Taylor series.
+
+It shares no formula with the moving chart and the closed form, so that it can referee the steps of the one and the
+samples of either.
 
 Both equations are quadratic, π̇ = π × M⁻¹π and q̇ = ½ q⊗ω, so that their Taylor coefficients follow from one another by
 Cauchy products. With the triangle inequality of the moments the n-th coefficient of ω is at most Ωⁿ⁺¹ for |ω| ≤ Ω,
@@ -11,19 +14,21 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-
-Array = NDArray[np.float64]
 
 LONGEST_TURN: Final = 32.0
 """rad: over intervals in which the body may turn farther the flow is not followed."""
 
 TURN_PER_SUBSTEP: Final = 0.25
-_LEFT_OVER: Final = 1e-17
+"""rad"""
+
+_REMAINDER: Final = 1e-17
+"""Of the series, relative to its first term."""
+
 _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
 
@@ -60,13 +65,16 @@ def flow(body: RigidBody, states: State, spans: Array, fastest: float) -> State:
 
 
 def _terms(turn: float) -> int:
-    return 2 if turn == 0.0 else min(40, 2 + math.ceil(math.log(_LEFT_OVER) / math.log(turn)))
+    """The number of terms: the n-th of the rate is at most Ω turnⁿ."""
+    return 2 if turn == 0.0 else min(40, 2 + math.ceil(math.log(_REMAINDER) / math.log(turn)))
 
 
 def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tuple[Array, Array]:
+    """Attitude q and body momentum p a span later, normalised."""
     momenta, attitudes = [p], [q]
     rates = [apply_tensor(body.inverse_inertia, p)]
     for n in range(terms):
+        # (n + 1) π₍ₙ₊₁₎ = Σ πᵢ × ωₙ₋ᵢ and (n + 1) q₍ₙ₊₁₎ = ½ Σ qᵢ ⊗ ωₙ₋ᵢ
         dp = sum((_cross(momenta[i], rates[n - i]) for i in range(n + 1)), np.zeros_like(p))
         dq = sum((_times_vector(attitudes[i], rates[n - i]) for i in range(n + 1)), np.zeros_like(q))
         momenta.append(dp / (n + 1))
@@ -76,6 +84,7 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
 
 
 def _horner(coefficients: list[Array], x: Array) -> Array:
+    """The polynomial of these coefficients, the constant one first, at x of shape (N,)."""
     value = coefficients[-1]
     for c in reversed(coefficients[:-1]):
         value = value * x[:, np.newaxis] + c

@@ -1,4 +1,4 @@
-"""Samples of one rate, computed ahead and handed out in order."""
+"""Queues of samples: of one clock in one segment, and of a sensor across segments."""
 
 from __future__ import annotations
 
@@ -6,40 +6,34 @@ from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.simulation.sample_clock import SampleClock
 
-Integers = NDArray[np.int64]
-
 
 class Rows(Protocol):
-    """Samples and their stamps, as one sequence."""
+    """Samples and their stamps as one sequence, which can be cut and joined."""
 
     @property
     def stamps_ns(self) -> Integers:
-        """Of shape (N,)."""
+        """Stamps, ns, shape (N,)."""
         ...
 
     def __len__(self) -> int: ...
 
-
-R = TypeVar("R", bound="SlicedRows")
-
-
-class SlicedRows(Rows, Protocol):
-    """Rows that can be cut and joined."""
-
     def __getitem__(self: R, index: slice) -> R: ...
 
     def joined(self: R, later: R) -> R:
-        """These, and then those."""
+        """These samples followed by later ones."""
         ...
 
 
-class Track(Generic[R]):
-    """The samples of one clock that were not yet taken.
+R = TypeVar("R", bound=Rows)
+
+
+class SampleQueue(Generic[R]):
+    """The samples of one clock from a segment's start on, computed ahead and taken in order.
 
     Parameters
     ----------
@@ -67,7 +61,7 @@ class Track(Generic[R]):
 
     @property
     def next_sample(self) -> int:
-        """Number of the next sample, on the track's own clock."""
+        """Number of the next sample, on the queue's own clock."""
         return self._next - len(self._ready)
 
     def stamp_ns(self, ahead: int) -> int:
@@ -99,3 +93,54 @@ class Track(Generic[R]):
         rows = self._compute(stamps)
         self._ready = self._ready.joined(rows) if len(self._ready) else rows
         self._next += len(stamps)
+
+
+class SensorQueue(Generic[R]):
+    """The readings of one sensor across resets: queues, each of which goes on until the next one starts.
+
+    What a segment still has to give when it ends is given before the next one, and computed only when it is taken.
+
+    Parameters
+    ----------
+    queue : SampleQueue
+        Of the first segment.
+    """
+
+    def __init__(self, queue: SampleQueue[R]) -> None:
+        self._ending: list[tuple[SampleQueue[R], int]] = []
+        self._last = queue
+
+    def follow(self, queue: SampleQueue[R], start_ns: int) -> None:
+        """Let the queue of a new segment follow from a stamp on, ns, which lies after all that was taken."""
+        ending = [*self._ending, (self._last, start_ns - 1)]
+        self._ending = [(old, end_ns) for old, end_ns in ending if old.count_until(end_ns)]
+        self._last = queue
+
+    def stamp_ns(self, ahead: int) -> int:
+        """The stamp of the sample that comes after ``ahead`` others, ns."""
+        for queue, end_ns in self._ending:
+            left = queue.count_until(end_ns)
+            if ahead < left:
+                return queue.stamp_ns(ahead)
+            ahead -= left
+        return self._last.stamp_ns(ahead)
+
+    def count_until(self, stamp_ns: int) -> int:
+        """How many samples that were not yet taken are stamped at or before a time."""
+        ending = sum(queue.count_until(min(stamp_ns, end_ns)) for queue, end_ns in self._ending)
+        return ending + self._last.count_until(stamp_ns)
+
+    def take(self, count: int) -> R:
+        """The next ``count`` samples."""
+        taken: R | None = None
+        while self._ending:
+            queue, end_ns = self._ending[0]
+            left = queue.count_until(end_ns)
+            part = queue.take(min(count, left))
+            taken = part if taken is None else taken.joined(part)
+            if count < left:
+                return taken
+            count -= left
+            self._ending.pop(0)
+        part = self._last.take(count)
+        return part if taken is None else taken.joined(part)

@@ -1,22 +1,20 @@
-"""How many times larger a rounding of a rate or a momentum shows elsewhere."""
+"""Condition numbers of momentum, energy and body rate along a motion."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class Conditions:
-    """Condition numbers along a motion, all at least 1.
+class ConditionNumbers:
+    """How many times larger a relative rounding of a rate or a momentum shows in what is computed from it; at least 1.
 
     A body given by its principal moments has the first three 1: there a momentum's component is as exact as the
     rate's. Products of inertia cancel in Mω, the more the slenderer the body.
@@ -40,8 +38,8 @@ class Conditions:
     rate_of_momentum: float = 1.0
 
     @classmethod
-    def of(cls, body: RigidBody, states: State, fastest: float) -> Conditions:
-        """Along the states of a motion whose rate is bounded by ``fastest``, rad/s."""
+    def of(cls, body: RigidBody, states: State, fastest: float) -> ConditionNumbers:
+        """The largest along the states of a motion whose body rate is bounded by ``fastest``, rad/s."""
         rates, momenta = states.body_rate, body.body_momentum(states)
         speeds, sizes = so3.norm(rates), so3.norm(momenta)
         twice_energy = 2.0 * body.kinetic_energy(states)

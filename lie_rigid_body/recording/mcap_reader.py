@@ -1,4 +1,4 @@
-"""An MCAP file as tracks of raw messages: every record framed, every checksum compared, nothing guessed.
+"""Reading an MCAP file into raw messages by topic: every record framed, every checksum compared, nothing guessed.
 
 The `mcap` library's own reader takes the end of a file for the end of a record; a cut would go unnoticed there.
 """
@@ -35,8 +35,8 @@ _OTHER_FORMATS: Final = {
 
 
 @dataclass
-class Track:
-    """The messages of one type on one topic, in file order.
+class RawTrack:
+    """The messages of one type on one topic, undecoded, in file order.
 
     Attributes
     ----------
@@ -57,20 +57,20 @@ class Track:
 
 
 @dataclass
-class McapTracks:
-    """What a file, or several that continue each other, hold.
+class McapContents:
+    """The messages and metadata of a file, or of several that continue each other.
 
     Attributes
     ----------
     library : str
         The software that wrote the first file.
-    tracks : dict of (topic, message type) to Track
+    tracks : dict of (topic, message type) to RawTrack
     metadata : dict of str to dict
         Metadata records by name.
     """
 
     library: str = ""
-    tracks: dict[tuple[str, str], Track] = field(default_factory=dict)
+    tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @property
@@ -79,7 +79,7 @@ class McapTracks:
         return sum(track.count for track in self.tracks.values())
 
 
-def read_file(path: Path, wanted: Collection[str], into: McapTracks) -> None:
+def read_file(path: Path, wanted: Collection[str], into: McapContents) -> None:
     """Add a file's messages to the tracks.
 
     Parameters
@@ -87,7 +87,7 @@ def read_file(path: Path, wanted: Collection[str], into: McapTracks) -> None:
     path : Path
     wanted : collection of str
         Message types whose payloads are kept.
-    into : McapTracks
+    into : McapContents
 
     Raises
     ------
@@ -104,11 +104,13 @@ def read_file(path: Path, wanted: Collection[str], into: McapTracks) -> None:
 
 
 class _FileReader:
-    def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapTracks) -> None:
+    """One file, read from its start to its end."""
+
+    def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
         self._types: dict[int, str] = {0: ""}
-        self._channels: dict[int, Track] = {}
+        self._channels: dict[int, RawTrack] = {}
         self._chunks = 0
         self._before = into.message_count
         self._crc = 0  # of the data section, then of the summary
@@ -189,7 +191,7 @@ class _FileReader:
 
     def _channel(self, channel: Channel) -> None:
         key = channel.topic, self._types[channel.schema_id]
-        self._channels[channel.id] = self._into.tracks.setdefault(key, Track(*key, channel.message_encoding))
+        self._channels[channel.id] = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding))
 
     def _chunk(self, chunk: Chunk) -> None:
         if chunk.compression not in _COMPRESSIONS:

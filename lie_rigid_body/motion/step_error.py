@@ -1,4 +1,4 @@
-"""What one step of the declared stepper costs on the motion at hand.
+"""The truncation error of one step of a stepper of the moving chart, measured on a given motion.
 
 At the real step the error of one step may lie below round-off. So it is measured at a larger one, where a body turns
 by at most ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the
@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.certificate.flow import flow
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import Method, MovingChart
-
-Array = NDArray[np.float64]
+from lie_rigid_body.motion.moving_chart import Method, MovingChart
+from lie_rigid_body.motion.taylor_flow import flow
 
 PROBE_TURN: Final = 1.0 / 16.0
 """rad"""
@@ -33,7 +30,7 @@ SAFETY: Final = 4.0
 
 @dataclass(frozen=True)
 class StepError:
-    """Truncation errors for each radian that Ωt counts.
+    """Truncation errors of a stepper for each radian of Ωt, where Ω bounds the body rate.
 
     Parameters
     ----------
@@ -56,7 +53,7 @@ class StepError:
 def step_error(
     body: RigidBody, states: State, stepper: Method, fastest: float, step: float, slenderness: float
 ) -> StepError:
-    """The errors of a stepper's steps of a given length.
+    """The truncation errors of steps of a given length.
 
     Parameters
     ----------
@@ -69,7 +66,7 @@ def step_error(
     step : float
         h, s.
     slenderness : float
-        How many times larger a relative error of the momentum shows in the rate.
+        Condition number ‖π‖/(I₁Ω): how many times larger a relative error of the momentum shows in the rate.
 
     Returns
     -------
@@ -83,23 +80,22 @@ def step_error(
         worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)
         return StepError(worst, worst, 2.0 * worst, 2.0 * worst)
     turn = fastest * 1e-9 * span_ns
-    found, exact = _one_step(body, states, stepper.name, span_ns), _flown(body, states, span_ns, fastest)
+    found = _one_step(body, states, stepper.name, span_ns)
+    exact = flow(body, states, np.full(len(states), 1e-9 * span_ns), fastest)
     scale = SAFETY * (fastest * step / turn) ** stepper.order / turn
     return StepError(*(scale * error for error in _errors(body, found, exact, fastest)))
 
 
 def _one_step(body: RigidBody, states: State, method: str, span_ns: int) -> State:
+    """The states after one step from each."""
     ends = [
         MovingChart(body, states[i], method=method, max_step=2e-9 * span_ns).at(span_ns) for i in range(len(states))
     ]
     return State.trusted(np.array([e.attitude_xyzw for e in ends]), np.array([e.body_rate for e in ends]))
 
 
-def _flown(body: RigidBody, states: State, span_ns: int, fastest: float) -> State:
-    return flow(body, states, np.full(len(states), 1e-9 * span_ns), fastest)
-
-
 def _errors(body: RigidBody, found: State, exact: State, fastest: float) -> tuple[float, float, float, float]:
+    """The largest errors of attitude, rate, momentum and energy, in the units of `StepError`."""
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
     momentum, energy = body.angular_momentum(exact), body.kinetic_energy(exact)
     return (

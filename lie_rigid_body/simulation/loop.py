@@ -1,35 +1,30 @@
-"""The truth and the sensors side by side, across torque-free resets."""
+"""The loop from a scenario to samples: the truth and the sensors, across torque-free resets."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.motion import ClosedForm, Motion
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel
-from lie_rigid_body.simulation.relay import Relay
 from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.sample_queue import Rows, SampleQueue, SensorQueue
 from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
 from lie_rigid_body.simulation.segment import Segment
-from lie_rigid_body.simulation.track import SlicedRows, Track
 
-R = TypeVar("R", bound=SlicedRows)
-Integers = NDArray[np.int64]
-
+R = TypeVar("R", bound=Rows)
 LOOK_AHEAD: Final = 64
-"""Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
-
+"""Samples computed at once when fewer are wanted: of the closed form one costs almost as much as all of them."""
 STEPS_AHEAD: Final = 64
-"""Steps of the moving chart taken at once when fewer are wanted, about a millisecond of work."""
+"""The most steps of the moving chart taken for that, about a millisecond of work."""
 
 
 @dataclass(frozen=True)
 class Taken:
-    """What was taken at once from a simulation.
+    """Samples of the truth and readings of the sensors that were taken from a simulation at once.
 
     Parameters
     ----------
@@ -46,11 +41,11 @@ class Taken:
 
 
 class Simulation:
-    """Samples one after the other, across torque-free resets, on one rising sequence of stamps.
+    """A simulated body and its sensors: samples in order, on one rising sequence of stamps, across torque-free resets.
 
-    Each sensor has a clock of its own, which shares the epoch, and a motion of its own: the truth is the same to the
-    bit with sensors and without. A reset is felt by all from the stamp of the next sample on; the noise begins anew
-    there, so that a segment's scenario determines every byte of it.
+    Each sensor has a clock of its own, which shares the epoch. The truth is the same to the bit with sensors and
+    without. A reset acts on all from the stamp of the next sample on; the noise begins anew there, so that a segment's
+    scenario determines every byte of it.
 
     Parameters
     ----------
@@ -60,19 +55,20 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None) -> None:
-        self._imu: Relay[ImuSamples] | None = None
-        self._magnetometer: Relay[MagnetometerSamples] | None = None
+        self._imu: SensorQueue[ImuSamples] | None = None
+        self._magnetometer: SensorQueue[MagnetometerSamples] | None = None
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
     def _begin(self, scenario: Scenario, first: int) -> None:
         clock = SampleClock(scenario.epoch_ns, scenario.rate)
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
-        truth = _truth(segment, clock)
+        motion = _motions(scenario)
+        truth = _truth(segment, clock, motion())
         imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
+        new_imu = None if imu is None else _imu(segment, imu, motion())
+        new_magnetometer = None if magnetometer is None else _magnetometer(segment, magnetometer, motion())
         # only now: a scenario that is refused changes nothing
-        new_imu = None if imu is None else _imu(segment, imu)
-        new_magnetometer = None if magnetometer is None else _magnetometer(segment, magnetometer)
         self._imu = _followed(self._imu, new_imu, segment.start_ns)
         self._magnetometer = _followed(self._magnetometer, new_magnetometer, segment.start_ns)
         self._clock, self._segment, self._truth = clock, segment, truth
@@ -95,11 +91,11 @@ class Simulation:
     @property
     def next_stamp_ns(self) -> int:
         """Stamp of what comes next, the truth or a sensor, ns."""
-        return min(track.stamp_ns(0) for track in self._tracks)
+        return min(queue.stamp_ns(0) for queue in self._queues)
 
     @property
-    def _tracks(self) -> list[Track[Samples] | Relay[ImuSamples] | Relay[MagnetometerSamples]]:
-        return [track for track in (self._truth, self._imu, self._magnetometer) if track is not None]
+    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[ImuSamples] | SensorQueue[MagnetometerSamples]]:
+        return [queue for queue in (self._truth, self._imu, self._magnetometer) if queue is not None]
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
@@ -119,9 +115,9 @@ class Simulation:
         -------
         Taken
         """
-        for track in self._tracks:
-            if track.count_until(stamp_ns) > at_most:
-                stamp_ns = track.stamp_ns(at_most - 1)
+        for queue in self._queues:
+            if queue.count_until(stamp_ns) > at_most:
+                stamp_ns = queue.stamp_ns(at_most - 1)
         return Taken(
             self._truth.take(self._truth.count_until(stamp_ns)),
             _taken(self._imu, stamp_ns),
@@ -147,58 +143,67 @@ class Simulation:
         return self._segment
 
 
-def _taken(relay: Relay[R] | None, stamp_ns: int) -> R | None:
-    """What a sensor has up to a stamp."""
-    return None if relay is None else relay.take(relay.count_until(stamp_ns))
+def _taken(sensor: SensorQueue[R] | None, stamp_ns: int) -> R | None:
+    """The readings of a sensor up to a stamp, ns."""
+    return None if sensor is None else sensor.take(sensor.count_until(stamp_ns))
 
 
-def _followed(relay: Relay[R] | None, track: Track[R] | None, start_ns: int) -> Relay[R] | None:
-    """A sensor's readings, which a new track carries on from a stamp; None if there are no more."""
-    if relay is None or track is None:
-        return None if track is None else Relay(track)
-    relay.hand_over(track, start_ns)
-    return relay
+def _followed(sensor: SensorQueue[R] | None, queue: SampleQueue[R] | None, start_ns: int) -> SensorQueue[R] | None:
+    """The readings of a sensor, those of a new segment following from a stamp on, ns; None if it has no sensor."""
+    if sensor is None or queue is None:
+        return None if queue is None else SensorQueue(queue)
+    sensor.follow(queue, start_ns)
+    return sensor
 
 
-def _look_ahead(scenario: Scenario, rate: float) -> int:
+def _motions(scenario: Scenario) -> Callable[[], Motion]:
+    """The motion of the truth and of each sensor from one start.
+
+    A closed form serves them all. A moving chart divides the time between the samples asked of it into steps, so that
+    those of another clock in between would change its bits: the truth and each sensor have one of their own.
+    """
     if scenario.motion == "closed_form":
-        return LOOK_AHEAD
-    return min(LOOK_AHEAD, int(STEPS_AHEAD * min(1.0, rate * scenario.max_step)))
+        motion = scenario.make_motion()
+        return lambda: motion
+    return scenario.make_motion
 
 
-def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
-    motion = segment.scenario.make_motion()
-    return Track(
+def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[Samples]:
+    return SampleQueue(
         clock,
         segment.first_sample,
         lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
-        _look_ahead(segment.scenario, segment.scenario.rate),
+        segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, clock.rate),
     )
 
 
-def _imu(segment: Segment, model: ImuModel) -> Track[ImuSamples]:
+def _imu(segment: Segment, model: ImuModel, motion: Motion) -> SampleQueue[ImuSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
     clock = SampleClock(scenario.epoch_ns, model.rate)
     first = clock.count_until(start_ns - 1)
-    motion, body = scenario.make_motion(), scenario.body()
-    # the motion as it would have been before its start
     before_ns = clock.stamp_ns(first - 1) - start_ns
-    imu = Imu(model, body, before_ns, ClosedForm(body, scenario.start()).at(before_ns))
+    # an instantaneous rate does not look at the state before
+    before = _extended(scenario, motion).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
+    imu = Imu(model, scenario.body(), before_ns, before)
 
     def compute(stamps: Integers) -> ImuSamples:
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return Track(clock, first, compute, _look_ahead(scenario, model.rate))
+    return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate))
 
 
-def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[MagnetometerSamples]:
+def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
+    """The motion as it would have been before its start, where a moving chart cannot go."""
+    return motion if isinstance(motion, ClosedForm) else ClosedForm(scenario.body(), scenario.start())
+
+
+def _magnetometer(segment: Segment, model: MagnetometerModel, motion: Motion) -> SampleQueue[MagnetometerSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
-    clock = SampleClock(scenario.epoch_ns, model.rate)
-    motion, magnetometer = scenario.make_motion(), Magnetometer(model)
-    return Track(
+    clock, magnetometer = SampleClock(scenario.epoch_ns, model.rate), Magnetometer(model)
+    return SampleQueue(
         clock,
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
-        _look_ahead(scenario, model.rate),
+        scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate),
     )

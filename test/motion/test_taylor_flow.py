@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import State
-from lie_rigid_body.certificate.flow import flow
 from lie_rigid_body.lie import so3
+from lie_rigid_body.motion.taylor_flow import flow
 from reference import attitude_error, rate_error, truth_cases
 
 CASES = truth_cases()

@@ -1,57 +1,55 @@
-"""How far a declared motion may go from the exact one, beside the rounding of its samples.
+"""Bounds of how far a computed motion drifts from the exact one, for each family of steppers.
 
-In these formulas Ω bounds the body rate, Θ = Ωt is the angle turned at most, h the step, x = Ωh, p the stepper's order
-and n = t/h the number of steps so far; u = 2⁻⁵³.
+The rounding of the samples themselves is not counted. In these formulas Ω bounds the body rate, Θ = Ωt is the angle
+turned at most, h the step and x = Ωh; u = 2⁻⁵³ is the unit round-off.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.certificate.conditions import Conditions
-from lie_rigid_body.certificate.propagation import Propagation
-from lie_rigid_body.certificate.step_error import StepError
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import Method
+from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, SpinningFrame
-
-Array = NDArray[np.float64]
+from lie_rigid_body.motion.moving_chart import Method
+from lie_rigid_body.motion.step_error import StepError
+from lie_rigid_body.motion.time_steps import longest_step, steps_between
 
 U: Final = 2.0**-53
+"""Unit round-off of double precision."""
 
 WALK: Final = 8.0
-"""Of the attitude's random walk. In some hundred random motions of up to 3·10⁷ steps it was 2.5 at most."""
+"""Factor of the attitude's random walk. In some hundred random motions of up to 3·10⁷ steps it was 2.5 at most."""
 
 BIAS: Final = 2.0**-6
-"""Of what is left of a bias, for each u of x Θ. It was 0.005 at most."""
+"""Factor of what is left of a bias, for each u of x Θ. It was 0.005 at most."""
 
 NEAR: Final = 0.01
-"""Distance from the separatrix within which the walk is counted twice, as flips are sensitive to all of it."""
+"""Distance of the energy from the separatrix, relative to its range, within which the walk is counted twice: flips are
+sensitive to all of it."""
 
 TRUNCATION: Final = 2.0
-"""For what a shift along the motion adds to the turn."""
+"""Factor for what a shift along the motion adds to the turn."""
 
 PER_STEP: Final = 4.0
+"""Roundings of a Runge–Kutta–Munthe-Kaas step."""
 
 _MORE_TERMS: Final = 4
-
-
-def equal_steps(period: float, longest: float) -> float:
-    """The step when equal ones divide a period, s, none longer than allowed."""
-    return period / max(1.0, math.ceil(period / longest - 1e-9))
+"""Terms of the series beyond the stepper's own that are counted as its truncation."""
 
 
 class Drift(Protocol):
-    """Errors at times t after the start, each of shape (N,)."""
+    """Bounds of the errors at times t after the start, s, each of shape (N,)."""
 
     def attitude(self, t: Array) -> Array:
         """Turn, rad."""
@@ -66,15 +64,15 @@ class Drift(Protocol):
         ...
 
     def energy(self, t: Array) -> Array:
-        """Relative."""
+        """Kinetic energy, relative."""
         ...
 
 
 class NoDrift:
-    """Of the closed form: its error does not grow."""
+    """The drift of the closed form: its error does not grow."""
 
     def attitude(self, t: Array) -> Array:
-        """None."""
+        """0: no drift."""
         return np.zeros_like(t)
 
     rate = momentum = energy = attitude
@@ -82,7 +80,7 @@ class NoDrift:
 
 @dataclass(frozen=True)
 class MoserVeselovDrift:
-    """Of Moser–Veselov steps, which keep energy and momentum, so that only the phase goes wrong.
+    """The drift of Moser–Veselov steps, which keep energy and momentum, so that only the phase goes wrong.
 
     Two things move it: the terms that the preprocessed inertia leaves out, the same at every step; and round-off of the
     increments, u x a step, at random, which grows near the separatrix until the energy is restored.
@@ -106,14 +104,14 @@ class MoserVeselovDrift:
     def of(
         cls, body: RigidBody, start: State, stepper: Method, fastest: float, period: float, max_step: float
     ) -> MoserVeselovDrift:
-        """Of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
+        """The drift of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
         with working_precision(DIGITS):
             frame = SpinningFrame.of(body, start)
             terms = stepper.order // 2
             series = preprocessed_inertia(Invariants.of(frame), terms + _MORE_TERMS)
             alpha, beta = (tuple(map(float, coefficients)) for coefficients in series)
             quickest = float(frame.fastest)
-            step = equal_steps(period, min(max_step, stepper.largest_turn / quickest) if quickest else max_step)
+            step = period / steps_between(period, longest_step(max_step, stepper.largest_turn, quickest))
             fully = quickest * step
             # ρ₀ρⱼ = (α + β eⱼ) nⱼ, of which abs(eⱼ nⱼ) ≤ 1, and a step turns by twice the vector ρ
             missing = sum(abs(c) * fully ** (3 + 2 * k) for k, c in enumerate(alpha) if k >= terms - 1)
@@ -131,7 +129,7 @@ class MoserVeselovDrift:
     rate = attitude
 
     def momentum(self, t: Array) -> Array:
-        """None."""
+        """0: kept to round-off."""
         return np.zeros_like(t)
 
     energy = momentum
@@ -150,28 +148,30 @@ def _growth(frame: SpinningFrame, step: float) -> float:
 
 @dataclass(frozen=True)
 class MuntheKaasDrift:
-    """Of Runge–Kutta–Munthe-Kaas steps, which keep nothing: an error of the rate costs attitude later.
+    """The drift of Runge–Kutta–Munthe-Kaas steps, which keep nothing: an error of the rate costs attitude later.
 
     Parameters
     ----------
     fastest, step : float
         Ω, rad/s, and h, s.
     error : StepError
-        What truncation costs for each radian turned.
-    conditions : Conditions
-    propagation : Propagation
+        Truncation for each radian turned.
+    conditions : ConditionNumbers
+    gain : callable
+        G at times t, shape (N,): the largest turn up to each time, rad, that changing the initial rate by Ω causes, for
+        each unit of that change.
     """
 
     fastest: float
     step: float
     error: StepError
-    conditions: Conditions
-    propagation: Propagation
+    conditions: ConditionNumbers
+    gain: Callable[[Array], Array]
 
     def attitude(self, t: Array) -> Array:
         """Turn, rad. Stamps are integers, and the stepper adds their rounding in seconds, uΘ."""
         direct = self._rounding(t) + (self.error.attitude + U) * self.fastest * t
-        return np.asarray(direct + self.propagation.gain(t) * self.rate(t))
+        return np.asarray(direct + self.gain(t) * self.rate(t))
 
     def rate(self, t: Array) -> Array:
         """Body rate, relative to Ω."""
@@ -182,10 +182,10 @@ class MuntheKaasDrift:
         return np.asarray(2.0 * self._rounding(t) + self.error.momentum * self.fastest * t)
 
     def energy(self, t: Array) -> Array:
-        """Relative."""
+        """Kinetic energy, relative."""
         rounding = 2.0 * self.conditions.energy_of_momentum * self._rounding(t)
         return np.asarray(rounding + self.error.energy * self.fastest * t)
 
     def _rounding(self, t: Array) -> Array:
-        """Roundings of a slow body repeat from step to step and add up linearly."""
+        """Sum of the roundings, relative: those of a slow body repeat from step to step and add up linearly."""
         return PER_STEP * U * self.conditions.inverse * t / self.step

@@ -1,4 +1,4 @@
-"""The certificate of a bag: which laws it keeps, and to what accuracy it may be called ground truth."""
+"""The certificate of a bag: which laws its samples keep, and how far its attitudes may be from the true motion."""
 
 from __future__ import annotations
 
@@ -7,37 +7,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import laws
-from lie_rigid_body.certificate.flow import LONGEST_TURN
-from lie_rigid_body.certificate.law import Law
-from lie_rigid_body.certificate.segments import RecordedSegment, cut, logged_at_stamps, seconds_since_start
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.segments import (
+    RecordedSegment,
+    logged_at_stamps,
+    recorded_segments,
+    seconds_since_start,
+)
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
 
 
 @dataclass(frozen=True)
 class SegmentCertificate:
-    """The laws held against one segment.
+    """The laws held against the samples of one segment.
 
     Parameters
     ----------
     segment : Segment
-        As declared.
+        The segment that the bag declares.
     samples : int
-        How many were checked.
-    laws : tuple of Law
+        Number of samples that were checked.
+    laws : tuple of LawResult
     notes : tuple of str
-        What a reader should know beside the verdict.
+        Remarks for the reader, such as a late start.
     """
 
     segment: Segment
     samples: int
-    laws: tuple[Law, ...]
+    laws: tuple[LawResult, ...]
     notes: tuple[str, ...] = ()
 
     @property
@@ -45,21 +51,27 @@ class SegmentCertificate:
         """Whether every law holds."""
         return all(law.holds for law in self.laws)
 
-    def law(self, name: str) -> Law:
+    def law(self, name: str) -> LawResult:
         """The law of that name."""
         return next(law for law in self.laws if law.name == name)
 
-    def time_s(self, law: Law) -> float | None:
+    def time_s(self, law: LawResult) -> float | None:
         """Time of a law's worst sample since the segment's start, s, if it has one."""
         return None if law.stamp_ns is None else (law.stamp_ns - self.segment.start_ns) / 1e9
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """The certificates of all segments of a bag, and the laws of the bag as a whole."""
+    """The certificates of all segments of a bag, and the laws of the bag as a whole.
+
+    Parameters
+    ----------
+    segments : tuple of SegmentCertificate
+    whole : tuple of LawResult
+    """
 
     segments: tuple[SegmentCertificate, ...]
-    whole: tuple[Law, ...] = ()
+    whole: tuple[LawResult, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -77,7 +89,7 @@ class Certificate:
 
     @property
     def attitude_accuracy(self) -> float:
-        """How far the attitude may be from the true motion, rad: its distance from the closed form, plus that's own."""
+        """Bound of the attitude's error, rad: the largest angle to the closed form, and the closed form's own error."""
         return self.accuracy("closed form") + CLOSED_FORM
 
     def accuracy(self, name: str) -> float:
@@ -109,12 +121,12 @@ def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Cer
         If the recording does not explain itself, or has no sample.
     """
     try:
-        pieces = cut(recording, inertia)
+        segments = recorded_segments(recording, inertia)
     except ParameterError as error:
         # a body that cannot be has no motion to hold the bag against
         return Certificate((), (_flag("declaration", 1, f"the bag declares an impossible scenario: {error}"),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        return Certificate(tuple(_certify_segment(piece) for piece in pieces), _whole(recording, pieces))
+        return Certificate(tuple(_certify_segment(segment) for segment in segments), _whole(recording, segments))
 
 
 def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
@@ -123,14 +135,14 @@ def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
     limits = tolerance(scenario, float(t.max(initial=0.0)))
     body, start = scenario.body(), scenario.start()
     exact = ClosedForm(body, start).at(recorded.stamps_ns - recorded.segment.start_ns)
-    evidence = laws.Evidence(recorded, body, start, limits, t, _unit(recorded.states), exact)
-    attitude = laws.closed_form(evidence)
+    compared = laws.Comparison(recorded, body, start, limits, t, _unit(recorded.states), exact)
+    attitude = laws.closed_form(compared)
     found = (
         recorded.stamps,
-        laws.unit_norm(evidence),
-        laws.kinetic_energy(evidence),
-        *laws.world_momentum(evidence),
-        *laws.neighbours(evidence),
+        laws.unit_norm(compared),
+        laws.kinetic_energy(compared),
+        *laws.world_momentum(compared),
+        *laws.neighbours(compared),
         attitude,
     )
     notes = _notes(recorded, limits, t, attitude_holds=attitude.holds)
@@ -138,13 +150,13 @@ def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
 
 
 def _unit(states: State) -> State:
-    """The states with directions for quaternions: a zero one becomes NaN, which breaks every law it enters."""
+    """The states with their quaternions normalised; one of norm 0 becomes NaN, which breaks every law it enters."""
     norms = quaternion.norm(states.attitude_xyzw)[:, np.newaxis]
     with np.errstate(divide="ignore"):
         return State.trusted(states.attitude_xyzw / norms, states.body_rate)
 
 
-def _notes(recorded: RecordedSegment, limits: Tolerance, t: np.ndarray, *, attitude_holds: bool) -> list[str]:
+def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_holds: bool) -> list[str]:
     notes = []
     if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.stamps.holds:
         notes.append(f"the recording begins at sample {recorded.samples[0]}, {t[0]:.6g} s after the segment's start")
@@ -160,9 +172,9 @@ def _notes(recorded: RecordedSegment, limits: Tolerance, t: np.ndarray, *, attit
     return notes
 
 
-def _whole(recording: Recording, pieces: list[RecordedSegment]) -> tuple[Law, ...]:
+def _whole(recording: Recording, segments: list[RecordedSegment]) -> tuple[LawResult, ...]:
     """The laws of the bag as a whole: frames as declared, nothing but rotation, and as many samples as its end says."""
-    laws = [_frames(recording, pieces), _at_rest(recording)]
+    laws = [_frames(recording, segments), _at_rest(recording)]
     if logged_at_stamps(recording):
         laws.append(_log_times(recording))
     if recording.expected_samples is not None:
@@ -173,15 +185,15 @@ def _whole(recording: Recording, pieces: list[RecordedSegment]) -> tuple[Law, ..
     return tuple(laws)
 
 
-def _frames(recording: Recording, pieces: list[RecordedSegment]) -> Law:
-    worlds = {piece.segment.scenario.world_frame for piece in pieces}
-    bodies = {piece.segment.scenario.body_frame for piece in pieces}
+def _frames(recording: Recording, segments: list[RecordedSegment]) -> LawResult:
+    worlds = {recorded.segment.scenario.world_frame for recorded in segments}
+    bodies = {recorded.segment.scenario.body_frame for recorded in segments}
     others = sorted((set(recording.poses.frame_ids) - worlds) | (set(recording.twists.frame_ids) - bodies))
     message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
     return _flag("frames", len(others), message)
 
 
-def _log_times(recording: Recording) -> Law:
+def _log_times(recording: Recording) -> LawResult:
     """Every message is logged at its stamp, as in the bags that this package writes: they are replayed by log time."""
     off = int(np.count_nonzero(recording.poses.log_times_ns != recording.poses.stamps_ns))
     if recording.twists.stamps_ns is not None:
@@ -189,12 +201,13 @@ def _log_times(recording: Recording) -> Law:
     return _flag("log times", off, f"{off} messages are not logged at their stamps, though the scenario is")
 
 
-def _at_rest(recording: Recording) -> Law:
+def _at_rest(recording: Recording) -> LawResult:
     moving = int(np.count_nonzero(recording.poses.positions) + np.count_nonzero(recording.twists.linear))
     return _flag(
         "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
     )
 
 
-def _flag(name: str, faults: int, message: str) -> Law:
-    return Law(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")
+def _flag(name: str, faults: int, message: str) -> LawResult:
+    """The result of a law of the bag as a whole, which holds where there are no faults."""
+    return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")

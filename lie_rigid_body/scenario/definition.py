@@ -1,4 +1,4 @@
-"""The scenario: everything that determines a run, frozen, and validated once."""
+"""The definition of a run: everything that determines its samples, frozen, and validated once."""
 
 from __future__ import annotations
 
@@ -9,20 +9,23 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 LARGEST_TURN_PER_STEP: Final = 1.0
-"""rad: a moving chart that turned farther in one step would go where its Taylor expansion means nothing."""
+"""rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
+their steps themselves."""
+
 LARGEST_TURN_PER_READING: Final = 3.0
-"""rad: beyond half a turn, a rotation is taken for a shorter one the other way."""
+"""rad: a rotation by more than half a turn reads as a shorter one the other way."""
 
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
@@ -92,7 +95,7 @@ class Scenario:
         return scenario
 
     def parameters(self) -> dict[str, Value]:
-        """Names and values, in the order of the table; those of the sensors only if there is one."""
+        """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
         return {**own, **dict(self.sensor_parameters)} if self.has_sensors else own
 
@@ -110,21 +113,64 @@ class Scenario:
         return State(self.initial_attitude_xyzw, self.initial_body_rate)
 
     def make_motion(self) -> Motion:
-        """A fresh motion from the start."""
+        """A new motion from the start."""
         if self.motion == "closed_form":
             return ClosedForm(self.body(), self.start())
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
+
+    def rate_bound(self) -> float:
+        """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
+        body, start = self.body(), self.start()
+        smallest = float(body.principal_moments[0])
+        by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
+        by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
+        return min(by_energy, by_momentum)
+
+    def steps_per_sample(self, rate: float | None = None) -> int:
+        """Steps of the moving chart from one sample to the next; 1 of the closed form.
+
+        Parameters
+        ----------
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
+        if self.motion == "closed_form":
+            return 1
+        return steps_between(1.0 / (rate or self.rate), self._longest_step(self.rate_bound()))
+
+    def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
+        """How many samples to compute at once, at least 1.
+
+        Parameters
+        ----------
+        at_most : int
+            The most samples.
+        steps : int
+            The most steps of the moving chart, if one sample does not take more.
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
+        return max(1, min(at_most, steps // self.steps_per_sample(rate)))
+
+    def _longest_step(self, fastest: float) -> float:
+        return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)
+
+    def _slowest_rate(self) -> float:
+        """Samples per second of the truth or of the sensor that has the fewest."""
+        sensors = (self.sensors.imu, self.sensors.magnetometer)
+        return min(self.rate, *(sensor.rate for sensor in sensors if sensor is not None), math.inf)
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
             require_frame_name(name, getattr(self, name))
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body, start = self.body(), self._valid_start()
-            _require_ordinary_inertia(body)
-            _require_ordinary_motion(body, start)
-        fastest = math.sqrt(2.0 * float(body.kinetic_energy(start)) / float(body.principal_moments[0]))
+            _require_normal_inertia(body)
+            _require_normal_motion(body, start)
+        fastest = self.rate_bound()
         if self.motion == "moving_chart":
             self._require_small_steps(fastest)
+            self._require_possible_steps(fastest)
         self._require_small_turns(fastest)
 
     def _valid_start(self) -> State:
@@ -135,12 +181,21 @@ class Scenario:
             raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
 
     def _require_small_steps(self, fastest: float) -> None:
-        step = min(self.max_step, 1.0 / self.rate)
+        step = min(self._longest_step(fastest), 1.0 / self._slowest_rate())
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, the limit is "
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
+            )
+
+    def _require_possible_steps(self, fastest: float) -> None:
+        steps = self.steps_per_sample(self._slowest_rate())
+        if steps > MOST_STEPS:
+            raise ParameterError(
+                "initial_body_rate",
+                f"a body turning at up to {fastest:.3g} rad/s takes {self.method} {steps:.3g} steps between samples, "
+                f"the limit is {MOST_STEPS:g}: give a lower body rate, or use closed_form",
             )
 
     def _require_small_turns(self, fastest: float) -> None:
@@ -164,8 +219,8 @@ def _rounded(value: float, rounding: str) -> float:
     return float(Context(prec=3, rounding=rounding).create_decimal_from_float(value))
 
 
-def _require_ordinary_inertia(body: RigidBody) -> None:
-    if not (_is_ordinary(body.principal_moments) and _is_ordinary(1.0 / body.principal_moments)):
+def _require_normal_inertia(body: RigidBody) -> None:
+    if not (_is_normal(body.principal_moments) and _is_normal(1.0 / body.principal_moments)):
         raise ParameterError(
             "inertia",
             f"principal moments {_listed(body.principal_moments)}, or their inverses, leave the range of double "
@@ -173,10 +228,10 @@ def _require_ordinary_inertia(body: RigidBody) -> None:
         )
 
 
-def _require_ordinary_motion(body: RigidBody, start: State) -> None:
-    """Energy and momentum in the range of double precision; an energy may be so small that it is 0."""
+def _require_normal_motion(body: RigidBody, start: State) -> None:
+    """Refuse energies and momenta out of the range of double precision; an energy may be so small that it is 0."""
     energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
-    if not all(value == 0.0 or _is_ordinary(value) for value in (energy, momentum)):
+    if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",
             f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J and the momentum {momentum:g} kg m²/s, "
@@ -184,10 +239,10 @@ def _require_ordinary_motion(body: RigidBody, start: State) -> None:
         )
 
 
-def _is_ordinary(values: NDArray[np.float64]) -> bool:
-    """Whether positive numbers are finite, and not so small that they lose digits."""
+def _is_normal(values: Array) -> bool:
+    """Whether positive numbers are normal in double precision: finite, and not so small that they lose digits."""
     return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
 
 
-def _listed(values: NDArray[np.float64]) -> str:
+def _listed(values: Array) -> str:
     return ", ".join(f"{value:g}" for value in values)

@@ -1,10 +1,18 @@
-"""The parameters of the sensors: one table, as that of the scenario."""
+"""The sensors of a scenario and the table of their parameters."""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, cast
 
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
+from lie_rigid_body.sensors.imu import ImuModel
+from lie_rigid_body.sensors.magnetometer import MagnetometerModel
+
+SLOWEST_RATE: Final = 1e-6
+"""Samples per second."""
 
 _ONES: Final = (1.0, 1.0, 1.0)
 _ZEROS: Final = (0.0, 0.0, 0.0)
@@ -24,7 +32,7 @@ def _array(name: str, default: tuple[float, ...], description: str) -> Parameter
 
 
 def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
-    """What a gyro and an accelerometer have in common; ``unit`` is the reading's."""
+    """The parameters that gyro and accelerometer share; ``unit`` is that of a reading."""
     name = sensor.capitalize()
     return (
         _not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/sqrt(Hz); 0: none."),
@@ -84,3 +92,51 @@ SENSOR_PARAMETERS: Final = (
     _not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
 )
 """Every parameter of the sensors, in the order in which they are shown."""
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """The sensors on the body. Build them with `from_parameters`, which validates.
+
+    Parameters
+    ----------
+    imu : ImuModel or None
+    magnetometer : MagnetometerModel or None
+        None: there is none.
+    """
+
+    imu: ImuModel | None
+    magnetometer: MagnetometerModel | None
+
+    @classmethod
+    def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:
+        """The sensors of the given parameters, the rest at their defaults, validated as a whole.
+
+        Parameters
+        ----------
+        given : mapping of str to object, optional
+            Values of ``SENSOR_PARAMETERS``, as a YAML file or a ROS parameter gives them.
+
+        Returns
+        -------
+        Sensors
+
+        Raises
+        ------
+        ParameterError
+            Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
+        """
+        values = read_table(SENSOR_PARAMETERS, given or {})
+        require_frame_name("imu_frame", cast(str, values["imu_frame"]))
+        imu, magnetometer = ImuModel.from_values(values), MagnetometerModel.from_values(values)
+        return cls(
+            imu if _is_on("imu_rate", values) else None,
+            magnetometer if _is_on("magnetometer_rate", values) else None,
+        )
+
+
+def _is_on(name: str, values: Mapping[str, Value]) -> bool:
+    rate = cast(float, values[name])
+    if 0.0 < rate < SLOWEST_RATE:
+        raise ParameterError(name, f"{rate:g} is below {SLOWEST_RATE:g} samples per second: give more, or 0 for none")
+    return rate > 0.0

@@ -1,25 +1,24 @@
-"""A law held against a stretch of a bag: how near it came to being broken, and where."""
+"""The result of holding a law against samples: how near it came to its limit, and where."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lie_rigid_body.arrays import Array, Integers
 
 
 @dataclass(frozen=True)
-class Law:
-    """The outcome of one law on one segment.
+class LawResult:
+    """The result of one law on one segment, or on a bag as a whole.
 
     Parameters
     ----------
     name : str
-        What was checked.
+        Name of the law.
     unit : str
-        Of ``worst`` and ``limit``; ``rel`` means relative.
+        Unit of ``worst`` and ``limit``; ``rel`` means relative.
     worst : float
         The largest residual; of a broken law the one that went farthest beyond its limit.
     limit : float
@@ -57,31 +56,31 @@ def judge(
     unit: str,
     residuals: Array,
     limits: Array | float,
-    samples: NDArray[np.int64],
-    stamps_ns: NDArray[np.int64],
+    samples: Integers,
+    stamps_ns: Integers,
     what: str,
-) -> Law:
+) -> LawResult:
     """Hold residuals against their limits.
 
     Parameters
     ----------
     name, unit : str
-        Of the law.
+        Name of the law, unit of its residuals.
     residuals : ndarray, shape (N,)
         Not negative; NaN counts as broken.
     limits : ndarray, shape (N,), or float
     samples, stamps_ns : ndarray of int64, shape (N,)
         Where each residual belongs.
     what : str
-        The sentence for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
+        The message for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
 
     Returns
     -------
-    Law
+    LawResult
     """
     limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
     if residuals.size == 0:
-        return Law(name, unit, 0.0, 0.0, None, None, 0, 0)
+        return LawResult(name, unit, 0.0, 0.0, None, None, 0, 0)
     broken = ~(residuals <= limits)
     weights = np.where(np.isnan(residuals), np.inf, residuals)
     at = int(np.argmax(weights / limits if broken.any() else weights))
@@ -95,10 +94,11 @@ def judge(
             where=_where(samples[broken], sample),
             count=f"{count} of {residuals.size}",
         )
-    return Law(name, unit, worst, limit, sample, stamp, count, residuals.size, message)
+    return LawResult(name, unit, worst, limit, sample, stamp, count, residuals.size, message)
 
 
-def _where(broken: NDArray[np.int64], worst: int) -> str:
+def _where(broken: Integers, worst: int) -> str:
+    """The samples of a broken law, in words."""
     if broken.size == 1:
         return f"sample {worst}"
     if broken.size <= 4:

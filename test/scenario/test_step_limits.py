@@ -1,0 +1,88 @@
+"""A scenario refuses the steps that its motion cannot take, and no others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import ClosedForm, MovingChart, ParameterError
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.time_steps import TimeSteps
+from lie_rigid_body.scenario import Scenario
+
+BODY = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9]}
+LONG = {**BODY, "max_step": 10.0, "rate": 0.1}
+TIMES = np.arange(0, 100, 10) * 10**9
+LIMITED = [name for name, method in METHODS.items() if method.largest_turn < np.inf]
+
+
+def off(scenario: Scenario) -> float:
+    """How far the attitudes of a scenario's motion are from the closed form, rad."""
+    exact = ClosedForm(scenario.body(), scenario.start()).at(TIMES).attitude_xyzw
+    found = scenario.make_motion().at(TIMES).attitude_xyzw
+    return float(so3.norm(quaternion.log(quaternion.multiply(quaternion.conjugate(exact), found))).max())
+
+
+@pytest.mark.parametrize("method", LIMITED)
+def test_a_method_that_limits_its_steps_takes_any_max_step(method: str) -> None:
+    scenario = Scenario.from_parameters({**LONG, "method": method})
+    chart = MovingChart(scenario.body(), scenario.start(), method=method, max_step=10.0)
+    np.testing.assert_array_equal(chart.at(TIMES).attitude_xyzw, scenario.make_motion().at(TIMES).attitude_xyzw)
+    if method == "dmv20":
+        assert off(scenario) < 1e-14
+
+
+def test_fast_bodies_need_no_shorter_max_step() -> None:
+    scenario = Scenario.from_parameters({"initial_body_rate": [5000.0, 20.0, 0.0], "rate": 1000.0})
+    exact = ClosedForm(scenario.body(), scenario.start()).at(10**7)
+    found = scenario.make_motion().at(10**7)
+    np.testing.assert_allclose(found.attitude_xyzw, exact.attitude_xyzw, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("method", [name for name in METHODS if name not in LIMITED])
+def test_a_method_that_does_not_is_refused_long_steps(method: str) -> None:
+    with pytest.raises(ParameterError, match=r"max_step: 10 s lets the body turn by up to 3\d\.\d rad in one step"):
+        Scenario.from_parameters({**LONG, "method": method})
+    Scenario.from_parameters({**LONG, "method": method, "max_step": 0.2})
+    Scenario.from_parameters({**LONG, "method": method, "rate": 10.0})
+
+
+def test_the_steps_between_readings_of_a_sensor_are_refused_as_well() -> None:
+    parameters = {**LONG, "method": "rkmk4", "rate": 10.0}
+    Scenario.from_parameters({**parameters, "imu_rate": 10.0})
+    with pytest.raises(ParameterError, match="max_step: "):
+        Scenario.from_parameters({**parameters, "imu_rate": 1.0})
+    with pytest.raises(ParameterError, match="max_step: "):
+        Scenario.from_parameters({**parameters, "magnetometer_rate": 1.0})
+
+
+def test_more_steps_than_can_be_taken_are_refused() -> None:
+    fast = {"initial_body_rate": [1e12, 1e12, 0.0]}
+    Scenario.from_parameters(fast)
+    with pytest.raises(ParameterError, match=r"initial_body_rate: .* dmv20 \S*e\+18 steps between samples"):
+        Scenario.from_parameters({**fast, "rate": 1e-6})
+    Scenario.from_parameters({**fast, "rate": 1e-6, "motion": "closed_form"})
+    Scenario.from_parameters({"rate": 1e-6, "max_step": 1e-9})
+
+
+@pytest.mark.parametrize("parameters", [BODY, LONG, {**LONG, "method": "rkmk4", "max_step": 0.03}, {"rate": 59.94}])
+def test_steps_are_counted_as_the_motion_takes_them(parameters: dict[str, object]) -> None:
+    scenario = Scenario.from_parameters(parameters)
+    integrator = MovingChart(
+        scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step
+    )._ensemble._integrators[0]
+    _, counts = TimeSteps(integrator.largest_step).to(np.array([round(1e9 / scenario.rate)]))
+    # the scenario knows a bound of the body rate, the stepper its maximum
+    assert counts[0] <= scenario.steps_per_sample() <= 1.3 * counts[0]
+    assert Scenario.from_parameters({**parameters, "motion": "closed_form"}).steps_per_sample() == 1
+
+
+def test_a_batch_is_bounded_by_its_samples_and_its_steps() -> None:
+    scenario = Scenario.from_parameters({**BODY, "rate": 100.0, "max_step": 0.001})
+    assert scenario.batch_size(250, 2000) == 200
+    assert scenario.batch_size(100, 2000) == 100
+    assert scenario.batch_size(250, 2) == 1
+    assert scenario.batch_size(250, 2000, rate=1000.0) == 250
+    assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 1) == 1
+    assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 250) == 250
