@@ -22,7 +22,7 @@ from lie_rigid_body.motion import Method
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, SpinningFrame
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 
 Array = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ class MoserVeselovDrift:
     ) -> MoserVeselovDrift:
         """Of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
         with working_precision(DIGITS):
-            frame = SpinningFrame.of(body, start)
+            frame = ScaledMotion.of(body, start)
             terms = stepper.order // 2
             series = preprocessed_inertia(Invariants.of(frame), terms + _MORE_TERMS)
             alpha, beta = (tuple(map(float, coefficients)) for coefficients in series)
@@ -137,7 +137,7 @@ class MoserVeselovDrift:
     energy = momentum
 
 
-def _growth(frame: SpinningFrame, step: float) -> float:
+def _growth(frame: ScaledMotion, step: float) -> float:
     """How a rounding may grow until the energy is restored: at the rate λ about the intermediate axis."""
     e1, e2, e3 = frame.inverse_moments
     squared = float((e1 - e2) * (e2 - e3))

@@ -8,7 +8,7 @@ from typing import Final, Generic, NoReturn, Protocol, TypeVar
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.stepper import Point, RungeKuttaStepper
-from lie_rigid_body.motion.munthe_kaas_integrator import GOOD_TURN
+from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 
 Centre = TypeVar("Centre")
 
