@@ -19,9 +19,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.motion import munthe_kaas_loop
 from lie_rigid_body.motion.closed_form import evaluation
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
+from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
 
 BODY: Final = RigidBody([0.6, 0.8, 1.0])
 START: Final = State([0, 0, 0, 1], [1.8 / 0.6, 0.4 / 0.8, -0.9])

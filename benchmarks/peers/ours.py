@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.motion import METHODS, munthe_kaas_loop
+from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form import evaluation
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
+from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
 from peers.contender import Contender, step_text
 from peers.task import ATTITUDE, INERTIA, RATE, Task
 

@@ -1,16 +1,18 @@
-"""Code that runs compiled where numba is installed and the work is long, and as plain Python or on arrays otherwise.
+"""Compilation by numba, where it is installed, of the loops that long work spends its time in.
 
-The source is one and the same, and so are the bits: only sums, products, quotients and square roots of doubles are
-used in it, all correctly rounded by either, and nothing is contracted or reordered. Numba is imported by the first long
-piece of work, never before. What it compiles is kept in the user's cache folder, under a name that changes with the
-source.
+Compiled or not, the source is the same, and so are the bits: it has only sums, products, quotients and square roots of
+doubles, which are correctly rounded either way, and nothing is contracted or reordered. Numba is imported when the
+first long piece of work comes, never before. Compiled code is kept in the user's cache folder, under a name that
+changes with the source.
 
-The first time, which takes some ten seconds in which Python would notice no signal, another process compiles; the work
-goes on in Python until that is done. A table of contents
+Compiling takes some ten seconds, in which Python would notice no signal. So another process does it, while the work
+goes on in Python. A table of contents
 
-- `kernels`: functions that compiled code calls;
-- `cache`, `compiler`: where compiled code is kept, and what makes it;
-- `work`, `loop`: code that runs compiled from when it pays.
+- `kernels`: the mark of functions that compiled code calls;
+- `cache`: the folder of compiled code;
+- `compiler`: the process that compiles;
+- `work`: a function that runs compiled as soon as that pays;
+- `loop`: such a function that advances a state through samples.
 """
 
 from lie_rigid_body.compilation.kernels import kernel, kernel_of

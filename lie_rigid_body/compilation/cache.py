@@ -1,4 +1,4 @@
-"""Where compiled code is kept from one run to the next."""
+"""The folder in which compiled code is kept from one run to the next."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 
-def cache_folder(loop: Callable[..., None]) -> Path | None:
-    """A folder of this user that can be written to, or none."""
-    name = f"lie_rigid_body/{_digest(loop)}"
+def cache_folder(function: Callable[..., None]) -> Path | None:
+    """A folder for the compiled form of a function, which only this user can write to; None if there is no place."""
+    name = f"lie_rigid_body/{_digest(function)}"
     homes = [os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME"), os.path.expanduser("~/.cache")]
     private = str(Path(tempfile.gettempdir()) / f"cache-{os.getuid()}")
     for home in [*homes, private]:
@@ -25,7 +25,7 @@ def cache_folder(loop: Callable[..., None]) -> Path | None:
 
 
 def _is_own_folder(path: Path) -> bool:
-    """Whether a folder is there, made if need be, that this user owns and may write to: code is loaded from it."""
+    """Whether this user owns the folder, made if need be, and may write to it: code that is loaded has to be safe."""
     try:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
@@ -33,19 +33,19 @@ def _is_own_folder(path: Path) -> bool:
         return False
 
 
-def _digest(loop: Callable[..., None]) -> str:
-    """A digest of all source that the compiled code is made from, of Python, and of the libraries that make it.
+def _digest(function: Callable[..., None]) -> str:
+    """A digest of all source that goes into the compiled code, and of the versions of Python and of its compiler.
 
-    Numba itself notices only a change of the loop's own file, while the code holds kernels and constants of others.
+    Numba itself notices only a change of the function's own file, while the code holds kernels and constants of others.
     """
-    files = _source_files(loop.__module__) | set(Path(__file__).parent.glob("*.py"))
+    files = _source_files(function.__module__) | set(Path(__file__).parent.glob("*.py"))
     content = b"".join(hashlib.sha256(path.read_bytes()).digest() for path in sorted(files))
-    makers = [sys.version, *(_version(name) for name in ("numba", "llvmlite", "numpy"))]
-    return hashlib.sha256(content + "".join(makers).encode()).hexdigest()[:16]
+    versions = [sys.version, *(_version(name) for name in ("numba", "llvmlite", "numpy"))]
+    return hashlib.sha256(content + "".join(versions).encode()).hexdigest()[:16]
 
 
 def _source_files(module: str) -> set[Path]:
-    """The file of a module, and those of everything in its package that it imports, directly or not."""
+    """The file of a module and the files of its package that it imports, directly or not."""
     package, waiting, found = module.partition(".")[0], {module}, dict[str, Path]()
     while waiting:
         name = waiting.pop()
@@ -59,7 +59,7 @@ def _source_files(module: str) -> set[Path]:
 
 
 def _imports(source: bytes, package: str | None) -> Iterator[str]:
-    """Modules that a source of a package imports, and names in them that may be modules as well."""
+    """Names of the modules that a source imports; ``from package import name`` may import a module of that name."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -82,5 +82,5 @@ def _version(name: str) -> str:
 
 
 def mark(folder: Path, function: Callable[..., None]) -> Path:
-    """Is there once the function has been compiled into the folder."""
+    """A file that is in the folder as soon as the function has been compiled into it."""
     return folder / f"{function.__module__}.{function.__name__}"

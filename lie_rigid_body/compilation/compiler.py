@@ -1,4 +1,4 @@
-"""What compiles: another process, which leaves the result in a cache for this one."""
+"""The compiler: another process, which leaves its result in the cache for this one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lie_rigid_body.compilation.cache import cache_folder, mark
 from lie_rigid_body.compilation.kernels import register_kernels
 
 _LOCK: Final = threading.RLock()
-"""Numba's configuration is one for all."""
+"""Held while numba's configuration is changed, which is one for the whole process."""
 
 
 class Compiler:
@@ -25,10 +25,11 @@ class Compiler:
     Parameters
     ----------
     function : callable
-        Of a module.
+        A function of a module.
     signature : str
+        Its types as numba writes them.
     folder : Path or None
-        The cache; without one there is no process, and the result is compiled here.
+        The cache; without one there is no other process, and `result` compiles in this one.
     """
 
     def __init__(self, function: Callable[..., None], signature: str, folder: Path | None) -> None:
@@ -40,16 +41,16 @@ class Compiler:
 
     @classmethod
     def of(cls, function: Callable[..., None], signature: str) -> Compiler | None:
-        """One for this function, if numba is installed."""
+        """The compiler of a function, or None if numba is not installed."""
         return cls(function, signature, cache_folder(function)) if find_spec("numba") else None
 
     @property
     def done(self) -> bool:
-        """Whether the result is there without waiting."""
+        """Whether `result` returns without waiting."""
         return self._process is None or self._process.poll() is not None
 
     def result(self) -> Callable[..., None] | None:
-        """The compiled function, or None if that does not succeed."""
+        """The compiled function, or None if compiling fails."""
         if self._process is not None:
             try:
                 failed = self._process.wait() != 0
@@ -67,7 +68,7 @@ class Compiler:
 
 
 def _started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes]:
-    """A process of its own session: the terminal's signals are for the work, which ends it."""
+    """Start the process, in a session of its own: the terminal's signals go to the work, which ends this process."""
     code = (
         "import sys; sys.path[:] = sys.argv[4:]; from lie_rigid_body.compilation.compiler import fill; "
         "fill(*sys.argv[1:4])"
@@ -80,7 +81,7 @@ def _started(function: Callable[..., None], signature: str) -> subprocess.Popen[
 
 
 def fill(module: str, name: str, signature: str) -> None:
-    """Compile a function into the cache: what the other process does."""
+    """Compile a function into the cache; this is what the other process runs."""
     function: Callable[..., None] = getattr(importlib.import_module(module), name)
     folder = cache_folder(function)
     if _compiled(function, signature, folder) is None or folder is None:
@@ -88,7 +89,8 @@ def fill(module: str, name: str, signature: str) -> None:
     mark(folder, function).touch()
 
 
-def _compiled(loop: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:
+def _compiled(function: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:
+    """The function compiled, or loaded from the cache; None if numba cannot be imported."""
     try:
         numba: Any = importlib.import_module("numba")
         extending: Any = importlib.import_module("numba.extending")
@@ -99,7 +101,7 @@ def _compiled(loop: Callable[..., None], signature: str, folder: Path | None) ->
         previous = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(folder) if folder else previous
         try:
-            made: Callable[..., None] = numba.njit(signature, cache=folder is not None, error_model="numpy")(loop)
+            made: Callable[..., None] = numba.njit(signature, cache=folder is not None, error_model="numpy")(function)
         finally:
             numba.config.CACHE_DIR = previous
     return made

@@ -1,4 +1,4 @@
-"""Functions that compiled code calls."""
+"""The mark of functions that compiled code calls."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ from typing import Any, Final, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_PARTS: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
-"""What compiled loops call, and what stands for it in them."""
+_WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
+"""Marked functions that numba has not been told of yet, each with the function that is compiled in its place."""
 
 
 def kernel(function: Function) -> Function:
-    """Mark a function of numbers that compiled loops call. It stays what it is."""
+    """Mark a function of numbers that compiled code calls. The function itself is not changed."""
     return kernel_of(function)(function)
 
 
 def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
-    """Mark a function in whose place compiled loops call another, which gives the same bits."""
+    """Mark a function in whose place compiled code calls another one, which gives the same bits."""
 
     def mark(function: Function) -> Function:
-        _PARTS.append((function, compiled))
+        _WAITING.append((function, compiled))
         return function
 
     return mark
 
 
 def register_kernels(extending: Any) -> None:
-    """Tell numba of those that it does not know yet; ``extending`` is its module of that name."""
-    while _PARTS:
-        function, compiled = _PARTS.pop(0)
+    """Tell numba of the marked functions that it does not know yet; ``extending`` is its module of that name."""
+    while _WAITING:
+        function, compiled = _WAITING.pop(0)
         _register(extending, function, compiled)
 
 

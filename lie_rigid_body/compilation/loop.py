@@ -1,4 +1,4 @@
-"""Loops over samples that advance a state."""
+"""A loop over samples that advances a state, in Python or compiled."""
 
 from __future__ import annotations
 
@@ -6,35 +6,32 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.compilation.work import Work
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 LONG_WORK: Final = 500_000
-"""Steps in long calls after which compiled code pays: some seconds of Python, while numba loads in half of one and
-compiles in ten, once."""
+"""Steps in long calls after which compiling pays: they take Python some seconds, while numba loads in half a second and
+compiles, once, in ten."""
 
 AT_ONCE: Final = 1_000_000
-"""Steps of compiled code between two looks at signals, which it does not notice."""
+"""Steps in one call of compiled code, which lets no signal through: a tenth of a second."""
 
 WHILE_COMPILING: Final = 20_000
-"""Steps in Python between two looks at whether the compiler is done."""
+"""Steps that Python takes before it looks again whether the compiler is done."""
 
 SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 
 
 class Loop(Work):
-    """A loop over samples that advances a state, in Python until much work is seen, compiled from then on.
+    """A loop over samples that advances a state, in Python until there was much work, compiled from then on.
 
     Parameters
     ----------
     plain : callable
-        Takes ``state`` (a list or array of float, changed in place), ``constants`` (floats), ``spans``, ``counts`` and
-        ``takes`` (integers, one a sample: ns, the steps in them, and how many of these to take) and ``out`` (an array
-        with one row a sample).
+        A function of ``state`` (list or array of float, changed in place), ``constants`` (floats), ``spans``,
+        ``counts`` and ``takes`` (integers for each sample: the time since the sample before, ns, the number of steps
+        that divide it, and how many of these to take now) and ``out`` (array with a row for each sample).
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:
@@ -57,11 +54,11 @@ class Loop(Work):
             Changed in place.
         constants : list of float
         spans, counts : ndarray of int64, shape (N,)
-            Time from the sample before, ns, and the number of steps in it.
+            Time since the sample before, ns, and the number of steps that divide it.
         out : ndarray, shape (N, K)
         work : int, optional
-            Steps that this call counts as when it is judged whether compiling pays, those of ``counts`` unless given:
-            of many calls that are one piece of work the first may count as all of them.
+            Steps that this call counts as when it is judged whether compiling pays; by default its own. Of many calls
+            that make one piece of work, the first may count as all of them.
         """
         self.compiled_for(int(counts.sum()) if work is None else work)
         rest = slice(0, len(counts)), counts
@@ -75,7 +72,7 @@ class Loop(Work):
             state[:] = moved.tolist()
 
     def _pieces(self, counts: Integers) -> Iterator[tuple[slice, Integers]]:
-        """Samples and the steps to take in them, so that each piece is short; a sample of many steps is many pieces."""
+        """Short pieces of the work: samples and the steps to take in them; a sample of many steps is many pieces."""
         ends, begin = np.cumsum(counts), 0
         while begin < len(counts):
             at_once = AT_ONCE if self._compiled else WHILE_COMPILING

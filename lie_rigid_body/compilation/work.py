@@ -1,4 +1,4 @@
-"""Code that runs compiled from when it pays."""
+"""A function that runs compiled as soon as there was enough work to pay for compiling."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from typing import Final
 from lie_rigid_body.compilation.compiler import Compiler
 
 LONG_CALL: Final = 1_000
-"""Steps: shorter calls do not count. Those of a live node are shorter, and it cannot wait for a compiler."""
+"""Units of work: shorter calls do not count. The calls of a live node are shorter: it never starts a compiler."""
 
 
 class Work:
-    """A piece of code, and its compiled form from when much of it was called for.
+    """A function, and its compiled form as soon as that pays.
 
     Parameters
     ----------
     plain : callable
         A function of a module.
     signature : str
-        Numba's, of the compiled form.
+        The types of the compiled form as numba writes them.
     enough : int
-        Units of work in long calls after which compiled code pays.
+        Units of work in long calls after which compiling pays.
     """
 
     def __init__(self, plain: Callable[..., None], signature: str, enough: int) -> None:
@@ -36,7 +36,7 @@ class Work:
         self._may_compile = True
 
     def compile(self) -> bool:
-        """Compile, or load what was compiled before, and wait for it; whether numba is there to do it."""
+        """Wait until the function is compiled, or loaded from the cache; False where numba cannot do it."""
         with self._lock:
             if self._compiled is None and self._may_compile:
                 compiler = self._compiler or Compiler.of(self._plain, self._signature)
@@ -45,8 +45,8 @@ class Work:
         return self._compiled is not None
 
     def compiled_for(self, work: int) -> Callable[..., None] | None:
-        """The compiled form, or None where this much more work does not make it pay, it is not ready, or there is no
-        numba.
+        """The compiled form, after counting this much more work; None if it does not pay yet, is not ready, or numba
+        is not installed.
         """
         with self._lock:
             if self._compiled is None and self._compiler is None and self._may_compile and work >= LONG_CALL:

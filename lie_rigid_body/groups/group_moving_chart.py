@@ -18,8 +18,8 @@ from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.stepper import Point, RungeKuttaStepper
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
-from lie_rigid_body.motion.munthe_kaas_integrator import GOOD_TURN
-from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT
+from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
 
 GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The steppers of every group, by their public names."""

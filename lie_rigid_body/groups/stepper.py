@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from lie_rigid_body.motion.tableau import Tableau
+from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
 Point: TypeAlias = list[float]
 Field: TypeAlias = Callable[[Point], Point]

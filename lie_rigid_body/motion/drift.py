@@ -20,7 +20,7 @@ from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.spinning_frame import DIGITS, SpinningFrame
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 from lie_rigid_body.motion.moving_chart import Method
 from lie_rigid_body.motion.step_error import StepError
 from lie_rigid_body.motion.time_steps import longest_step, steps_between
@@ -106,7 +106,7 @@ class MoserVeselovDrift:
     ) -> MoserVeselovDrift:
         """The drift of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
         with working_precision(DIGITS):
-            frame = SpinningFrame.of(body, start)
+            frame = ScaledMotion.of(body, start)
             terms = stepper.order // 2
             series = preprocessed_inertia(Invariants.of(frame), terms + _MORE_TERMS)
             alpha, beta = (tuple(map(float, coefficients)) for coefficients in series)
@@ -135,7 +135,7 @@ class MoserVeselovDrift:
     energy = momentum
 
 
-def _growth(frame: SpinningFrame, step: float) -> float:
+def _growth(frame: ScaledMotion, step: float) -> float:
     """How a rounding may grow until the energy is restored: at the rate λ about the intermediate axis."""
     e1, e2, e3 = frame.inverse_moments
     squared = float((e1 - e2) * (e2 - e3))

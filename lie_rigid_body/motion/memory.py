@@ -12,31 +12,31 @@ from lie_rigid_body.errors import InputError
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 """Bytes."""
 
-_MOST: Final = 8192
-"""Samples taken at once: their temporaries then stay in a processor's cache."""
+_LARGEST_BLOCK: Final = 8192
+"""Samples: the temporaries of so many fit into a processor's cache."""
 
-_FEWEST: Final = 256
-"""With fewer at once, most of the time goes into starting each operation."""
+_SMALLEST_BLOCK: Final = 256
+"""Samples: with fewer at once, starting an array operation takes longer than the operation."""
 
-_STATE: Final = 7 * 8
-"""Bytes of an attitude and a rate."""
+_STATE_BYTES: Final = 7 * 8
+"""An attitude and a rate in doubles."""
 
-_REST: Final = 1024 * 1024
-"""Bytes of what does not grow with the samples, tuples that Python keeps for later among it."""
+_FIXED_BYTES: Final = 1024 * 1024
+"""Whatever the number of samples, the tuples that Python keeps for reuse among it."""
 
 
 @dataclass(frozen=True)
-class Footprint:
-    """Bytes that a motion takes beside the states that it gives, at the worst moment.
+class WorkingMemory:
+    """The memory that computing states takes at its peak, beside the states themselves.
 
     Attributes
     ----------
     body : int
-        Of each body.
+        Bytes for each body.
     time : int
-        Of each time.
+        Bytes for each time.
     sample : int
-        Of each sample that is being computed.
+        Bytes for each sample of the block that is being computed.
     """
 
     body: int
@@ -44,7 +44,7 @@ class Footprint:
     sample: int
 
 
-def samples_within(bodies: int, times: int, memory_limit: int, footprint: Footprint) -> int:
+def samples_within(bodies: int, times: int, memory_limit: int, needs: WorkingMemory) -> int:
     """The number of samples to compute at once, at least 1.
 
     Where the limit is narrow it is small, but never so small that the evaluation would crawl.
@@ -55,7 +55,7 @@ def samples_within(bodies: int, times: int, memory_limit: int, footprint: Footpr
         The samples are their product.
     memory_limit : int
         Bytes that the states and everything made on the way may take.
-    footprint : Footprint
+    needs : WorkingMemory
 
     Returns
     -------
@@ -68,11 +68,14 @@ def samples_within(bodies: int, times: int, memory_limit: int, footprint: Footpr
     """
     if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
         raise InputError(f"memory_limit {memory_limit!r} is not a number of bytes: give an integer")
-    fixed = bodies * times * _STATE + bodies * footprint.body + times * footprint.time + _REST
-    least = fixed + footprint.sample * min(_FEWEST, bodies * times)
+    fixed = bodies * times * _STATE_BYTES + bodies * needs.body + times * needs.time + _FIXED_BYTES
+    least = fixed + needs.sample * min(_SMALLEST_BLOCK, bodies * times)
     if memory_limit < least:
         raise InputError(
             f"memory_limit {memory_limit} bytes is too little for {bodies} bodies at {times} times, which take "
             f"{least}: ask for fewer at once, or give a larger memory_limit"
         )
-    return max(1, min(_MOST, (int(memory_limit) - fixed) // footprint.sample))
+    return max(1, min(_LARGEST_BLOCK, (int(memory_limit) - fixed) // needs.sample))
+
+
+Footprint = WorkingMemory  # the name that `closed_form` knows it by

@@ -3,14 +3,15 @@
 The chart of Lucas (arXiv 1111.1275) about the present attitude A₀ is A(α) = exp(αᵃTᵃ) A₀. At the start of each
 step α = 0; the step carries α by its rate dexp⁻¹ and the momentum by Euler's equations; then the end point becomes the
 new centre. As α never grows beyond one step, the coordinates never become singular. With Runge–Kutta in the chart this
-is the Runge–Kutta–Munthe-Kaas method (Iserles et al., Acta Numerica 9 (2000), sec. 4.2).
+is the Runge–Kutta–Munthe-Kaas method (Iserles et al., Acta Numerica 9 (2000), sec. 4.2). docs/moving_chart.md derives
+the steps.
 
 Departure from the paper: the coordinates used here are β = A₀ᵀα, the same chart written in body components, since
 exp(hat(A₀β)) A₀ = A₀ exp(hat(β)). The inertia is then constant, and Euler's equations read π̇ = π × M⁻¹π for the body
 momentum π = Mω. It makes no difference to the result.
 
-The Moser–Veselov steps are taken in the same moving chart with Cayley's coordinates, A₀ cay(β), whose β follows from
-the momenta before and after the step (`moser_veselov`).
+The discrete Moser–Veselov steps are taken in the same moving chart with Cayley's coordinates, A₀ cay(hat(β)), whose β
+follows from the momenta before and after the step (`moser_veselov`).
 """
 
 from __future__ import annotations
@@ -26,13 +27,12 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, Footprint, samples_within
+from lie_rigid_body.motion.initial_conditions import InitialConditions
+from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
-from lie_rigid_body.motion.munthe_kaas_integrator import munthe_kaas_integrators
-from lie_rigid_body.motion.starts import Starts
-from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
 
 
 @dataclass(frozen=True)
@@ -44,15 +44,16 @@ class Method:
     name : str
         Its public name.
     order : int
-    begin : callable
-        Takes B bodies with their starts and the largest step, s, and returns an `Integrator` for each.
+        Of accuracy: the error of one step is of the order of its length to the power ``order`` + 1.
+    integrators : callable
+        Takes the initial conditions of B bodies and the largest step, s, and returns B integrators.
     largest_turn : float
-        rad: it takes steps no longer than the time of this turn, whatever the largest step.
+        rad: the steps are no longer than the time of this turn, whatever the largest step.
     """
 
     name: str
     order: int
-    begin: Callable[[Starts, float], Sequence[Integrator]]
+    integrators: Callable[[InitialConditions, float], Sequence[Integrator]]
     largest_turn: float = math.inf
 
 
@@ -76,8 +77,8 @@ METHODS: Final = {
 DEFAULT_METHOD: Final = "dmv20"
 DEFAULT_MAX_STEP: Final = 0.001
 
-_FOOTPRINT: Final = Footprint(body=1536, time=8, sample=320)
-"""By measurement 1400 of a body, which is its new state beside the old, and 250 of a sample."""
+_NEEDS: Final = WorkingMemory(body=1536, time=8, sample=320)
+"""Bytes; measured are 1400 for each body, whose new state is kept beside the old one, and 250 for each sample."""
 
 
 class MovingChart:
@@ -93,8 +94,8 @@ class MovingChart:
     ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with
     it.
 
-    Where numba is installed long integrations run compiled, to the same bits. What is long is judged by the steps of
-    all bodies together. Each body is stepped by itself, and has the bits that it has alone.
+    Where numba is installed long integrations run compiled, with the same bits; the steps of all bodies together decide
+    what is long. Each body is stepped by itself, and has the bits that it has alone.
 
     Parameters
     ----------
@@ -122,14 +123,14 @@ class MovingChart:
         self, body: RigidBody, start: State, *, method: str = DEFAULT_METHOD, max_step: float = DEFAULT_MAX_STEP
     ) -> None:
         require_stepper(method, max_step, METHODS)
-        starts = Starts.of(body, start)
+        starts = InitialConditions.of(body, start)
         self._batch = starts.batch
-        self._ensemble = MovingEnsemble(starts, METHODS[method].begin(starts, float(max_step)))
+        self._ensemble = MovingEnsemble(starts, METHODS[method].integrators(starts, float(max_step)))
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
 
-        Where an error is raised no body has moved: other times may be asked for.
+        Where an error is raised no body has moved, and other times may be asked for.
 
         Parameters
         ----------
@@ -154,7 +155,7 @@ class MovingChart:
         """
         times = nanoseconds(t_ns)
         bodies = math.prod(self._batch)
-        block = samples_within(bodies, times.size, memory_limit, _FOOTPRINT)
+        block = samples_within(bodies, times.size, memory_limit, _NEEDS)
         attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
         shape = (*self._batch, *times.shape)
@@ -162,7 +163,7 @@ class MovingChart:
 
 
 def require_stepper(method: object, max_step: object, methods: Collection[str]) -> None:
-    """Refuse a stepper that does not exist or a step that leads nowhere.
+    """Refuse a stepper that does not exist, or a step that is no positive finite time.
 
     Raises
     ------

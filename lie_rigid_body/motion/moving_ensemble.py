@@ -1,4 +1,4 @@
-"""Many bodies, each integrated by itself, that come to one time together."""
+"""The integration of many bodies through the same times, each by steps of its own."""
 
 from __future__ import annotations
 
@@ -6,18 +6,15 @@ from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.motion.starts import Starts
+from lie_rigid_body.motion.initial_conditions import InitialConditions
 from lie_rigid_body.motion.time_steps import TimeSteps, require_order
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class Integrator(Protocol):
-    """One body's motion in steps. Its state is kept by the caller, and is no more than a list of numbers."""
+    """The motion of one body in steps. The caller keeps its state, a list of floats that only the method can read."""
 
     @property
     def start(self) -> list[float]:
@@ -26,11 +23,11 @@ class Integrator(Protocol):
 
     @property
     def largest_step(self) -> float:
-        """The length, s, that no step exceeds."""
+        """The length that no step exceeds, s."""
         ...
 
     def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
-        """Refuse to go ahead from a state by steps that are too long for the method.
+        """Refuse to go ahead by so many nanoseconds, if the steps from this state would be too long for the method.
 
         Raises
         ------
@@ -45,9 +42,9 @@ class Integrator(Protocol):
         ----------
         state : list of float
         spans, counts : ndarray of int64, shape (N,)
-            Time from the sample before, ns, and the number of steps in it.
+            Time since the sample before, ns, and the number of steps that divide it.
         work : int
-            Steps that this counts as; see `compilation.Loop`.
+            The steps that this call counts as when it is judged whether compiling pays; see `compilation.Loop`.
 
         Returns
         -------
@@ -57,22 +54,22 @@ class Integrator(Protocol):
         Raises
         ------
         InputError
-            If the steps lead nowhere.
+            If the steps lead to infinity.
         """
         ...
 
 
 class MovingEnsemble:
-    """The states of B motions that have come to some time.
+    """B motions and the states that they have reached, all at the same time.
 
     Parameters
     ----------
-    starts : Starts
+    starts : InitialConditions
     integrators : sequence of Integrator
         One for each body.
     """
 
-    def __init__(self, starts: Starts, integrators: Sequence[Integrator]) -> None:
+    def __init__(self, starts: InitialConditions, integrators: Sequence[Integrator]) -> None:
         self._starts = starts
         self._integrators = integrators
         self._steps = [TimeSteps(integrator.largest_step) for integrator in integrators]
@@ -88,7 +85,7 @@ class MovingEnsemble:
         body_rate : ndarray, shape (B, N, 3)
         t_ns : ndarray of int64, shape (N,)
         block : int
-            How many samples to take at once.
+            The number of samples of a body to compute at once.
 
         Raises
         ------
@@ -105,14 +102,14 @@ class MovingEnsemble:
             for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
-        if self._reached_ns == 0:  # at the start the very numbers that were given
+        if self._reached_ns == 0:  # at the start exactly the numbers that were given
             begun = np.searchsorted(t_ns, 0, side="right")
             attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
             body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
         self._states, self._reached_ns = moved, int(t_ns[-1])
 
     def _steps_through(self, k: int, t_ns: Integers) -> int:
-        """About how many steps a body has to take, or a refusal."""
+        """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
         last_ns = int(t_ns[-1])
         try:
             self._integrators[k].require_short_steps(self._states[k], last_ns - self._reached_ns)
@@ -123,7 +120,7 @@ class MovingEnsemble:
     def _samples(
         self, k: int, state: list[float], t_ns: Integers, block: int, work: int
     ) -> Iterator[tuple[slice, Array, Array]]:
-        """Attitudes and rates of one body, block by block, while its state moves on."""
+        """Attitudes and rates of one body, block by block; its state moves on in place."""
         reached_ns = self._reached_ns
         for begin in range(0, len(t_ns), block):
             some = slice(begin, begin + block)

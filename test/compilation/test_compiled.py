@@ -16,8 +16,9 @@ from lie_rigid_body.compilation import loop as loops
 from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.compilation.loop import LONG_WORK, SIGNATURE
 from lie_rigid_body.compilation.work import LONG_CALL
-from lie_rigid_body.motion import METHODS, munthe_kaas_loop
+from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
+from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
 
 MODULES = (moser_veselov_loop, munthe_kaas_loop)
 BODIES = {
@@ -124,7 +125,7 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
 @needs_numba
 def test_the_compiling_process_ends_with_the_work(tmp_path):
     code = (
-        "from lie_rigid_body.motion.munthe_kaas_loop import advance; "
+        "from lie_rigid_body.motion.munthe_kaas.loop import advance; "
         "from lie_rigid_body.compilation.compiler import Compiler; "
         f"print(Compiler.of(advance, {SIGNATURE!r})._process.pid)"
     )

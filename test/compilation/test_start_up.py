@@ -58,9 +58,9 @@ def test_what_was_compiled_is_loaded_by_the_next_process(tmp_path, monkeypatch):
     """Compiling takes seconds; loading from the cache changes no file of it."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     code = """
-from lie_rigid_body.motion import munthe_kaas_loop
-from lie_rigid_body.motion.moser_veselov import loop
-assert loop.LOOP.compile() and munthe_kaas_loop.LOOP.compile()
+from lie_rigid_body.motion.moser_veselov.loop import LOOP as moser_veselov
+from lie_rigid_body.motion.munthe_kaas.loop import LOOP as munthe_kaas
+assert moser_veselov.compile() and munthe_kaas.compile()
 """
     assert "numba" in loaded(code)
     files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")}

@@ -18,8 +18,9 @@ from lie_rigid_body.compilation import Loop
 from lie_rigid_body.compilation import loop as loops
 from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.motion import METHODS, munthe_kaas_integrator
+from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import integrator as moser_veselov_integrator
+from lie_rigid_body.motion.munthe_kaas import integrator as munthe_kaas_integrator
 
 TIMES = np.array([0, 0, 1, 77, 123_456_789, 10**9, 1_700_000_000])
 LOOPS = (munthe_kaas_integrator.LOOP, moser_veselov_integrator.LOOP)

@@ -1,4 +1,14 @@
-"""The discrete Moser–Veselov stepper: one step keeps the energy and the spatial momentum, whatever its length."""
+"""The discrete Moser–Veselov steppers ``dmv2`` to ``dmv20``, which keep energy and spatial momentum at any step length.
+
+A table of contents
+
+- `principal_frame`: the frame and units of a motion;
+- `preprocessing`: the preprocessed inertia, as power series in the step;
+- `motion_constants`: the constants of a motion, for the kernels;
+- `layout`: the places of numbers in the vectors that the kernels share;
+- `step`, `restoration`, `loop`: the kernels: one step, the invariants restored, and many steps;
+- `integrator`: one body's motion.
+"""
 
 from lie_rigid_body.motion.moser_veselov.integrator import LARGEST_TURN, moser_veselov_integrators
 

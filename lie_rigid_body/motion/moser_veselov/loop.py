@@ -1,90 +1,78 @@
-"""The loop over samples and steps, the same in plain Python and compiled."""
+"""The loop over samples and steps of the discrete Moser–Veselov algorithm, the same in plain Python and compiled."""
 
 from __future__ import annotations
 
 from typing import Any, Final
 
-from lie_rigid_body.arithmetic.double_double import DoubleDouble, divide, fast_two_sum, multiply
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, divide, from_integer, multiply
 from lie_rigid_body.compilation import Loop, kernel
+from lie_rigid_body.motion.moser_veselov.layout import (
+    ATTITUDE,
+    MOMENTUM,
+    MOMENTUM_STEP,
+    NANOSECOND,
+    RATES,
+    ROTATION_STEP,
+    SINCE_RESTORATION,
+    SPATIAL_MOMENTUM,
+    STEP_LENGTH,
+    four,
+    pair,
+    seven,
+    store,
+    three,
+)
 from lie_rigid_body.motion.moser_veselov.restoration import restored_attitude, restored_momentum
-from lie_rigid_body.motion.moser_veselov.step import moved_momentum, step_rotation, turned
-from lie_rigid_body.motion.moser_veselov.step_constants import step_constants
+from lie_rigid_body.motion.moser_veselov.step import moved_momentum, step_constants, step_rotation, turned
 
 STEPS_BETWEEN_RESTORATIONS: Final = 64.0
 TURN_BETWEEN_RESTORATIONS: Final = 2.0
 """rad, unless these steps turn less: near the separatrix an error grows by as many powers of e at most."""
 
-MOMENTUM: Final = 0
-ATTITUDE: Final = 6
-DONE: Final = 14
-LENGTH: Final = 15
-STEP: Final = 17
-STATE_SIZE: Final = 37
-"""Places in a state: n₁ n₂ n₃ and x y z w, each hi and lo, the steps since a restoration, long ones counted as more
-than one, and the latest step's length and constants, so that a step like the one before costs nothing more."""
-
-SPATIAL_MOMENTUM: Final = 18
-RATES: Final = 24
-"""Their places among the constants of a motion."""
-
 SAMPLE_SIZE: Final = 7
+"""Floats of a sample: x y z w, scalar last, and the body rate, rad/s, in the principal frame."""
 
 
 @kernel
 def step_length(unit: DoubleDouble, span: int, count: int) -> DoubleDouble:
     """The length of one of ``count`` equal steps in ``span`` nanoseconds, if one nanosecond is ``unit``."""
-    low = span & 0xFFFFFFFF
-    time = fast_two_sum(float(span - low), float(low))
-    return divide(multiply(unit, time), (float(count), 0.0))
+    return divide(multiply(unit, from_integer(span)), (float(count), 0.0))
 
 
 @kernel
 def prepare(state: Any, constants: Any, span: int, count: int) -> None:
     """Store the constants of a step, unless they are there already."""
-    length = step_length((constants[0], constants[1]), span, count)
-    if length[0] != state[LENGTH] or length[1] != state[LENGTH + 1]:
-        state[LENGTH], state[LENGTH + 1] = length
-        step = step_constants(length, constants)
-        for j in range(STATE_SIZE - STEP):
-            state[STEP + j] = step[j]
-
-
-@kernel
-def pair(values: Any, place: int) -> DoubleDouble:
-    """The number at a place and the next."""
-    return values[place], values[place + 1]
+    length = step_length(pair(constants, NANOSECOND), span, count)
+    if length[0] != state[STEP_LENGTH] or length[1] != state[STEP_LENGTH + 1]:
+        state[STEP_LENGTH], state[STEP_LENGTH + 1] = length
+        momentum_step, rotation_step = step_constants(length, constants)
+        store(state, MOMENTUM_STEP, momentum_step)
+        store(state, ROTATION_STEP, rotation_step)
 
 
 @kernel
 def take_steps(state: Any, constants: Any, count: int) -> None:
-    """Move the state by a number of steps."""
-    n = (pair(state, MOMENTUM), pair(state, MOMENTUM + 2), pair(state, MOMENTUM + 4))
-    q = (pair(state, ATTITUDE), pair(state, ATTITUDE + 2), pair(state, ATTITUDE + 4), pair(state, ATTITUDE + 6))
-    done = state[DONE]
-    part = max(1.0, STEPS_BETWEEN_RESTORATIONS / TURN_BETWEEN_RESTORATIONS * state[LENGTH])
+    """Move the state by a number of steps of the length that is prepared."""
+    n, q = three(state, MOMENTUM), four(state, ATTITUDE)
+    momentum_step, rotation_step = seven(state, MOMENTUM_STEP), three(state, ROTATION_STEP)
+    done = state[SINCE_RESTORATION]
+    part = max(1.0, STEPS_BETWEEN_RESTORATIONS / TURN_BETWEEN_RESTORATIONS * state[STEP_LENGTH])
     for _ in range(count):
         before = n
-        n = moved_momentum(n, state, STEP)
-        q = turned(q, step_rotation(before, n, state, STEP))
+        n = moved_momentum(n, momentum_step)
+        q = turned(q, step_rotation(before, n, rotation_step))
         done += part
         if done >= STEPS_BETWEEN_RESTORATIONS:
             done = 0.0
-            world = (
-                pair(constants, SPATIAL_MOMENTUM),
-                pair(constants, SPATIAL_MOMENTUM + 2),
-                pair(constants, SPATIAL_MOMENTUM + 4),
-            )
             n = restored_momentum(n, constants)
-            q = restored_attitude(q, n, world)
-    for j in range(3):
-        state[MOMENTUM + 2 * j], state[MOMENTUM + 2 * j + 1] = n[j]
-    for j in range(4):
-        state[ATTITUDE + 2 * j], state[ATTITUDE + 2 * j + 1] = q[j]
-    state[DONE] = done
+            q = restored_attitude(q, n, three(constants, SPATIAL_MOMENTUM))
+    store(state, MOMENTUM, n)
+    store(state, ATTITUDE, q)
+    state[SINCE_RESTORATION] = done
 
 
 def advance(state: Any, constants: Any, spans: Any, counts: Any, takes: Any, out: Any) -> None:
-    """Steps through the samples, each given back as x … w and the body rate; see `compilation.Loop`."""
+    """Step through the samples, and give attitude and body rate at each as a row of ``out``; see `compilation.Loop`."""
     for i in range(len(spans)):
         if counts[i] > 0:
             prepare(state, constants, spans[i], counts[i])

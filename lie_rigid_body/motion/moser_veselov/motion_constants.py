@@ -1,102 +1,93 @@
-"""What the steps of a motion need to know, whatever their length and the attitude at the start.
+"""The constants of a motion: what its steps need to know, whatever their length and the attitude at the start.
 
-The series have the most to say about an error that repeats from step to step. So their first three coefficients come
-from decimal arithmetic, and the others, which x⁶ makes small, from doubles.
+An error of the series of α and β repeats at every step, and adds up. So their first three coefficients come from
+decimal arithmetic; the others, which x⁶ makes small, are computed in doubles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.double_double import from_decimal
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.motion.moser_veselov.layout import (
+    ALPHA,
+    DIFFERENCES,
+    ENERGY,
+    INVERSE_MOMENTS,
+    M1,
+    M3,
+    NANOSECOND,
+    RATES,
+    P,
+    Q,
+)
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame
+from lie_rigid_body.motion.moser_veselov.principal_frame import ScaledMotion
 
-Array: TypeAlias = NDArray[np.float64]
-Rest: TypeAlias = tuple[list[float], list[float]]
+LaterTerms: TypeAlias = tuple[list[float], list[float]]
 
 _NANOSECOND: Final = Decimal("1e-9")
 _EXACT_TERMS: Final = 3
 _FEWEST_TERMS: Final = 2
 
 
-@dataclass(frozen=True)
-class MotionConstants:
-    """Numbers of a motion in the units of its frame, hi and lo by turns.
+def motion_constants(motions: Sequence[ScaledMotion], order: int) -> list[list[float]]:
+    """The constants of each motion for steps of an even order, as `layout` says; the spatial momentum is left at 0.
 
-    Attributes
-    ----------
-    frame : list of float
-        One nanosecond; e₁, e₂, e₃; P, Q; m₁, m₃; 2H − e₂.
-    rates : list of float
-        The body rates of n₁, n₂, n₃ in rad/s.
-    differences : list of float
-        e₁ − e₂, e₁ − e₃, e₂ − e₃.
-    series : list of float
-        Those of α and β by turns.
+    Decimal arithmetic is that of the precision in force.
     """
-
-    frame: list[float]
-    rates: list[float]
-    differences: list[float]
-    series: list[float]
-
-
-def motion_constants(frames: Sequence[SpinningFrame], order: int) -> list[MotionConstants]:
-    """Those of motions in their frames, for steps of an even order, in the decimal precision in force."""
     terms = order // 2
-    exact = [Invariants.of(frame) for frame in frames]
-    rests = _in_doubles(exact, terms) if frames and terms > _EXACT_TERMS else [([], [])] * len(frames)
+    exact = [Invariants.of(motion) for motion in motions]
+    later = _in_doubles(exact, terms) if motions and terms > _EXACT_TERMS else [([], [])] * len(motions)
     return [
-        MotionConstants(
-            pairs(_of_frame(frame)),
-            pairs(e * frame.fastest for e in frame.inverse_moments),
-            pairs(_differences(frame)),
-            _series(motion, terms, rest),
-        )
-        for frame, motion, rest in zip(frames, exact, rests, strict=True)
+        _placed(motion, _series(invariants, terms, rest))
+        for motion, invariants, rest in zip(motions, exact, later, strict=True)
     ]
 
 
-def pairs(values: Iterable[Decimal]) -> list[float]:
-    """Each number as hi and lo."""
-    found: list[float] = []
-    for value in values:
-        hi = float(value)
-        found += [hi, float(value - Decimal(hi))]
-    return found
+def hi_lo(values: Iterable[Decimal]) -> list[float]:
+    """The numbers as double-doubles, hi and lo by turns."""
+    return [part for value in values for part in from_decimal(value)]
 
 
-def _of_frame(frame: SpinningFrame) -> list[Decimal]:
-    e1, e2, e3 = frame.inverse_moments
-    n1, n2, n3 = (component * component for component in frame.momentum)
-    p = (e2 - e3) * ((e1 - e2) * n2 + (e1 - e3) * n3)
-    q = (e1 - e2) * ((e1 - e3) * n1 + (e2 - e3) * n2)
-    # of terms that are small near the axis, and cancel on the separatrix only
-    above = (e1 - e2) * n1 - (e2 - e3) * n3
-    return [_NANOSECOND * frame.fastest, e1, e2, e3, p, q, frame.m1, frame.m3, above]
+def _placed(motion: ScaledMotion, series: list[float]) -> list[float]:
+    """The vector of constants, with the pairs of the series at its end."""
+    e1, e2, e3 = motion.inverse_moments
+    n1, n2, n3 = (component * component for component in motion.momentum)
+    e12, e13, e23 = e1 - e2, e1 - e3, e2 - e3
+    numbers: dict[int, Sequence[Decimal]] = {
+        NANOSECOND: [_NANOSECOND * motion.fastest],
+        INVERSE_MOMENTS: [e1, e2, e3],
+        P: [e23 * (e12 * n2 + e13 * n3)],
+        Q: [e12 * (e13 * n1 + e23 * n2)],
+        M1: [motion.m1],
+        M3: [motion.m3],
+        # of terms that are small near an axis, and cancel on the separatrix only
+        ENERGY: [e12 * n1 - e23 * n3],
+        RATES: [e * motion.fastest for e in motion.inverse_moments],
+        DIFFERENCES: [e12, e13, e23],
+    }
+    constants = [*[0.0] * ALPHA, *series]
+    for place, values in numbers.items():
+        constants[place : place + 2 * len(values)] = hi_lo(values)
+    return constants
 
 
-def _differences(frame: SpinningFrame) -> list[Decimal]:
-    e1, e2, e3 = frame.inverse_moments
-    return [e1 - e2, e1 - e3, e2 - e3]
-
-
-def _series(motion: Invariants[Decimal], terms: int, rest: Rest) -> list[float]:
-    """The pairs of α and β by turns: decimals first, then the rest; α ends one term earlier."""
-    alpha, beta = (pairs(first) for first in preprocessed_inertia(motion, min(terms, _EXACT_TERMS)))
-    for coefficients, more in zip((alpha, beta), rest, strict=True):
+def _series(motion: Invariants[Decimal], terms: int, later: LaterTerms) -> list[float]:
+    """The pairs of α and β by turns: decimal terms first, then the later ones; α ends one term earlier."""
+    alpha, beta = (hi_lo(first) for first in preprocessed_inertia(motion, min(terms, _EXACT_TERMS)))
+    for coefficients, more in zip((alpha, beta), later, strict=True):
         coefficients += [part for value in more for part in (value, 0.0)]
         coefficients += [0.0] * (2 * max(terms, _FEWEST_TERMS) - len(coefficients))
     return [c for k in range(0, len(beta), 2) for c in (alpha[k], alpha[k + 1], beta[k], beta[k + 1])]
 
 
-def _in_doubles(motions: Sequence[Invariants[Decimal]], terms: int) -> list[Rest]:
+def _in_doubles(motions: Sequence[Invariants[Decimal]], terms: int) -> list[LaterTerms]:
     """The coefficients after the exact ones, of each motion."""
     rows = np.array([[float(number) for number in vars(motion).values()] for motion in motions])
     if len(motions) == 1:  # the same in numbers, as an operation on an array takes longer to start

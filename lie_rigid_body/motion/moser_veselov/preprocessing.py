@@ -1,20 +1,20 @@
 """The preprocessed inertia of the discrete Moser–Veselov algorithm, as power series in the step.
 
-The algorithm takes steps with a rotation whose unit quaternion (ρ, ρ₀) fulfils ρ₀ρⱼ = dⱼ m̄ⱼ, m̄ being the mean of
-the body momenta before and after. It is a discretisation of order 2 for dⱼ = h/(2Iⱼ). With
+A step of the algorithm is a rotation whose unit quaternion (ρ, ρ₀) fulfils ρ₀ρⱼ = dⱼ m̄ⱼ, where m̄ is the mean of the
+body momenta before and after it. With dⱼ = h/(2Iⱼ) it is of order 2. With
 
     dⱼ = α(h) + β(h)/Iⱼ
 
-and the right numbers α, β, which depend on the step and on the two invariants but not on the phase of the motion, the
-step is exact (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to order 10). Here the
-coefficients are not taken from formulas: they are found from the Taylor series of the motion itself, for the step
-that is symmetric about the phase at which the component along the intermediate axis vanishes. There, with n = (√m₁ a,
-(e₁ − e₃)√(m₁m₃) t s, √m₃ c) and the quaternion (√m₁ t x, √(m₁m₃) y, √m₃ t z, w) a time t after that phase, all seven
-are power series in t², with coefficients that are polynomials in m₁, m₃ and eⱼ: nothing is singular, whatever the body
-and its motion.
+and the right numbers α, β, which depend on the length of the step, the energy and the momentum, but not on where on its
+orbit the motion is, the step is exact (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to
+order 10). Here the coefficients are not taken from formulas: they are found from the Taylor series of the motion
+itself, for the step that is symmetric about the phase at which the component along the intermediate axis vanishes.
+There, with n = (√m₁ a, (e₁ − e₃)√(m₁m₃) t s, √m₃ c) and the quaternion (√m₁ t x, √(m₁m₃) y, √m₃ t z, w) a time t after
+that phase, all seven are power series in t², with coefficients that are polynomials in m₁, m₃ and eⱼ: nothing is
+singular, whatever the body and its motion.
 
-The numbers may be of any kind that is added, multiplied and divided: Decimals, doubles, or arrays of doubles with one
-element a motion, which come to the bits of the doubles.
+The numbers may be Decimals, doubles, or arrays of doubles with one element a motion, whose bits are those of the
+doubles.
 """
 
 from __future__ import annotations
@@ -23,18 +23,16 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Generic, TypeAlias, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.motion.moser_veselov.principal_frame import ScaledMotion
 
-from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame
-
-Number = TypeVar("Number", Decimal, float, NDArray[np.float64])
+Number = TypeVar("Number", Decimal, float, Array)
 Series: TypeAlias = list[Number]
 
 
 @dataclass(frozen=True)
 class Invariants(Generic[Number]):
-    """What the series depend on, so that nothing is left to cancel in them.
+    """The constants of the motion that its Taylor series depend on, formed so that nothing cancels in the series.
 
     Axes 1 and 3 are those of the frame or exchanged, which changes neither α nor β, so that e₁ ≤ e₃.
 
@@ -56,10 +54,10 @@ class Invariants(Generic[Number]):
     m3: Number
 
     @classmethod
-    def of(cls, frame: SpinningFrame) -> Invariants[Decimal]:
-        """Those of a motion."""
-        e1, e2, e3 = frame.inverse_moments
-        m1, m3 = frame.m1, frame.m3
+    def of(cls, motion: ScaledMotion) -> Invariants[Decimal]:
+        """The invariants of a motion in its own units."""
+        e1, e2, e3 = motion.inverse_moments
+        m1, m3 = motion.m1, motion.m3
         if e1 > e3:
             e1, e3, m1, m3 = e3, e1, m3, m1
         difference = e1 - e3
@@ -98,7 +96,11 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
 
 
 def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], ...]:
-    """Taylor coefficients of Euler's equations and of the quaternion's, q̇ = ½ q⊗ω, from the symmetric phase."""
+    """Taylor coefficients of the motion after the symmetric phase, n₂ = 0, in powers of t².
+
+    Those of Euler's equations and of q̇ = ½ q ⊗ ω, of which each line is one component. An even function of t has the
+    coefficients of its derivative divided by 2n, an odd one by 2n + 1.
+    """
     f1, f2, f3, m1, m3 = motion.f1, motion.f2, motion.f3, motion.m1, motion.m3
     zero = f1 - f1
     a, c, y, w = [zero + 1], [zero + 1], [zero], [zero + 1]
@@ -116,7 +118,7 @@ def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], 
 
 
 def _term(a: Series[Number], b: Series[Number], n: int) -> Number:
-    """The n-th coefficient of a product."""
+    """The n-th coefficient of the product of two series (Cauchy's product)."""
     total = a[0] * b[n]
     for i in range(1, n + 1):
         total = total + a[i] * b[n - i]
@@ -124,6 +126,7 @@ def _term(a: Series[Number], b: Series[Number], n: int) -> Number:
 
 
 def _times(a: Series[Number], b: Series[Number]) -> Series[Number]:
+    """The product of two series of equal length."""
     return [_term(a, b, n) for n in range(len(a))]
 
 

@@ -1,38 +1,39 @@
-"""The state rid of what round-off has done to its invariants, in double-double.
+"""The restoration of the invariants that round-off has changed, in double-double.
 
-Between two restorations they are off by some 1e-17. What cannot be restored is where on its orbit the momentum is,
-and the angle of the body about the spatial momentum: round-off makes these two, and nothing else, a random walk.
+Invariants are the length of the momentum, the energy, the spatial momentum and the norm of the quaternion. Between two
+restorations they go wrong by some 1e-17, so that one Newton step, projecting the state onto them, is enough (E. Hairer,
+C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., sec. IV.4). What cannot be restored is where on its
+orbit the momentum is, and the angle of the body about the spatial momentum: round-off makes these two, and nothing
+else, a random walk.
 """
 
 from __future__ import annotations
 
 from typing import Any, Final
 
-from lie_rigid_body.arithmetic.double_double import DoubleDouble, add, multiply, subtract
+from lie_rigid_body.arithmetic.double_double import ONE, ZERO, DoubleDouble, add, multiply, scaled, subtract
 from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.moser_veselov.step import Four, Three, increased
-
-DIFFERENCES: Final = 30
-"""The place of e₁ − e₂, e₁ − e₃ and e₂ − e₃ among the constants of a motion."""
+from lie_rigid_body.motion.moser_veselov.layout import DIFFERENCES, ENERGY, M1, M3, Four, Three, pair, three
+from lie_rigid_body.motion.moser_veselov.step import increased
 
 SMALLEST: Final = 1e-250
-"""Square of a gradient from which the energy is restored; of a steady rotation it is 0."""
+"""The square of the energy's gradient from which on the energy is restored; that of a steady rotation is 0."""
 
 
 @kernel
 def restored_momentum(n: Three, constants: Any) -> Three:
     """The nearest momentum of unit length and of the energy of the start.
 
-    The energy is counted from that of a spin about the nearest axis. So nothing cancels in it, however near that is,
-    and however near the start to the separatrix.
+    The energy is counted from that of a spin about the axis k nearest to the momentum, 2H − eₖ = Σ (eⱼ − eₖ) nⱼ². So
+    nothing cancels in it, however near that is, and however near the start to the separatrix.
     """
     a, b, c = multiply(n[0], n[0]), multiply(n[1], n[1]), multiply(n[2], n[2])
-    length = subtract(add(a, add(b, c)), (1.0, 0.0))[0]
+    length = subtract(add(a, add(b, c)), ONE)[0]
     d1, d2, d3, level = from_nearest_axis(a[0], b[0], c[0], constants)
     energy = add(multiply(d1, a), add(multiply(d2, b), multiply(d3, c)))
     mean = energy[0]
-    # the energy, and half its gradient, less what the length accounts for
+    # what the energy is off, less what the length accounts for; g is half its gradient along the unit sphere
     across = subtract(energy, level)[0] - mean * length
     g1, g2, g3 = n[0][0] * (d1[0] - mean), n[1][0] * (d2[0] - mean), n[2][0] * (d3[0] - mean)
     square = g1 * g1 + g2 * g2 + g3 * g3
@@ -48,26 +49,14 @@ def restored_momentum(n: Three, constants: Any) -> Three:
 def from_nearest_axis(
     a: Number, b: Number, c: Number, constants: Any
 ) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]:
-    """With eₖ of the axis whose squared component is the largest: eⱼ − eₖ for each j, and 2H − eₖ of the start."""
-    e12, e13, e23 = pair_at(constants, 0), pair_at(constants, 2), pair_at(constants, 4)
+    """The differences eⱼ − eₖ for each j, and 2H − eₖ of the start, k being the axis of the largest of the squares."""
+    e12, e13, e23 = three(constants, DIFFERENCES)
     if a >= b and a >= c:
         # 2H − e₁ = −(e₁ − e₃) m₃, and 2H − e₃ = (e₁ − e₃) m₁
-        return (0.0, 0.0), negative(e12), negative(e13), multiply(negative(e13), (constants[14], constants[15]))
+        return ZERO, scaled(e12, -1.0), scaled(e13, -1.0), multiply(scaled(e13, -1.0), pair(constants, M3))
     if c >= b:
-        return e13, e23, (0.0, 0.0), multiply(e13, (constants[12], constants[13]))
-    return e12, (0.0, 0.0), negative(e23), (constants[16], constants[17])
-
-
-@kernel
-def pair_at(constants: Any, place: int) -> DoubleDouble:
-    """One of the differences."""
-    return constants[DIFFERENCES + place], constants[DIFFERENCES + place + 1]
-
-
-@kernel
-def negative(a: DoubleDouble) -> DoubleDouble:
-    """−a."""
-    return -a[0], -a[1]
+        return e13, e23, ZERO, multiply(e13, pair(constants, M1))
+    return e12, ZERO, scaled(e23, -1.0), pair(constants, ENERGY)
 
 
 @kernel
@@ -76,14 +65,14 @@ def restored_attitude(q: Four, n: Three, world: Three) -> Four:
     x, y, z, w = unit(q)
     t1, t2, t3 = cross((x, y, z), n)
     u1, u2, u3 = add(t1, multiply(w, n[0])), add(t2, multiply(w, n[1])), add(t3, multiply(w, n[2]))
-    # A n = w(w n + v × n) + v(v·n) + v × (w n + v × n)
+    # u = w n + v × n, and the momentum in the world is A n = w u + v(v·n) + v × u
     c1, c2, c3 = cross((x, y, z), (u1, u2, u3))
     dot = add(multiply(x, n[0]), add(multiply(y, n[1]), multiply(z, n[2])))
     r1 = subtract(add(add(multiply(w, u1), multiply(x, dot)), c1), world[0])[0]
     r2 = subtract(add(add(multiply(w, u2), multiply(y, dot)), c2), world[1])[0]
     r3 = subtract(add(add(multiply(w, u3), multiply(z, dot)), c3), world[2])[0]
     l1, l2, l3 = world[0][0], world[1][0], world[2][0]
-    # half the rotation vector, in the world, that takes A n back
+    # ½ (A n − L) × L is half the rotation vector, in the world, that takes A n back to L
     a, b, c = 0.5 * (r2 * l3 - r3 * l2), 0.5 * (r3 * l1 - r1 * l3), 0.5 * (r1 * l2 - r2 * l1)
     return (
         increased(x, w[0] * a + b * z[0] - c * y[0], 0.0),
@@ -98,7 +87,8 @@ def unit(q: Four) -> Four:
     """A quaternion brought to unit norm by one Newton step."""
     x, y, z, w = q
     square = add(add(multiply(x, x), multiply(y, y)), add(multiply(z, z), multiply(w, w)))
-    less = -0.5 * subtract(square, (1.0, 0.0))[0]
+    # 1/|q| − 1 = −½(|q|² − 1) + O((|q|² − 1)²)
+    less = -0.5 * subtract(square, ONE)[0]
     return (
         increased(x, less * x[0], 0.0),
         increased(y, less * y[0], 0.0),

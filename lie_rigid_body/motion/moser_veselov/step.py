@@ -1,4 +1,22 @@
-"""One Moser–Veselov step of a state carried in double-double.
+"""One discrete Moser–Veselov step, of a state carried in double-double.
+
+In the frame and units of `ScaledMotion` Euler's equations read ṅ₁ = (e₃ − e₂) n₂n₃ and cyclically, and are solved by
+Jacobi's functions of time: n₂ is an sn, n₁ and n₃ are a cn and a dn (Landau, Lifshitz, Mechanics, §37). Their addition
+theorems (DLMF 22.8) give the momentum n⁺ after a step from that before it, n:
+
+    n₁⁺ = (χ n₁ + S δ (e₃ − e₂) n₂n₃)/D         D = 1 − S²(e₃ − e₂)(e₂ − e₁) n₂²
+    n₂⁺ = (χδ n₂ + S (e₁ − e₃) n₃n₁)/D          χ² = 1 − S²P,  P = (e₂ − e₃)(e₁ − 2H)
+    n₃⁺ = (δ n₃ + S χ (e₂ − e₁) n₁n₂)/D         δ² = 1 − S²Q,  Q = (e₁ − e₂)(2H − e₃)
+
+For any S this keeps |n| and the energy. The quaternion (ρ, ρ₀) of the step's rotation follows from the Moser–Veselov
+equation with the preprocessed inertia dⱼ = α + βeⱼ of `preprocessing`,
+
+    ρ₀ρⱼ = ½dⱼ (nⱼ + nⱼ⁺),
+
+in Cayley's coordinates ρ/ρ₀ of the chart. S is the one number for which this rotation takes n⁺ to n. On the step that
+is symmetric about n₂ = 0 that is a condition on S(x/2), which is called T here:
+
+    T ρ₀² = β χ δ,     ρ₀²(1 − ρ₀²) = d₁²χ²m₁ + d₃²δ²m₃,     with χ² = 1 − T²P, δ² = 1 − T²Q.
 
 Increments of the momentum are products of doubles, so rounded to 1e-16 of themselves and 1e-18 of the momentum. What
 would repeat from step to step, the rounding of constants and of components that stay, is made up for by lo parts, so
@@ -7,38 +25,169 @@ that the errors that remain are as good as random. The attitude's increments are
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Any, Final
 
-from lie_rigid_body.arithmetic.double_double import DoubleDouble, fast_two_sum, two_product, two_sum
-from lie_rigid_body.arithmetic.numbers import Number, sqrt
+from lie_rigid_body.arithmetic.double_double import (
+    ONE,
+    DoubleDouble,
+    add,
+    divide,
+    fast_two_sum,
+    multiply,
+    scaled,
+    square_root,
+    subtract,
+    two_product,
+    two_sum,
+)
+from lie_rigid_body.arithmetic.numbers import Number, magnitude, sqrt
 from lie_rigid_body.compilation import kernel
+from lie_rigid_body.motion.moser_veselov.layout import (
+    ALPHA,
+    BETA,
+    INVERSE_MOMENTS,
+    M1,
+    M3,
+    SERIES_STRIDE,
+    Four,
+    P,
+    Q,
+    Seven,
+    Three,
+    pair,
+    three,
+)
 
-Three: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
-Four: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]
+NEWTON_STEPS: Final = 6
+"""From the order-2 guess at a turn of ¼ rad, to the last bit of a double."""
+
+CONVERGED: Final = 1e-9
+"""A relative correction whose square is below round-off."""
 
 
 @kernel
-def increased(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
-    """A value with an increment added, given as a double and a smaller one that it lacks."""
-    total, error = two_sum(value[0], hi)
-    return two_sum(total, value[1] + (error + lo))
+def step_constants(x: DoubleDouble, constants: Any) -> tuple[Seven, Three]:
+    """The constants of all steps of a given length.
+
+    Parameters
+    ----------
+    x : pair
+        Length of the step, in the motion's unit of time.
+    constants : floats
+        Of the motion; see `layout`.
+
+    Returns
+    -------
+    momentum_step : 7 pairs
+        χ − 1, χδ − 1, δ − 1; Sδ(e₃ − e₂), S(e₁ − e₃), Sχ(e₂ − e₁); S²(e₃ − e₂)(e₂ − e₁).
+    rotation_step : 3 pairs
+        ½d₁, ½d₂, ½d₃.
+    """
+    e1, e2, e3 = three(constants, INVERSE_MOMENTS)
+    p, q = pair(constants, P), pair(constants, Q)
+    square = multiply(x, x)
+    alpha = multiply(multiply(x, square), power_series(square, constants, ALPHA))
+    beta = multiply(x, power_series(square, constants, BETA))
+    d1, d2, d3 = add(alpha, multiply(beta, e1)), add(alpha, multiply(beta, e2)), add(alpha, multiply(beta, e3))
+    half = half_step(beta, d1, d3, constants)
+    both = multiply(half, half)
+    chi, delta = complement(both, p), complement(both, q)
+    # duplication: S(x) = 2 T χ δ/(1 − T⁴PQ)
+    below = subtract(ONE, multiply(multiply(both, p), multiply(both, q)))
+    s = divide(multiply(multiply(scaled(half, 2.0), chi), delta), below)
+    both = multiply(s, s)
+    chi, delta = complement(both, p), complement(both, q)
+    e32, e13, e21 = subtract(e3, e2), subtract(e1, e3), subtract(e2, e1)
+    return (
+        (
+            subtract(chi, ONE),
+            subtract(multiply(chi, delta), ONE),
+            subtract(delta, ONE),
+            multiply(multiply(s, delta), e32),
+            multiply(s, e13),
+            multiply(multiply(s, chi), e21),
+            multiply(both, multiply(e32, e21)),
+        ),
+        (scaled(d1, 0.5), scaled(d2, 0.5), scaled(d3, 0.5)),
+    )
 
 
 @kernel
-def moved_momentum(n: Three, step: Any, at: int) -> Three:
-    """The momentum after a step, by the addition theorems of `step_constants`, whose results begin at a place."""
+def power_series(square: DoubleDouble, constants: Any, first: int) -> DoubleDouble:
+    """Σ cₖ x²ᵏ, with the coefficients of α or β from their first place; doubles will do for the terms beyond x²."""
+    x = square[0]
+    tail = 0.0
+    # the coefficients of α and β take turns up to the end of the vector
+    last = len(constants) - SERIES_STRIDE + (first - ALPHA)
+    for place in range(last, first + SERIES_STRIDE, -SERIES_STRIDE):
+        tail = tail * x + constants[place]
+    rest = multiply(square, add(pair(constants, first + SERIES_STRIDE), multiply(square, (tail, 0.0))))
+    return add(pair(constants, first), rest)
+
+
+@kernel
+def complement(square: DoubleDouble, p: DoubleDouble) -> DoubleDouble:
+    """√(1 − S²P), from S²."""
+    return square_root(subtract(ONE, multiply(square, p)))
+
+
+@kernel
+def half_step(beta: DoubleDouble, d1: DoubleDouble, d3: DoubleDouble, constants: Any) -> DoubleDouble:
+    """The root T of T ρ₀² = β χ δ: by Newton's method in doubles, and one step more in double-double."""
+    t = beta[0]
+    for _ in range(NEWTON_STEPS):
+        less = residual(t, beta[0], d1[0], d3[0], constants) / slope(t, beta[0], d1[0], d3[0], constants)
+        t = t - less
+        if magnitude(less) <= CONVERGED * t:
+            break
+    both = two_product(t, t)
+    chi, delta = complement(both, pair(constants, P)), complement(both, pair(constants, Q))
+    # ρ₀² = ½ + ½√(1 − 4s) with s = ρ₀²(1 − ρ₀²)
+    v1, v3 = multiply(d1, chi), multiply(d3, delta)
+    s = add(multiply(multiply(v1, v1), pair(constants, M1)), multiply(multiply(v3, v3), pair(constants, M3)))
+    scalar_squared = add((0.5, 0.0), scaled(square_root(subtract(ONE, scaled(s, 4.0))), 0.5))
+    rest = subtract(multiply((t, 0.0), scalar_squared), multiply(beta, multiply(chi, delta)))
+    return add((t, 0.0), (-rest[0] / slope(t, beta[0], d1[0], d3[0], constants), 0.0))
+
+
+@kernel
+def residual(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
+    """T ρ₀² − β χ δ."""
+    x, y = 1.0 - t * t * constants[P], 1.0 - t * t * constants[Q]
+    s = d1 * d1 * x * constants[M1] + d3 * d3 * y * constants[M3]
+    return t * (0.5 + 0.5 * sqrt(1.0 - 4.0 * s)) - beta * sqrt(x * y)
+
+
+@kernel
+def slope(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
+    """The derivative of the residual with respect to T."""
+    p, q, m1, m3 = constants[P], constants[Q], constants[M1], constants[M3]
+    x, y = 1.0 - t * t * p, 1.0 - t * t * q
+    root = sqrt(1.0 - 4.0 * (d1 * d1 * x * m1 + d3 * d3 * y * m3))
+    turning = 2.0 * t * t * (d1 * d1 * p * m1 + d3 * d3 * q * m3) / root
+    value: Number = 0.5 + 0.5 * root + turning + beta * t * (p * y + q * x) / sqrt(x * y)
+    return value
+
+
+@kernel
+def moved_momentum(n: Three, step: Seven) -> Three:
+    """The momentum n⁺ after a step, by the addition theorems.
+
+    It is n₁ + ((χ − 1 + k) n₁ + f₁n₂n₃)/D, and so on, with k = 1 − D and fⱼ the factors of the products.
+    """
     (a, a_lo), (b, b_lo), (c, c_lo) = n
+    (c1, c1_lo), (c2, c2_lo), (c3, c3_lo), (f1, f1_lo), (f2, f2_lo), (f3, f3_lo), (curvature, curvature_lo) = step
     bc, ca, ab = b * c, c * a, a * b
     # an axis about which the momentum circles leaves them constant, and what is left out would add up
     bc_lo, ca_lo, ab_lo = b * c_lo + b_lo * c, c * a_lo + c_lo * a, a * b_lo + a_lo * b
-    k, k_lo = step[at + 12] * (b * b), step[at + 13] * (b * b)
+    k, k_lo = curvature * (b * b), curvature_lo * (b * b)
     # 1/D − 1; not 1/D, which is rounded upwards more often than not where it is near to 1
     g = k / (1.0 - k)
-    s1, s2, s3 = step[at] + k, step[at + 2] + k, step[at + 4] + k
-    f1, f2, f3 = step[at + 6], step[at + 8], step[at + 10]
-    lo1 = (a * (step[at + 1] + k_lo) + s1 * a_lo) + (step[at + 7] * bc + f1 * bc_lo)
-    lo2 = (b * (step[at + 3] + k_lo) + s2 * b_lo) + (step[at + 9] * ca + f2 * ca_lo)
-    lo3 = (c * (step[at + 5] + k_lo) + s3 * c_lo) + (step[at + 11] * ab + f3 * ab_lo)
+    s1, s2, s3 = c1 + k, c2 + k, c3 + k
+    # what the products of hi parts below leave out
+    lo1 = (a * (c1_lo + k_lo) + s1 * a_lo) + (f1_lo * bc + f1 * bc_lo)
+    lo2 = (b * (c2_lo + k_lo) + s2 * b_lo) + (f2_lo * ca + f2 * ca_lo)
+    lo3 = (c * (c3_lo + k_lo) + s3 * c_lo) + (f3_lo * ab + f3 * ab_lo)
     hi1, hi2, hi3 = f1 * bc, f2 * ca, f3 * ab
     t1, t2, t3 = a * s1, b * s2, c * s3
     return (
@@ -49,31 +198,39 @@ def moved_momentum(n: Three, step: Any, at: int) -> Three:
 
 
 @kernel
-def scaled_sum(before: DoubleDouble, after: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
-    """ρ₀ρⱼ = ½dⱼ (nⱼ + nⱼ⁺), not normalised."""
-    total, error = two_sum(before[0], after[0])
-    product, rest = two_product(total, hi)
-    return product, rest + (hi * (error + (before[1] + after[1])) + lo * total)
+def increased(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
+    """The value + hi + lo, for an increment hi of the value and a smaller one, lo."""
+    total, error = two_sum(value[0], hi)
+    return two_sum(total, value[1] + (error + lo))
 
 
 @kernel
 def step_rotation(
-    before: Three, after: Three, step: Any, at: int
+    before: Three, after: Three, halves: Three
 ) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]:
-    """The vector part ρ of the step's quaternion, and 1 − ρ₀."""
-    v1 = scaled_sum(before[0], after[0], step[at + 14], step[at + 15])
-    v2 = scaled_sum(before[1], after[1], step[at + 16], step[at + 17])
-    v3 = scaled_sum(before[2], after[2], step[at + 18], step[at + 19])
+    """The vector part ρ of the step's quaternion, and 1 − ρ₀, from the momenta before and after it and ½d."""
+    v1 = scaled_sum(before[0], after[0], halves[0])
+    v2 = scaled_sum(before[1], after[1], halves[1])
+    v3 = scaled_sum(before[2], after[2], halves[2])
+    # s = ρ₀²(1 − ρ₀²), so ρ₀² = ½ + ½√(1 − 4s)
     s, s_lo = sum_of_squares(v1, v2, v3)
     square = 0.5 + 0.5 * sqrt(1.0 - 4.0 * s)
     scalar = sqrt(square)
     # 1 − ρ₀² and 1 − ρ₀
     t = (s + s_lo) / square
     less = t / (1.0 + scalar)
-    # 1/ρ₀ − 1 as ½s, which is exact, and what is left
+    # 1/ρ₀ − 1 = s/(ρ₀³(1 + ρ₀)), as ½s, which is exact, and what is left: ½s (2 − ρ₀³ − ρ₀⁴)/(ρ₀³(1 + ρ₀))
     rest = 0.5 * (s_lo + s * (3.0 * t + less - t * (less + t)) / (square * (scalar + square)))
     half = 0.5 * s
     return enlarged(v1, half, rest), enlarged(v2, half, rest), enlarged(v3, half, rest), less
+
+
+@kernel
+def scaled_sum(before: DoubleDouble, after: DoubleDouble, half: DoubleDouble) -> DoubleDouble:
+    """ρ₀ρⱼ = ½dⱼ (nⱼ + nⱼ⁺), not normalised."""
+    total, error = two_sum(before[0], after[0])
+    product, rest = two_product(total, half[0])
+    return product, rest + (half[0] * (error + (before[1] + after[1])) + half[1] * total)
 
 
 @kernel
@@ -97,7 +254,7 @@ def enlarged(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
 
 @kernel
 def turned(q: Four, r: tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]) -> Four:
-    """The attitude after the step, q ⊗ (ρ, ρ₀), as increments."""
+    """The attitude q ⊗ (ρ, ρ₀) after the step, as q − (1 − ρ₀) q + q ⊗ (ρ, 0): Hamilton's product, scalar last."""
     x, y, z, w = q
     a, b, c, less = r
     minus_x, minus_y, minus_z = (-x[0], -x[1]), (-y[0], -y[1]), (-z[0], -z[1])

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from lie_rigid_body.groups.stepper import RungeKuttaStepper
-from lie_rigid_body.motion.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 
 
 def test_classical_nodes():

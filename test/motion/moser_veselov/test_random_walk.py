@@ -17,6 +17,7 @@ from closed_form_reference import context, dot, multiply
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.motion.moser_veselov import loop
+from lie_rigid_body.motion.moser_veselov.layout import ATTITUDE, MOMENTUM
 
 BODY = RigidBody([0.6, 0.8, 1.0])
 START = State([0, 0, 0, 1], [1.8 / 0.6, 0.4 / 0.8, -0.9])
@@ -50,9 +51,8 @@ def drift(state: list[float], start: State, t_ns: int) -> Drift:
     exact = far_reference(BODY.inertia, start.attitude_xyzw, start.body_rate, t_ns)
     with context():
         # this body's own axes are those of the stepper, in their order
-        momentum = [Decimal(state[2 * i]) + Decimal(state[2 * i + 1]) for i in range(3)]
-        places = range(loop.ATTITUDE, loop.ATTITUDE + 8, 2)
-        attitude = [Decimal(state[i]) + Decimal(state[i + 1]) for i in places]
+        momentum = [Decimal(state[i]) + Decimal(state[i + 1]) for i in range(MOMENTUM, MOMENTUM + 6, 2)]
+        attitude = [Decimal(state[i]) + Decimal(state[i + 1]) for i in range(ATTITUDE, ATTITUDE + 8, 2)]
         x, y, z, w = exact.attitude_xyzw
         *vector, scalar = multiply(attitude, [-x, -y, -z, w])
         axis = BODY.angular_momentum(start) / np.linalg.norm(BODY.angular_momentum(start))

@@ -7,7 +7,7 @@ import pytest
 from mpmath import mp, mpf
 
 from lie_rigid_body.lie import so3
-from lie_rigid_body.motion import munthe_kaas_loop as kernels
+from lie_rigid_body.motion.munthe_kaas import loop as kernels
 
 SWITCHES = (kernels.SHORT_SQUARED, kernels.LONG_SQUARED)
 SQUARES = [
@@ -35,7 +35,7 @@ def test_limits_at_zero():
 @pytest.mark.parametrize("off", [1e-16, -1e-16, 3e-9, -3e-9, 2e-8, -2e-8])
 def test_a_newton_step_brings_the_attitude_to_unit_norm(off: float):
     """One is enough within 1e-8 of it, and leaves ³⁄₂ of the square of the distance."""
-    q = kernels.recentred(0.6 * (1.0 + off), 0.0, 0.0, 0.8 * (1.0 + off), (0.0,) * 6)
+    q = kernels.recentred(0.6 * (1.0 + off), 0.0, 0.0, 0.8 * (1.0 + off), (0.0, 0.0, 0.0))
     with mp.workdps(60):
         assert abs(mp.sqrt(sum(mpf(c) ** 2 for c in q)) - 1) < 3e-16 + 1.6 * off * off
 
@@ -43,7 +43,7 @@ def test_a_newton_step_brings_the_attitude_to_unit_norm(off: float):
 def test_the_chart_s_rate_agrees_with_the_matrices_of_the_rotation_vector():
     """Of a body of unit inertia, whose rate is its momentum: the chart's rate is J_r(β)⁻¹ω."""
     random = np.random.default_rng(5)
-    unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0]
+    unit = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
     for angle in np.geomspace(1e-12, 3.0, 60):
         axis, rate = random.normal(size=3), random.normal(size=3)
         beta = axis / np.linalg.norm(axis) * angle

@@ -7,11 +7,13 @@ import pytest
 from mpmath import mp, mpf
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
+from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, loop
+from lie_rigid_body.motion.moser_veselov.layout import ALPHA
 from lie_rigid_body.motion.moser_veselov.motion_constants import motion_constants
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 from reference import attitude_error, rate_error, truth_cases
 
 CASES = truth_cases()
@@ -75,8 +77,8 @@ def test_a_hundred_million_steps_stay_true():
 @pytest.mark.parametrize("turn", [LARGEST_TURN, 0.01])
 def test_every_body_and_motion_is_followed_to_round_off(turn):
     for body, start in random_bodies(24):
-        with working_precision():
-            fastest = float(SpinningFrame.of(body, start).fastest)
+        with working_precision(DIGITS):
+            fastest = float(ScaledMotion.of(body, start).fastest)
         times = (np.arange(1, 31) * 1e9 * turn / fastest).astype(np.int64)
         found, exact = MovingChart(body, start, max_step=turn / fastest).at(times), ClosedForm(body, start).at(times)
         assert angles(found, exact).max() < 3e-15
@@ -145,9 +147,9 @@ def test_two_stretches_are_one_and_steps_of_any_length_agree():
     assert angles(uneven, whole) < 1e-15
 
 
-def exact_step(frame: SpinningFrame, momentum: list, x: mpf) -> tuple[list, list]:
+def exact_step(motion: ScaledMotion, momentum: list, x: mpf) -> tuple[list, list]:
     """Momentum and quaternion after a time, by Taylor series of Euler's equations in the frame's units."""
-    e = [mpf(str(v)) for v in frame.inverse_moments]
+    e = [mpf(str(v)) for v in motion.inverse_moments]
     m, q = [[v] for v in momentum], [[mpf(0)], [mpf(0)], [mpf(0)], [mpf(1)]]
     for n in range(60):
         w = [[e[j] * v for v in m[j]] for j in range(3)]
@@ -174,18 +176,18 @@ def exact_step(frame: SpinningFrame, momentum: list, x: mpf) -> tuple[list, list
 @pytest.mark.parametrize("terms", [1, 3, 5, 10])
 def test_preprocessed_inertia_makes_the_algorithm_exact(terms):
     """ρ₀ρⱼ = (α + βeⱼ) m̄ⱼ at every phase, but for a remainder of the next order in the step."""
-    with mp.workdps(50), working_precision():
+    with mp.workdps(50), working_precision(DIGITS):
         for body, start in random_bodies(4):
-            frame = SpinningFrame.of(body, start)
-            alpha, beta = preprocessed_inertia(Invariants.of(frame), terms)
-            momentum = [mpf(str(v)) for v in frame.momentum]
+            motion = ScaledMotion.of(body, start)
+            alpha, beta = preprocessed_inertia(Invariants.of(motion), terms)
+            momentum = [mpf(str(v)) for v in motion.momentum]
             remainders = []
             for x in (mpf(1) / 8, mpf(1) / 16):
-                after, q = exact_step(frame, momentum, x)
+                after, q = exact_step(motion, momentum, x)
                 b = sum(mpf(str(c)) * x ** (2 * k + 1) for k, c in enumerate(beta))
                 a = sum(mpf(str(c)) * x ** (2 * k + 3) for k, c in enumerate(alpha))
                 rest = [
-                    q[3] * q[j] - (a + b * mpf(str(frame.inverse_moments[j]))) * (momentum[j] + after[j]) / 2
+                    q[3] * q[j] - (a + b * mpf(str(motion.inverse_moments[j]))) * (momentum[j] + after[j]) / 2
                     for j in range(3)
                 ]
                 remainders.append(mp.norm(rest))
@@ -221,16 +223,17 @@ def test_the_series_give_the_exact_step(case: str, x: float, bound: float):
     An error of the series repeats at every step: 1e8 of them amount to less than 1e-14 rad.
     """
     moments, rate = AWKWARD[case]
-    with mp.workdps(60), working_precision():
-        frame = SpinningFrame.of(RigidBody(moments), State([0, 0, 0, 1], rate))
+    with mp.workdps(60), working_precision(DIGITS):
+        motion = ScaledMotion.of(RigidBody(moments), State([0, 0, 0, 1], rate))
         # alone and among others: by numbers and by arrays
-        [alone], [first, second] = motion_constants([frame], 20), motion_constants([frame, frame], 20)
+        [alone], [first, second] = motion_constants([motion], 20), motion_constants([motion, motion], 20)
         assert alone == first == second
-        pairs = [mpf(hi) + mpf(lo) for hi, lo in zip(alone.series[::2], alone.series[1::2], strict=True)]
+        series = alone[ALPHA:]
+        pairs = [mpf(hi) + mpf(lo) for hi, lo in zip(series[::2], series[1::2], strict=True)]
         a = sum(c * mpf(x) ** (2 * k + 3) for k, c in enumerate(pairs[::2]))
         b = sum(c * mpf(x) ** (2 * k + 1) for k, c in enumerate(pairs[1::2]))
-        momentum = [mpf(str(v)) for v in frame.momentum]
-        after, q = exact_step(frame, momentum, mpf(x))
-        e = [mpf(str(v)) for v in frame.inverse_moments]
+        momentum = [mpf(str(v)) for v in motion.momentum]
+        after, q = exact_step(motion, momentum, mpf(x))
+        e = [mpf(str(v)) for v in motion.inverse_moments]
         rest = [q[3] * q[j] - (a + b * e[j]) * (momentum[j] + after[j]) / 2 for j in range(3)]
         assert mp.norm(rest) < bound * x / 2

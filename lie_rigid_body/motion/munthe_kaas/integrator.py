@@ -1,4 +1,4 @@
-"""Rotations carried by Runge–Kutta–Munthe-Kaas steps."""
+"""The motions of rigid bodies by Runge–Kutta–Munthe-Kaas steps, and the limit of their length."""
 
 from __future__ import annotations
 
@@ -6,25 +6,23 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.munthe_kaas_loop import LOOP
-from lie_rigid_body.motion.starts import Starts
-from lie_rigid_body.motion.tableau import Tableau
-
-Array = NDArray[np.float64]
+from lie_rigid_body.motion.initial_conditions import InitialConditions
+from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE
+from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
 LARGEST_TURN: Final = math.pi
-"""rad: further from its centre the chart is not one to one."""
+"""rad: farther from its centre the chart is not one to one."""
 
 GOOD_TURN: Final = 0.01
-"""rad, of a step that errs little."""
+"""rad: the turn of a step that is short enough for a small error, which a refusal advises."""
 
 
 class MuntheKaasIntegrator:
-    """One motion.
+    """The motion of one body by Runge–Kutta–Munthe-Kaas steps; an `Integrator`.
 
     Parameters
     ----------
@@ -32,17 +30,18 @@ class MuntheKaasIntegrator:
     attitude_xyzw : ndarray, shape (4,)
         At the start.
     body_momentum : ndarray, shape (3,)
-        At the start.
+        At the start, kg m²/s.
     max_step : float
         Largest step, s.
     stages : list of float
-        See `munthe_kaas_loop`.
+        The weights of the Runge–Kutta method; see `loop`.
 
     Attributes
     ----------
     start : list of float
-        The state at time 0: attitude and body momentum.
+        The state at time 0; see `loop`.
     constants : list of float
+        Of the body and the method; see `loop`.
     largest_step : float
         s
     """
@@ -59,23 +58,21 @@ class MuntheKaasIntegrator:
         self.largest_step = max_step
 
     def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
-        """Refuse steps at whose length the chart is not one to one, judged at the rate of a state.
+        """Refuse steps that go farther than the chart is one to one, judged by the body rate of a state.
 
         Raises
         ------
         InputError
         """
         step = min(self.largest_step, 1e-9 * ahead_ns)
-        way = step * math.hypot(*apply_tensor(self._inverse, np.array(state[4:])).tolist())
+        way = step * math.hypot(*apply_tensor(self._inverse, np.array(state[MOMENTUM:])).tolist())
         if way > LARGEST_TURN:
             raise InputError(
                 f"a step of {step:g} s goes {way:.3g} rad at the rate of its start, or more (limit {LARGEST_TURN:.3g} "
                 f"rad): lower max_step, to about {GOOD_TURN * step / way:.1g} s"
             )
 
-    def advance(
-        self, state: list[float], spans: NDArray[np.int64], counts: NDArray[np.int64], work: int
-    ) -> tuple[Array, Array]:
+    def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:
         """Move a state, in place, through N samples; see `Integrator`.
 
         Raises
@@ -83,15 +80,15 @@ class MuntheKaasIntegrator:
         InputError
             If the steps lead to infinity.
         """
-        out = np.empty((len(spans), len(state)))
+        out = np.empty((len(spans), STATE_SIZE))
         LOOP.run(state, self.constants, spans, counts, out, work)
-        if math.isnan(state[0]):
+        if math.isnan(state[ATTITUDE]):
             raise InputError(f"a step of {self.largest_step:g} s leads to infinity: lower max_step")
-        return out[:, :4], apply_tensor(self._inverse, out[:, 4:])
+        return out[:, :MOMENTUM], apply_tensor(self._inverse, out[:, MOMENTUM:])
 
 
-def munthe_kaas_integrators(starts: Starts, max_step: float, tableau: Tableau) -> list[MuntheKaasIntegrator]:
-    """The motions of bodies from their starts, by a tableau in which each stage needs only the one before."""
+def munthe_kaas_integrators(starts: InitialConditions, max_step: float, tableau: Tableau) -> list[MuntheKaasIntegrator]:
+    """The motions of B bodies from their starts, by a tableau in which each stage needs only the one before."""
     stages = _stages(tableau)
     momenta = apply_tensor(starts.inertia, starts.body_rate)
     return [
@@ -101,7 +98,7 @@ def munthe_kaas_integrators(starts: Starts, max_step: float, tableau: Tableau) -
 
 
 def _stages(tableau: Tableau) -> list[float]:
-    """For each stage the weight of the slope before it, and its own in the sum."""
+    """For each stage the weight of the slope before it, and the stage's own weight in the sum."""
     if any(any(row[:-1]) for row in tableau.a):
         raise ValueError(f"tableau {tableau.name}: a stage needs others than the one before")
     before = [row[-1] if row else 0 for row in tableau.a]

@@ -1,0 +1,184 @@
+"""The principal frame in which a motion is stepped, and the motion in it, in units of its own.
+
+Axes are the principal ones, that of the intermediate moment second, in a cyclic order of the body's own. So the frame
+is right-handed, and a body given by its principal moments changes frames by a permutation, which costs no accuracy.
+The unit of momentum is that of the motion and the unit of time the inverse of its largest body rate, so that every
+number is of order 1 whatever the body.
+
+All arithmetic but that of `PrincipalFrame.outward` is decimal, in the precision in force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arithmetic.decimals import Vector, dot
+from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.inertia import apply_tensor
+
+DIGITS: Final = 60
+"""Decimal digits that the constants of a motion are computed with."""
+
+
+@dataclass(frozen=True)
+class PrincipalFrame:
+    """The principal axes of a body, that of the intermediate moment second, in a cyclic order of the body's own.
+
+    Where these axes are the body's own in another order, those of the world are put into the same order.
+
+    Attributes
+    ----------
+    tensor : 3 rows of 3 Decimal
+        The inertia in the body frame, kg m².
+    moments : tuple of 3 Decimal
+        kg m²
+    axes : 3 vectors
+        Of unit length, in the body frame, right-handed.
+    order : tuple of 3 int, or None
+        Which of the body's own axes these are, if the inertia has no products.
+    rotation : list of 4 Decimal, or None
+        Otherwise the unit quaternion, scalar last, that takes vectors of this frame to the body's.
+    """
+
+    tensor: list[Vector]
+    moments: Vector
+    axes: tuple[Vector, Vector, Vector]
+    order: tuple[int, int, int] | None
+    rotation: list[Decimal] | None
+
+    @classmethod
+    def of(cls, inertia: Sequence[Sequence[float]]) -> PrincipalFrame:
+        """The principal frame of an inertia tensor in the body frame."""
+        tensor = [(Decimal(x), Decimal(y), Decimal(z)) for x, y, z in inertia]
+        moments, axes = diagonalised(inertia)
+        middle = sorted(range(3), key=moments.__getitem__)[1]
+        i, j, k = (middle - 1) % 3, middle, (middle + 1) % 3
+        order: tuple[int, int, int] | None = (i, j, k)
+        rotation = None
+        if any(tensor[p][q] for p, q in ((0, 1), (0, 2), (1, 2))):
+            order, rotation = None, _rotation_quaternion(axes[i], axes[j], axes[k])
+        return cls(tensor, (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]), order, rotation)
+
+    def inward(self, attitude_xyzw: Sequence[float]) -> list[Decimal]:
+        """The frame's attitude from the body's, of unit norm."""
+        given = [Decimal(component) for component in attitude_xyzw]
+        norm = sum((c * c for c in given), Decimal(0)).sqrt()
+        given = [c / norm for c in given]
+        if self.order:
+            return [*(given[i] for i in self.order), given[3]]
+        assert self.rotation is not None
+        return _quaternion_product(given, self.rotation)
+
+    def outward(self, attitude_xyzw: Array, rate: Array) -> tuple[Array, Array]:
+        """The body's attitudes and rates from the frame's, shapes (N, 4) and (N, 3)."""
+        if self.order:
+            place = [self.order.index(i) for i in range(3)]
+            return attitude_xyzw[:, [*place, 3]], rate[:, place]
+        inverse, matrix = self._to_body
+        return quaternion.multiply(attitude_xyzw, inverse), apply_tensor(matrix, rate)
+
+    @cached_property
+    def _to_body(self) -> tuple[Array, Array]:
+        """The inverse of the rotation's quaternion, and the rotation's matrix, in doubles."""
+        assert self.rotation is not None
+        matrix = np.array([[float(c) for c in row] for row in zip(*self.axes, strict=True)])
+        return quaternion.conjugate(np.array([float(c) for c in self.rotation])), matrix
+
+
+@dataclass(frozen=True)
+class ScaledMotion:
+    """A torque-free motion in the principal frame, in units of its own momentum and its largest body rate.
+
+    Attributes
+    ----------
+    inverse_moments : tuple of 3 Decimal
+        e₁, e₂, e₃: body rate per momentum along each axis.
+    momentum : tuple of 3 Decimal
+        n, the unit vector of the body momentum at the start.
+    twice_energy : Decimal
+        2H = Σ eⱼnⱼ².
+    m1, m3 : Decimal
+        n₁² and n₃² where n₂ = 0, which every motion passes, or comes arbitrarily near to.
+    fastest : Decimal
+        The largest body rate, rad/s: the unit of rates.
+    """
+
+    inverse_moments: Vector
+    momentum: Vector
+    twice_energy: Decimal
+    m1: Decimal
+    m3: Decimal
+    fastest: Decimal
+
+    @classmethod
+    def of(cls, body: RigidBody, start: State) -> ScaledMotion:
+        """The motion of a body from its start."""
+        return cls.about(PrincipalFrame.of(body.inertia.tolist()), start.body_rate.tolist())
+
+    @classmethod
+    def about(cls, frame: PrincipalFrame, body_rate: Sequence[float]) -> ScaledMotion:
+        """The motion of a body whose principal frame is known, from its body rate at the start, rad/s."""
+        rate = [Decimal(component) for component in body_rate]
+        total = [dot(row, rate) for row in frame.tensor]
+        size = dot(total, total).sqrt()
+        if size == 0:  # at rest: any direction will do
+            return cls._scaled(frame, (Decimal(0), Decimal(0), Decimal(1)), size)
+        a, b, c = (dot(axis, total) / size for axis in frame.axes)
+        return cls._scaled(frame, (a, b, c), size)
+
+    @classmethod
+    def _scaled(cls, frame: PrincipalFrame, momentum: Vector, size: Decimal) -> ScaledMotion:
+        e1, e2, e3 = (1 / moment for moment in frame.moments)
+        a, b, c = (component * component for component in momentum)
+        if e1 == e3:  # a sphere: any two axes will do
+            m1, m3 = a, b + c
+        else:
+            # (2H − e₃)/(e₁ − e₃) and (e₁ − 2H)/(e₁ − e₃), where nothing cancels
+            m1 = a + b * (e2 - e3) / (e1 - e3)
+            m3 = c + b * (e1 - e2) / (e1 - e3)
+        # the square of the body rate, Σ eⱼ²nⱼ², is largest where n₂ = 0
+        fastest = (e1 * e1 * m1 + e3 * e3 * m3).sqrt()
+        scaled = (e1 / fastest, e2 / fastest, e3 / fastest)
+        energy = scaled[0] * m1 + scaled[2] * m3
+        return cls(scaled, momentum, energy, m1, m3, size * fastest)
+
+
+def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
+    """The vector q v q⁻¹, for a unit quaternion q."""
+    x, y, z, w = q
+    return _quaternion_product(_quaternion_product(q, [*v, Decimal(0)]), [-x, -y, -z, w])[:3]
+
+
+def _quaternion_product(p: list[Decimal], q: list[Decimal]) -> list[Decimal]:
+    """Hamilton's product, scalar last."""
+    px, py, pz, pw = p
+    qx, qy, qz, qw = q
+    return [
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+        pw * qw - px * qx - py * qy - pz * qz,
+    ]
+
+
+def _rotation_quaternion(first: Vector, second: Vector, third: Vector) -> list[Decimal]:
+    """The unit quaternion of the matrix with these columns, from the largest column of 4 qqᵀ (S. W. Shepperd, 1978)."""
+    (a, d, g), (b, e, h), (c, f, i) = first, second, third
+    columns = [
+        [1 + a - e - i, b + d, c + g, h - f],
+        [b + d, 1 - a + e - i, f + h, c - g],
+        [c + g, f + h, 1 - a - e + i, d - b],
+        [h - f, c - g, d - b, 1 + a + e + i],
+    ]
+    largest = max(range(4), key=lambda k: columns[k][k])
+    norm = sum((x * x for x in columns[largest]), Decimal(0)).sqrt()
+    return [x / norm for x in columns[largest]]

@@ -1,0 +1,13 @@
+"""The Runge–Kutta–Munthe-Kaas steppers ``rkmk1``, ``rkmk2`` and ``rkmk4``: Runge–Kutta steps in the moving chart.
+
+A table of contents
+
+- `tableau`: the coefficients of the methods, which check themselves;
+- `loop`: the steps in plain numbers, run compiled or not;
+- `integrator`: one body's motion, and how long its steps may be.
+"""
+
+from lie_rigid_body.motion.munthe_kaas.integrator import munthe_kaas_integrators
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+
+__all__ = ["CLASSICAL", "EULER", "MIDPOINT", "Tableau", "munthe_kaas_integrators"]
