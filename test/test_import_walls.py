@@ -114,9 +114,13 @@ def wall_around_referee(module: str, target: str) -> bool:
 
 def side(module: str) -> str:
     name = module.removeprefix(MOTION).removeprefix(".").partition(".")[0]
-    return {"": "both", "motion": "contract", "memory": "contract", "closed_form": "closed form"}.get(
-        name, "moving chart"
-    )
+    return {
+        "": "both",
+        "motion": "contract",
+        "memory": "contract",
+        "closed_form": "closed form",
+        "description": "closed form",
+    }.get(name, "moving chart")
 
 
 WALLS = (wall_between_rooms, wall_around_ros, wall_around_mathematics, wall_around_referee)
@@ -181,6 +185,8 @@ def test_every_module_keeps_to_its_room(module: str) -> None:
         ("motion.moving_chart", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
         ("motion.moving_chart", "from .closed_form.elliptic import rf", "referee"),
         ("motion.motion", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
+        ("motion.description", "from lie_rigid_body.motion.moving_chart import MovingChart", "referee"),
+        ("motion.moving_chart", "from lie_rigid_body.motion.description import describe", "referee"),
     ],
 )
 def test_breach_is_found(module: str, source: str, wall: str) -> None:
@@ -198,6 +204,7 @@ def test_breach_is_found(module: str, source: str, wall: str) -> None:
         ),
         ("mechanics.state", "from ..lie import quaternion"),
         ("motion.closed_form.solution", "from lie_rigid_body.motion.motion import nanoseconds\nfrom . import elliptic"),
+        ("motion.description", "from lie_rigid_body.motion.closed_form.decimal_constants import Polhode"),
         ("motion.moving_chart", "from lie_rigid_body.motion.tableau import EULER"),
         ("sensors.noise", "from numpy.random import Philox\nfrom lie_rigid_body.parameters import Parameter"),
         ("scenario", "from lie_rigid_body import parameters\nfrom lie_rigid_body.motion import ClosedForm"),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from lie_rigid_body.cli.wording import number, vector, wrapped
-from lie_rigid_body.motion.closed_form.description import Description
+from lie_rigid_body.motion.description import Description
 
 _MOMENTUM: Final = "kg m²/s"
 _TIME: Final = "No torque does work on the body: the Lagrangian does not depend on time."

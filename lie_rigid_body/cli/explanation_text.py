@@ -11,7 +11,7 @@ from lie_rigid_body.cli.conservation_text import conservation_lines, conserved
 from lie_rigid_body.cli.motion_text import motion_rows, regime_sentences
 from lie_rigid_body.cli.wording import axis_name, columns, number, period, vector, wrapped
 from lie_rigid_body.mechanics.spin_stability import SpinStability
-from lie_rigid_body.motion.closed_form.description import Description
+from lie_rigid_body.motion.description import Description
 from lie_rigid_body.scenario import Scenario
 
 _KINDS: Final = {

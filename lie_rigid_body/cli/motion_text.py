@@ -8,8 +8,7 @@ from typing import Final
 
 from lie_rigid_body.cli.wording import axis_name, degrees, number, period, vector
 from lie_rigid_body.mechanics.symmetric_top import SymmetricTop
-from lie_rigid_body.motion.closed_form.constants import Circulation, Flips
-from lie_rigid_body.motion.closed_form.description import Description, SteadyRotation
+from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
 
 Row = tuple[str, str]
 
