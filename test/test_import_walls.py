@@ -119,6 +119,7 @@ def side(module: str) -> str:
         "motion": "contract",
         "memory": "contract",
         "closed_form": "closed form",
+        "description": "closed form",
         "taylor_flow": "Taylor flow",
     }.get(name, "moving chart")
 
@@ -191,6 +192,8 @@ def test_every_module_keeps_to_its_room(module: str) -> None:
         ("motion.taylor_flow", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
         ("motion.taylor_flow", "from lie_rigid_body.motion.moving_chart import MovingChart", "referee"),
         ("motion.step_error", "from lie_rigid_body.motion.closed_form import ClosedForm", "referee"),
+        ("motion.description", "from lie_rigid_body.motion.moving_chart import MovingChart", "referee"),
+        ("motion.moving_chart", "from lie_rigid_body.motion.description import describe", "referee"),
     ],
 )
 def test_breach_is_found(module: str, source: str, wall: str) -> None:
@@ -209,6 +212,7 @@ def test_breach_is_found(module: str, source: str, wall: str) -> None:
         ("mechanics.state", "from ..lie import quaternion"),
         ("lie.series", "from lie_rigid_body.arrays import Array"),
         ("motion.closed_form.solution", "from lie_rigid_body.motion.motion import nanoseconds\nfrom . import elliptic"),
+        ("motion.description", "from lie_rigid_body.motion.closed_form.decimal_constants import Polhode"),
         ("motion.moving_chart", "from lie_rigid_body.motion.tableau import EULER"),
         ("motion.step_error", "from .moving_chart import MovingChart\nfrom .taylor_flow import flow"),
         ("sensors.noise", "from numpy.random import Philox\nfrom lie_rigid_body.parameters import Parameter"),

@@ -6,7 +6,7 @@ For floats, for arrays and compiled the bits are the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -82,6 +82,24 @@ def _power_of_two(k: float) -> float:
 def power_of_two(k: Number) -> Number:
     """2ᵏ for a whole number in [−1022, 0]."""
     return math.ldexp(1.0, int(k)) if isinstance(k, float) else np.ldexp(1.0, k.astype(np.int32))
+
+
+@kernel
+def pair(row: Sequence[Number], k: int) -> tuple[Number, Number]:
+    """The two numbers in a row from place k on."""
+    return row[k], row[k + 1]
+
+
+@kernel
+def triple(row: Sequence[Number], k: int) -> Triple:
+    """The three numbers in a row from place k on."""
+    return row[k], row[k + 1], row[k + 2]
+
+
+@kernel
+def quadruple(row: Sequence[Number], k: int) -> Quadruple:
+    """The four numbers in a row from place k on."""
+    return row[k], row[k + 1], row[k + 2], row[k + 3]
 
 
 def each(function: Callable[..., float], *arguments: Number) -> Number:

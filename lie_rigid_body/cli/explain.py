@@ -16,7 +16,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
 
     from lie_rigid_body.cli import explanation_text
-    from lie_rigid_body.motion.closed_form.description import describe
+    from lie_rigid_body.motion.description import describe
     from lie_rigid_body.scenario import Scenario
 
     scenario = Scenario.from_parameters(console.parameters(given))

@@ -9,8 +9,7 @@ from dataclasses import asdict
 from typing import Final, NamedTuple
 
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
-from lie_rigid_body.motion.closed_form.constants import Circulation, Flips
-from lie_rigid_body.motion.closed_form.description import Description, SteadyRotation
+from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
 from lie_rigid_body.scenario import Scenario
 
 Row = tuple[str, str]

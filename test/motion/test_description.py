@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.motion.closed_form.constants import Circulation, Flips, MotionConstants
-from lie_rigid_body.motion.closed_form.description import Description, describe
+from lie_rigid_body.motion.description import Circulation, Description, Flips, MotionConstants, describe
 
 TILTED = np.array([0.1, -0.7, 0.3, -0.5]) / math.sqrt(0.84)
 UPRIGHT = [0.0, 0.0, 0.0, 1.0]

@@ -11,7 +11,7 @@ import pytest
 from lie_rigid_body import ClosedForm, InputError, RigidBody, State
 from lie_rigid_body.lie import quaternion
 
-# every kind of motion: circular and hyperbolic waves, endless, steady and at rest
+# every kind of motion: circular, hyperbolic, on the separatrix, steady and at rest
 INERTIAS = [
     *([0.6, 0.8, 1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 3.0, 0.0, 0.0, 0.0], [3.0, 4.0, 6.0, 0.0, 0.0, 0.0]),
     *([1.0, 1.0, 1.8, 0.0, 0.0, 0.0], [2.0, 2.0, 2.0, 0.0, 0.0, 0.0], [1.0, 1.4, 1.9, 0.1, -0.05, 0.2]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_motions import difference, unit
-from test_closed_form_regimes import ATTITUDES, REGIMES
+from regimes import ATTITUDES, REGIMES
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.lie import quaternion, so3

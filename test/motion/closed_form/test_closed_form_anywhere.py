@@ -70,7 +70,7 @@ def test_the_frame_of_the_body_and_the_unit_of_inertia_do_not_matter(
 
 
 def half_way() -> float:
-    """The largest rate about the first axis, rad/s, with 1 − m ≥ ½: beyond it the motion takes the hyperbolic waves."""
+    """The largest rate about the first axis, rad/s, with 1 − m ≥ ½: beyond it the motion is hyperbolic."""
     low, high = 0.0, 1.0
     while np.nextafter(low, high) < high:
         middle = 0.5 * (low + high)
@@ -85,7 +85,7 @@ def complement(rate: float) -> mp.mpf:
 
 
 @pytest.mark.parametrize("t_ns", [10**9, -(10**16)])
-def test_both_kinds_of_waves_are_right_where_one_takes_over_from_the_other(t_ns: int):
+def test_both_theta_functions_are_right_where_one_takes_over_from_the_other(t_ns: int):
     body, switch = RigidBody([1.0, 2.0, 3.0]), half_way()
     assert 2 * complement(switch) >= 1 > 2 * complement(np.nextafter(switch, 1.0))
     for rate in (switch, np.nextafter(switch, 1.0), switch - 1e-9, switch + 1e-9, switch - 1e-3, switch + 1e-3):

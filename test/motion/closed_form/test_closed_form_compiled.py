@@ -18,7 +18,8 @@ from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
-from lie_rigid_body.motion.closed_form.evaluation import CIRCULAR, KINDS, LONG_WORK, compile_all
+from lie_rigid_body.motion.closed_form.evaluation import compile_all
+from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS, LONG_WORK
 
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
@@ -39,9 +40,9 @@ def bits(states: State) -> np.ndarray:
 def plain(monkeypatch) -> Iterator[pytest.MonkeyPatch]:
     """Without compiled code, as long as this is not undone."""
     with monkeypatch.context() as patch:
-        for formulas in KINDS:
-            patch.setattr(formulas.work, "_compiled", None)
-            patch.setattr(formulas.work, "_may_compile", False)
+        for kind in KINDS:
+            patch.setattr(kind.work, "_compiled", None)
+            patch.setattr(kind.work, "_may_compile", False)
         yield patch
 
 

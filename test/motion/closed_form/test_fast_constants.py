@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +18,11 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
+from lie_rigid_body.motion.closed_form.decimal_constants import frame_and_polhode, general_motion
+from lie_rigid_body.motion.closed_form.decimal_frames import digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
-from lie_rigid_body.motion.closed_form.general_motion import GeneralMotion
-from lie_rigid_body.motion.closed_form.ordinary_motions import Starts, ordinary_one
-from lie_rigid_body.motion.closed_form.polhode import frame_and_polhode
-from lie_rigid_body.motion.closed_form.principal_axes import digits_for, principal_axes
+from lie_rigid_body.motion.closed_form.fast_constants import fast_motion_of_one
+from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion, Starts
 
 ATTITUDE = [0.1, -0.7, 0.3, -0.5]
 MIXED = 1.0 - 2.0**-20, 1.0 + 2.0**-20
@@ -62,15 +63,15 @@ def placed(moments, rates, names, signs) -> tuple[list[list[float]], list[float]
     return np.diag(diagonal).tolist(), rate
 
 
-def ordinary(inertia, rate) -> GeneralMotion | None:
+def fast(inertia, rate) -> GeneralMotion | None:
     moments, axes = principal_decomposition(np.array(inertia))
-    return ordinary_one(inertia, moments.tolist(), axes.tolist(), ATTITUDE, rate)
+    return fast_motion_of_one(inertia, moments.tolist(), axes.tolist(), ATTITUDE, rate)
 
 
 def in_decimals(inertia: list[list[float]], rate: list[float]) -> GeneralMotion:
-    with working_precision(digits_for([entry for row in inertia for entry in row])):
+    with working_precision(digits_for(inertia)):
         frame, polhode = frame_and_polhode(principal_axes(inertia), inertia, rate)
-        return GeneralMotion.of(frame, polhode, ATTITUDE)
+        return general_motion(frame, polhode, ATTITUDE)
 
 
 def exact(pair) -> mpf:
@@ -92,7 +93,7 @@ def assert_rates(motion: GeneralMotion, inertia, rate, bound: mpf) -> None:
         turn = course.growth / (2 * mp.pi) * circulation - motion.sense * circulation
         fastest = mp.sqrt(sum(mpf(w) ** 2 for w in rate)) / (2 * mp.pi) / 10**9
         fastest *= np.linalg.cond(inertia)
-        assert whole_turns_off(exact(motion.polhode_clock.rate) - circulation) <= bound * fastest
+        assert whole_turns_off(exact(motion.phase_clock.rate) - circulation) <= bound * fastest
         assert whole_turns_off(exact(motion.half_turn_clock.rate) - turn / 2) <= bound * fastest
 
 
@@ -111,16 +112,16 @@ def assert_begins_at_the_start(motion: GeneralMotion, inertia, rate) -> None:
         angle = mp.atan2(motion.sense * w[1] / mp.sqrt(squares[1]), w[0] / mp.sqrt(squares[0]))
         quarter = mp.pi / (2 * mp.agm(1, mp.sqrt(course.m1)))
         turns = mp.ellipf(angle, 1 - course.m1) / quarter / 4
-        assert abs(exact(motion.polhode_clock.start) - turns) <= mpf(2) ** -56
+        assert abs(exact(motion.phase_clock.start) - turns) <= mpf(2) ** -56
 
 
 @settings(max_examples=150, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, NAMES, SIGNS)
-def test_constants_of_ordinary_motions(j1, j3, fan, m1, w2, w3, names, signs):
+def test_constants_of_regular_motions(j1, j3, fan, m1, w2, w3, names, signs):
     assume(abs(j3 - j1) > 1e-3 * j1)
     moments = moments_for(j1, j3, fan)
     inertia, rate = placed(moments, rates_for(moments, m1, w2, w3), names, signs)
-    motion = ordinary(inertia, rate)
+    motion = fast(inertia, rate)
     assume(motion is not None)
     assert_rates(motion, inertia, rate, RATE_BOUND)
     assert_begins_at_the_start(motion, inertia, rate)
@@ -141,7 +142,7 @@ def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
     rates = rates_for(moments, m1, w2, w3)
     assume(rates[0] > 1e-4)
     inertia, rate = turned(moments, rates, turn)
-    motion = ordinary(inertia, rate)
+    motion = fast(inertia, rate)
     assume(motion is not None)
     assert_rates(motion, inertia, rate, COUPLED_BOUND)
     slow = in_decimals(inertia, rate)
@@ -154,7 +155,7 @@ def test_moments_that_hardly_differ_with_products_of_inertia(apart: float, close
     moments = [1.0 - apart, 1.0, 0.6] if close == 0 else [0.6 * 1.0, 0.6 + apart, 1.0]
     for rates in ([0.3, 0.5, 1.1], [1.1, 0.5, 0.3], [0.3, 1.1, 0.2]):
         inertia, rate = turned(moments, rates, [0.3, -0.5, 0.8])
-        motion = ordinary(inertia, rate)
+        motion = fast(inertia, rate)
         assert (motion is None) == (apart < 2.0**-10)
         assert_rates(in_decimals(inertia, rate), inertia, rate, DECIMAL_BOUND)
         if motion is not None:
@@ -169,7 +170,7 @@ def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, 
     for ends in ((1.0, j3), (j3, 1.0)):
         moments = moments_for(*ends, fan)
         inertia, rate = placed(moments, rates_for(moments, m1, 0.3, 1.0), (0, 1, 2), signs)
-        motion = ordinary(inertia, rate)
+        motion = fast(inertia, rate)
         assert (motion is None) == (ratio * side > 400.0)
         if motion is not None:
             assert_rates(motion, inertia, rate, RATE_BOUND)
@@ -182,28 +183,28 @@ def test_either_arithmetic_is_right_on_both_sides_of_each_parameter(j1, j3, fan,
     assume(abs(j3 - j1) > 0.01 * j1)
     moments = moments_for(j1, j3, fan)
     inertia, rate = placed(moments, rates_for(moments, switch * side, w2, 1.0), (0, 1, 2), signs)
-    motion, slow = ordinary(inertia, rate), in_decimals(inertia, rate)
+    motion, slow = fast(inertia, rate), in_decimals(inertia, rate)
     assert (motion is None) == (switch * side < 2.0**-10)
     assert_rates(slow, inertia, rate, DECIMAL_BOUND)
     assert_begins_at_the_start(slow, inertia, rate)
     if motion is not None:
         assert_rates(motion, inertia, rate, RATE_BOUND)
         assert_begins_at_the_start(motion, inertia, rate)
-        assert type(motion.wave) is type(slow.wave)
+        assert type(motion.theta) is type(slow.theta)
         np.testing.assert_allclose(all_but_low_parts(motion), all_but_low_parts(slow), rtol=0.0, atol=2e-15)
 
 
-def numbers(form: object) -> Iterator[float]:
-    """Those in a nest of dataclasses and tuples, in order."""
+def numbers(form: Any) -> Iterator[float]:
+    """The numbers in a nest of tuples, in order."""
     if isinstance(form, float):
         yield form
         return
-    for part in form if isinstance(form, tuple) else vars(form).values():
+    for part in form:
         yield from numbers(part)
 
 
 def all_but_low_parts(motion: GeneralMotion) -> list[float]:
-    return [float(x) for x in [*numbers(motion.wave), *motion.direction_amplitudes, *motion.world, *motion.frame]]
+    return [float(x) for x in [*numbers(motion.theta), *motion.direction_amplitudes, *motion.world, *motion.frame]]
 
 
 @pytest.mark.parametrize("size", [1e-20, 1e-5, 1e5, 1e20])
@@ -211,11 +212,11 @@ def all_but_low_parts(motion: GeneralMotion) -> list[float]:
 def test_sizes_at_the_limits(size: float, side: float):
     inertia, rate = np.diag([1.0, 2.0, 3.0]).tolist(), [0.3, 0.5, 1.1]
     for scale, unit in ((size, 1.0), (1.0, size)):
-        tensor, fast = (scale * side * np.array(inertia)).tolist(), [unit * side * w for w in rate]
-        motion = ordinary(tensor, fast)
+        tensor, fastest = (scale * side * np.array(inertia)).tolist(), [unit * side * w for w in rate]
+        motion = fast(tensor, fastest)
         if motion is not None:
-            assert_rates(motion, tensor, fast, RATE_BOUND)
-        assert_rates(in_decimals(tensor, fast), tensor, fast, DECIMAL_BOUND)
+            assert_rates(motion, tensor, fastest, RATE_BOUND)
+        assert_rates(in_decimals(tensor, fastest), tensor, fastest, DECIMAL_BOUND)
 
 
 EXTREME = [
@@ -231,8 +232,8 @@ EXTREME = [
 
 
 @pytest.mark.parametrize(("moments", "rate"), EXTREME)
-def test_what_is_not_ordinary_is_left_to_decimals(moments: list[float], rate: list[float]):
-    assert ordinary(np.diag(moments).tolist(), rate) is None
+def test_motions_that_are_not_regular_are_left_to_decimals(moments: list[float], rate: list[float]):
+    assert fast(np.diag(moments).tolist(), rate) is None
 
 
 def crowd(count: int) -> Starts:

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.arithmetic import double_double
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock, endless_phase, turns
-from lie_rigid_body.motion.closed_form.hyperbolic_states import folded_phase
+from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock, endless_phase, folded_phase, turns
 
 PERIODS = st.sampled_from(["1", "6.28318530717958647692528676655900576839433879875021", "1e-3", "137.25"])
 RATES = st.decimals("-1e4", "1e4", places=30, allow_nan=False)

@@ -1,0 +1,145 @@
+"""The principal frame of a motion in decimals, and the two questions about it that only exact arithmetic answers.
+
+Is the rotation steady, and on which side of the separatrix is it? Doubles are integers times a power of two, and the
+answers do not change with the units of inertia and rate, so Python's integers are enough.
+
+A moment wrong by 1e-16 turns the body by 1e-9 rad in 1e7 s at 1 rad/s, so the moments are needed to more digits than
+doubles have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Final, NamedTuple, TypeAlias
+
+from lie_rigid_body.arithmetic.decimals import Vector, dot
+from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
+
+Tensor: TypeAlias = Sequence[Sequence[float]]
+"""An inertia, kg m², body frame: 3 rows of 3."""
+
+DIGITS: Final = 50
+"""Decimal digits where the inertia is diagonal: no sum cancels, and time multiplies some rates by 1e10 rad."""
+
+COUPLED_DIGITS: Final = 80
+"""Decimal digits with products of inertia, where moments may differ by round-off only."""
+
+PHASE_DIGITS: Final = 24
+"""Decimal digits of what is rounded to a double in the end, and is no rate that time multiplies."""
+
+
+def digits_for(inertia: Tensor) -> int:
+    """Decimal digits in which the moments of an inertia are told apart.
+
+    A product of inertia of relative size ε splits equal moments by as little as ε², and the splitting is needed to the
+    full precision.
+    """
+    sizes = [Decimal(entry).adjusted() for row in inertia for entry in row if entry != 0.0]
+    return (DIGITS if len(sizes) == 3 else COUPLED_DIGITS) + 2 * (max(sizes) - min(sizes))
+
+
+def is_steady(inertia: Tensor, rate: Sequence[float]) -> bool:
+    """Whether ω × Mω is exactly zero, so that the body turns about a fixed axis for ever.
+
+    Parameters
+    ----------
+    inertia : 3 rows of 3
+        M, body frame.
+    rate : 3 numbers
+        ω, body frame.
+    """
+    entries, _ = _integers([entry for row in inertia for entry in row])
+    omega, _ = _integers(rate)
+    momentum = [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)]
+    return _cross(omega, momentum) == (0, 0, 0)
+
+
+def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
+    """det(2H·M − l²·1), with 2H = ω·Mω and l = |Mω|, rounded once.
+
+    With principal moments I₁ ≤ I₂ ≤ I₃ it is (2H I₁ − l²)(2H I₂ − l²)(2H I₃ − l²). For a rotation that is not steady
+    its first factor is negative and its last positive, so it has the sign of l² − 2H I₂: positive when the momentum
+    circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
+    """
+    entries, inertia_scale = _integers([entry for row in inertia for entry in row])
+    omega, rate_scale = _integers(rate)
+    momentum = [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)]
+    energy, square = _dot(omega, momentum), _dot(momentum, momentum)
+    rows = [[energy * entries[3 * i + j] - (square if i == j else 0) for j in range(3)] for i in range(3)]
+    determinant = _dot(rows[0], _cross(rows[1], rows[2]))
+    return Decimal(determinant) / Decimal(inertia_scale * rate_scale) ** 6
+
+
+def _integers(values: Sequence[float]) -> tuple[list[int], int]:
+    """The values as integers over one common denominator, a power of two."""
+    ratios = [float(value).as_integer_ratio() for value in values]
+    common = max(denominator for _, denominator in ratios)
+    return [numerator * (common // denominator) for numerator, denominator in ratios], common
+
+
+def _dot(a: Sequence[int], b: Sequence[int]) -> int:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Sequence[int], b: Sequence[int]) -> tuple[int, int, int]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+class PrincipalAxes(NamedTuple):
+    """Moments in ascending order, kg m², and their unit axes in the body frame (of either handedness)."""
+
+    moments: Vector
+    axes: tuple[Vector, Vector, Vector]
+
+
+def principal_axes(inertia: Tensor) -> PrincipalAxes:
+    """The principal axes of an inertia, to the precision in force."""
+    moments, axes = diagonalised(inertia)
+    i, j, k = sorted(range(3), key=moments.__getitem__)
+    return PrincipalAxes((moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]))
+
+
+@dataclass(frozen=True)
+class PrincipalFrame:
+    """A right-handed frame of principal axes, in which the momentum circulates about the positive third axis.
+
+    Attributes
+    ----------
+    moments : tuple of 3 Decimal
+        J₁, J₂, J₃, kg m²: ascending when the momentum circulates about the axis of the largest moment, descending when
+        about that of the smallest.
+    axes : tuple of 3 vectors
+        Unit axes in the body frame.
+    rate : tuple of 3 Decimal
+        The initial ω in this frame, rad/s, with ω₁ ≥ 0 and ω₃ > 0.
+    sense : int
+        +1 when the moments ascend, −1 when they descend: the sense in which the momentum circulates.
+    """
+
+    moments: Vector
+    axes: tuple[Vector, Vector, Vector]
+    rate: Vector
+    sense: int
+
+    @classmethod
+    def of(cls, principal: PrincipalAxes, body_rate: Vector, *, about_largest: bool) -> PrincipalFrame:
+        """The frame of a motion that starts with this ω (body frame, rad/s) and is not steady."""
+        moments, axes = principal
+        if not about_largest:
+            moments, axes = (moments[2], moments[1], moments[0]), (axes[2], axes[1], axes[0])
+        first, third = _along(axes[0], body_rate), _along(axes[2], body_rate)
+        axes = (first, _cross_product(third, first), third)
+        rate = (dot(axes[0], body_rate), dot(axes[1], body_rate), dot(axes[2], body_rate))
+        return cls(moments, axes, rate, 1 if about_largest else -1)
+
+
+def _along(axis: Vector, direction: Vector) -> Vector:
+    """The axis or its opposite, whichever makes no obtuse angle with a direction."""
+    x, y, z = axis
+    return (-x, -y, -z) if dot(axis, direction) < 0 else axis
+
+
+def _cross_product(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

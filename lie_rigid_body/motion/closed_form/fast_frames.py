@@ -1,0 +1,351 @@
+"""Principal frames of regular motions, in double-double: of one motion in floats, of many in arrays.
+
+A motion is regular if the fast tier gets its constants right: sizes are such that no product overflows or underflows,
+and it keeps away from the separatrix, 1 − m ≥ 2⁻¹⁰. Then nothing cancels but l² − 2HJ₂, by a factor of at most 2¹¹, and
+every iteration takes a number of steps that is known beforehand. With products of inertia the moments must also differ,
+and the body rate must not be along a principal axis by all but a little. Each motion is judged by its own numbers, in
+plain doubles, so that it is judged the same alone and in any ensemble.
+
+The decomposition of an inertia with products, in doubles, is refined once: its error ε becomes ε² (T. Ogita,
+K. Aishima, "Iterative refinement for symmetric eigenvalue decomposition", Japan J. Indust. Appl. Math. 35 (2018) 1007,
+algorithm 1).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, Final, NamedTuple, TypeAlias, cast
+
+import numpy as np
+
+from lie_rigid_body.arithmetic.double_double import (
+    ONE,
+    ZERO,
+    DoubleDouble,
+    add,
+    choose,
+    divide,
+    multiply,
+    scaled,
+    subtract,
+)
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.lie import quaternion
+
+Condition: TypeAlias = Any
+"""A bool of one motion, or an array of them."""
+
+Matrix: TypeAlias = tuple[Triple, Triple, Triple]
+Vector: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
+
+_NEAREST: Final = 2.0**-10
+"""Least 1 − m, of the motions nearest to the separatrix."""
+
+_MOMENT_RATIO: Final = 1e3
+"""Greatest ratio of moments."""
+
+_LEAST_MOMENT, _GREATEST_MOMENT = 1e-20, 1e20
+_LEAST_RATE, _GREATEST_RATE = 1e-20, 1e5
+
+_SUM_RATIOS: Final = (2.5, 8.0, 30.0, 120.0)
+"""Of (1 − ν)/√m1, above each of which the sum in the mean precession takes a step more."""
+_GREATEST_RATIO: Final = 400.0
+
+_MOMENT_GAP: Final = 2.0**-10
+"""Least difference of two moments, of the largest, with products of inertia: the refinement divides by it."""
+
+_LEAST_TILT: Final = 1e-8
+"""Between the body rate and a principal axis, with products of inertia: its transverse components keep their digits."""
+
+
+class Classification(NamedTuple):
+    """Whether motions are regular, and what their computation branches on.
+
+    Attributes
+    ----------
+    regular : bool, or array of them
+    hyperbolic : bool, or array of them
+        Whether m > ½.
+    steps : int, or array of them
+        Steps of the sum in the mean precession.
+    """
+
+    regular: Condition
+    hyperbolic: Condition
+    steps: Any
+
+
+class FastFrame(NamedTuple):
+    """A `PrincipalFrame` in double-double.
+
+    Attributes
+    ----------
+    moments, rate : 3 DoubleDouble
+    sense : number
+    axes : 3 rows of 3 numbers
+        Columns are the frame's axes in the body frame.
+    frame : 4 numbers
+        conj(F) of `GeneralMotion`.
+    """
+
+    moments: Vector
+    rate: Vector
+    sense: Number
+    axes: Matrix
+    frame: Quadruple
+
+
+def _about_largest(j: Triple, w: Triple) -> Condition:
+    """Whether the momentum circulates about the axis of the largest moment, from ascending moments; to round-off."""
+    # l² > 2HJ₂
+    return j[2] * (j[2] - j[1]) * (w[2] * w[2]) > j[0] * (j[1] - j[0]) * (w[0] * w[0])
+
+
+def _classified(j: Triple, w: Triple, sense: Number) -> Classification:
+    """The class of a motion from the moments, the sizes of the initial ω and the sense of its `PrincipalFrame`."""
+    (j1, j2, j3), (w1, w2, w3) = j, w
+    d21, d31, d32 = sense * (j2 - j1), sense * (j3 - j1), sense * (j3 - j2)
+    q1, q2, q3 = j1 * (w1 * w1), j2 * (w2 * w2), j3 * (w3 * w3)
+    c1, c2, c3 = d21 * q2 + d31 * q3, d32 * q3 - d21 * q1, d31 * q1 + d32 * q2
+    # m1 is their quotient
+    whole, complement = d32 * c1, d31 * c2
+    # 1 − ν is their quotient
+    one, swollen = j1 * d32, j1 * d32 + j3 * d21
+    # squares of (1 − ν)/√m1 and of 1, times the same
+    spread, unit = swollen * swollen * whole, one * one * complement
+    steps: Any = 3
+    for ratio in _SUM_RATIOS:
+        steps = steps + (spread > ratio * ratio * unit)
+    regular = (c3 > 0.0) & (whole > 0.0) & (complement >= _NEAREST * whole)
+    regular = regular & (spread < _GREATEST_RATIO**2 * unit) & _is_of_regular_size(j, w)
+    return Classification(regular, 2.0 * complement < whole, steps)
+
+
+def _is_of_regular_size(j: Triple, w: Triple) -> Condition:
+    j1, _, j3 = j
+    fits: Condition = True
+    for moment in j:
+        fits = fits & (moment >= _LEAST_MOMENT) & (moment <= _GREATEST_MOMENT)
+    for rate in w:
+        fits = fits & ((rate >= _LEAST_RATE) | (rate == 0.0)) & (rate <= _GREATEST_RATE)
+    return fits & (j1 <= _MOMENT_RATIO * j3) & (j3 <= _MOMENT_RATIO * j1)
+
+
+class DiagonalBody(NamedTuple):
+    """A body of diagonal inertia and its rate, in the order of the frame's axes: their numbers are exact.
+
+    Attributes
+    ----------
+    order : 3 int, or 3 arrays of int
+        Which axes of the body they are.
+    moments, rate : 3 numbers
+    sense : number
+        That of the frame.
+    """
+
+    order: tuple[Any, Any, Any]
+    moments: Triple
+    rate: Triple
+    sense: Number
+
+    @classmethod
+    def of_one(cls, diagonal: list[float], rate: list[float]) -> DiagonalBody:
+        """The body of one motion."""
+        i, j, k = sorted(range(3), key=diagonal.__getitem__)
+        sense = 1.0
+        if not _about_largest((diagonal[i], diagonal[j], diagonal[k]), (abs(rate[i]), 0.0, abs(rate[k]))):
+            i, k, sense = k, i, -1.0
+        return cls((i, j, k), (diagonal[i], diagonal[j], diagonal[k]), (rate[i], rate[j], rate[k]), sense)
+
+    @classmethod
+    def of_many(cls, diagonal: Array, body_rate: Array) -> DiagonalBody:
+        """The bodies of many motions, from arrays of shape (B, 3)."""
+        order = np.argsort(diagonal, axis=1, kind="stable")
+        ascends = _about_largest(_taken(diagonal, order), _taken(np.abs(body_rate), order))
+        order = np.where(ascends[:, np.newaxis], order, order[:, ::-1])
+        i, j, k = order.T
+        return cls((i, j, k), _taken(diagonal, order), _taken(body_rate, order), np.where(ascends, 1.0, -1.0))
+
+    def classified(self) -> Classification:
+        """The class of the motion, or of each."""
+        w1, w2, w3 = self.rate
+        return _classified(self.moments, (magnitude(w1), magnitude(w2), magnitude(w3)), self.sense)
+
+    def frame(self) -> FastFrame:
+        """The frame of the motion, or of each."""
+        w1, w2, w3 = self.rate
+        i, _, k = self.order
+        if isinstance(w1, float) and isinstance(w3, float):
+            axes, conjugate, sign = _signed_axes(i, k, w1 < 0.0, w3 < 0.0)
+        else:
+            axes, conjugate, sign = _many_signed_axes(np.stack([i, k, w1 < 0.0, w3 < 0.0], axis=-1))
+        rate = _exactly((magnitude(w1), sign * w2, magnitude(w3)))
+        return FastFrame(_exactly(self.moments), rate, self.sense, axes, conjugate)
+
+
+def _taken(values: Array, order: Integers) -> Triple:
+    first, second, third = np.take_along_axis(values, order, axis=1).T
+    return first, second, third
+
+
+@lru_cache(maxsize=24)
+def _signed_axes(i: int, k: int, i_back: bool, k_back: bool) -> tuple[Matrix, Quadruple, Number]:
+    """The frame whose first and third axes are ±i and ±k of the body: matrix, conj(F), and sign of the second axis."""
+    matrix = np.zeros((3, 3))
+    matrix[i, 0], matrix[k, 2] = (-1.0 if i_back else 1.0), (-1.0 if k_back else 1.0)
+    # + 0.0 makes −0 a plain 0
+    matrix[:, 1] = np.cross(matrix[:, 2], matrix[:, 0]) + 0.0
+    first, second, third = ((x, y, z) for x, y, z in matrix.tolist())
+    x, y, z, w = quaternion.conjugate(quaternion.from_matrix(matrix)).tolist()
+    return (first, second, third), (x, y, z, w), float(matrix[:, 1].sum())
+
+
+def _many_signed_axes(keys: Array) -> tuple[Matrix, Quadruple, Number]:
+    """The frames of many motions, from the arguments of `_signed_axes` in rows."""
+    kinds, inverse = np.unique(keys, axis=0, return_inverse=True)
+    known = [_signed_axes(i, k, bool(p), bool(q)) for i, k, p, q in kinds.tolist()]
+    numbers = np.array([[*axes[0], *axes[1], *axes[2], *frame, sign] for axes, frame, sign in known])[inverse.ravel()].T
+    xx, xy, xz, yx, yy, yz, zx, zy, zz, x, y, z, w, sign = numbers
+    return ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)), (x, y, z, w), sign
+
+
+class CoupledBody(NamedTuple):
+    """A body with products of inertia and its rate, with the decomposition of its inertia in doubles.
+
+    Attributes
+    ----------
+    inertia : 3 rows of 3 numbers
+    moments : 3 numbers
+        Ascending.
+    axes : 3 columns of 3 numbers
+        Right-handed.
+    rate : 3 numbers
+    """
+
+    inertia: Matrix
+    moments: Triple
+    axes: Matrix
+    rate: Triple
+
+    @classmethod
+    def of(cls, inertia: Any, moments: Any, axes: Any, rate: Any) -> CoupledBody:
+        """The body from nests of numbers with the indices first; the columns of ``axes`` are the axes."""
+        first, second, third = (tuple(row) for row in inertia)
+        a, b, c = zip(*axes, strict=True)
+        return cls((first, second, third), tuple(moments), (a, b, c), tuple(rate))
+
+    def sense(self) -> Number:
+        """The sense of the frame."""
+        return choose(_about_largest(self.moments, self._sizes()), ONE, (-1.0, 0.0))[0]
+
+    def classified(self) -> Classification:
+        """The class of the motion, or of each."""
+        (least, middle, most), (a, b, c) = self.moments, self._sizes()
+        sense = self.sense()
+        up = sense > 0.0
+        (j1, j3), (w1, w3) = choose(up, (least, most), (most, least)), choose(up, (a, c), (c, a))
+        regular, hyperbolic, steps = _classified((j1, middle, j3), (w1, b, w3), sense)
+        regular = regular & (middle - least >= _MOMENT_GAP * most) & (most - middle >= _MOMENT_GAP * most)
+        return Classification(regular & (w1 * w1 + b * b >= _LEAST_TILT**2 * (w3 * w3)), hyperbolic, steps)
+
+    def frame(self) -> FastFrame:
+        """The frame of the motion, or of each, to 30 digits."""
+        moments, axes = self._refined()
+        rate = _exactly(self.rate)
+        components = [_dot(axis, rate) for axis in axes]
+        sense = self.sense()
+        up = sense > 0.0
+        first, third = choose(up, components[0], components[2]), choose(up, components[2], components[0])
+        # ω₁ ≥ 0 and ω₃ > 0, and a right-handed frame
+        s1, s3 = (choose(w[0] < 0.0, (-1.0, 0.0), ONE)[0] for w in (first, third))
+        s2 = sense * s1 * s3
+        columns = [
+            [sign * choose(up, p, q)[0] for p, q in zip(*pair, strict=True)]
+            for sign, pair in ((s1, (axes[0], axes[2])), (s2, (axes[1], axes[1])), (s3, (axes[2], axes[0])))
+        ]
+        rows = tuple((a, b, c) for a, b, c in zip(*columns, strict=True))
+        return FastFrame(
+            moments=(choose(up, moments[0], moments[2]), moments[1], choose(up, moments[2], moments[0])),
+            rate=(scaled(first, s1), scaled(components[1], s2), scaled(third, s3)),
+            sense=sense,
+            axes=(rows[0], rows[1], rows[2]),
+            frame=_conjugate_quaternion((rows[0], rows[1], rows[2])),
+        )
+
+    def _sizes(self) -> Triple:
+        """|ω₁|, |ω₂| and |ω₃| along the principal axes."""
+        x, y, z = self.rate
+        a, b, c = (magnitude(axis[0] * x + axis[1] * y + axis[2] * z) for axis in self.axes)
+        return a, b, c
+
+    def _refined(self) -> tuple[Vector, list[Vector]]:
+        """Moments and axes in double-double: with X the axes in doubles, S = XᵀMX and R = 1 − XᵀX.
+
+        The moments are Sᵢᵢ/(1 − Rᵢᵢ), and X goes to X + XE with Eᵢᵢ = ½Rᵢᵢ and
+        Eᵢⱼ = (Sᵢⱼ + Jⱼ Rᵢⱼ)/(Jⱼ − Jᵢ) (Ogita and Aishima, algorithm 1).
+        """
+        rows, axes = [_exactly(row) for row in self.inertia], [_exactly(axis) for axis in self.axes]
+        images = [_image(rows, axis) for axis in axes]
+        entries: dict[tuple[int, int], DoubleDouble] = {}
+        defects: dict[tuple[int, int], DoubleDouble] = {}
+        for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+            entries[i, j] = entries[j, i] = _dot(axes[i], images[j])
+            defects[i, j] = defects[j, i] = subtract(ONE if i == j else ZERO, _dot(axes[i], axes[j]))
+        m0, m1, m2 = (divide(entries[i, i], subtract(ONE, defects[i, i])) for i in range(3))
+        moments = (m0, m1, m2)
+        refined = []
+        for j in range(3):
+            shares = [
+                0.5 * defects[j, j][0]
+                if i == j
+                else (entries[i, j][0] + moments[j][0] * defects[i, j][0]) / (moments[j][0] - moments[i][0])
+                for i in range(3)
+            ]
+            x, y, z = (_combined([axis[k] for axis in self.axes], shares) for k in range(3))
+            p, q, r = axes[j]
+            refined.append((add(p, (x, 0.0)), add(q, (y, 0.0)), add(r, (z, 0.0))))
+        return moments, refined
+
+
+def _combined(components: list[Number], shares: list[Number]) -> Number:
+    return components[0] * shares[0] + components[1] * shares[1] + components[2] * shares[2]
+
+
+def _exactly(vector: Triple) -> Vector:
+    x, y, z = vector
+    return (x, 0.0), (y, 0.0), (z, 0.0)
+
+
+def _image(rows: list[Vector], vector: Vector) -> Vector:
+    x, y, z = (_dot(row, vector) for row in rows)
+    return x, y, z
+
+
+def _dot(a: Vector, b: Vector) -> DoubleDouble:
+    return add(add(multiply(a[0], b[0]), multiply(a[1], b[1])), multiply(a[2], b[2]))
+
+
+def _conjugate_quaternion(rows: Matrix) -> Quadruple:
+    """conj(F), one after the other where there are many."""
+    entries = [entry for row in rows for entry in row]
+    if isinstance(entries[0], float):
+        return _quaternion_of_one(*cast(list[float], entries))
+    x, y, z, w = np.array([_quaternion_of_one(*row) for row in np.stack(entries, axis=-1).tolist()]).T
+    return x, y, z, w
+
+
+def _quaternion_of_one(
+    xx: float, xy: float, xz: float, yx: float, yy: float, yz: float, zx: float, zy: float, zz: float
+) -> tuple[float, float, float, float]:
+    """The inverse of a rotation matrix as a quaternion; see `lie.quaternion.from_matrix`."""
+    rows = (
+        (1.0 + xx - yy - zz, xy + yx, xz + zx, zy - yz),
+        (xy + yx, 1.0 - xx + yy - zz, yz + zy, xz - zx),
+        (xz + zx, yz + zy, 1.0 - xx - yy + zz, yx - xy),
+        (zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz),
+    )
+    x, y, z, w = max(enumerate(rows), key=lambda numbered: numbered[1][numbered[0]])[1]
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    return -x / length, -y / length, -z / length, w / length

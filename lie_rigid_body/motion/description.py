@@ -1,0 +1,286 @@
+"""What the mathematics says about a body and its motion before a single state is computed.
+
+Regime, period, precession and flips of the motion, stability of spins, and what is conserved: what ``explain`` prints.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Final, Literal, TypeAlias, cast
+
+import numpy as np
+
+from lie_rigid_body.arithmetic.decimals import working_precision
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.top import (
+    Kind,
+    SpinStability,
+    SymmetricTop,
+    conserved_body_axes,
+    equal_moments,
+    is_flat,
+    kind_of_top,
+)
+from lie_rigid_body.motion.closed_form.decimal_constants import Periods, Polhode, frame_and_polhode, precession_rate
+from lie_rigid_body.motion.closed_form.decimal_frames import PrincipalFrame, digits_for, is_steady, principal_axes
+
+Vector: TypeAlias = tuple[float, float, float]
+Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
+
+SUDDEN_RAD: Final = math.pi / 6.0
+"""Angle of the momentum to the intermediate axis: a body that comes nearer than this seems to spin steadily between
+flips."""
+LINGERING: Final = 0.01
+"""Greatest 1 − m of such a body: it stays there for most of the time. A nearly symmetric top circles evenly."""
+
+
+@dataclass(frozen=True)
+class Flips:
+    """When the body rate along the intermediate axis changes its sign, so that this axis turns over.
+
+    Attributes
+    ----------
+    interval_s : float
+        Half a period; infinite on the separatrix.
+    first_s : float
+        The first one after the start; infinite if none comes.
+    nearest_angle_rad : float
+        How near the momentum comes to the intermediate axis between two of them: near 0, the body spins about it
+        for a while, and turns over suddenly.
+    sudden : bool
+        Whether that is nearer than ``SUDDEN_RAD``, and 1 − m below ``LINGERING``: Dzhanibekov's effect.
+    """
+
+    interval_s: float
+    first_s: float
+    nearest_angle_rad: float
+    sudden: bool
+
+
+@dataclass(frozen=True)
+class Circulation:
+    """How a motion that is not steady circulates about a principal axis.
+
+    Attributes
+    ----------
+    axis : tuple of 3 float
+        Unit vector in the body frame, at an acute angle with the momentum: the principal axis which the body rate
+        circles; on the separatrix, where the body rate tends to the intermediate axis, that of the largest moment.
+    separatrix_distance : float
+        1 − m, the complementary parameter of the elliptic functions: 0 on the separatrix, 1 for a symmetric top and
+        for small wobbles about the axis.
+    period_s : float
+        Of the body rate; infinite on the separatrix.
+    precession_rate_rad_s : float
+        Mean rate at which the axis circles the momentum; positive.
+    advance_per_period_rad : float
+        The angle about the momentum by which the attitude after one period differs from that before, counted with
+        the axis' whole turns; infinite on the separatrix.
+    tilt_min_rad, tilt_max_rad : float
+        Between which the angle from the momentum to the axis swings.
+    flips : Flips or None
+        None if two moments are equal.
+    """
+
+    axis: Vector
+    separatrix_distance: float
+    period_s: float
+    precession_rate_rad_s: float
+    advance_per_period_rad: float
+    tilt_min_rad: float
+    tilt_max_rad: float
+    flips: Flips | None
+
+
+@dataclass(frozen=True)
+class MotionConstants:
+    """The regime of a motion, and its circulation unless it is steady."""
+
+    regime: Regime
+    circulation: Circulation | None
+
+    @classmethod
+    def of(cls, body: RigidBody, start: State) -> MotionConstants:
+        """The constants of the motion of a body from a start of one instant, each rounded once."""
+        inertia, rate = body.inertia.tolist(), start.body_rate.tolist()
+        with working_precision(digits_for(inertia)):
+            if is_steady(inertia, rate):
+                return cls("steady" if any(rate) else "rest", None)
+            frame, polhode = frame_and_polhode(principal_axes(inertia), inertia, rate)
+            return cls(_regime(frame, polhode), _circulation(frame, polhode))
+
+
+def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
+    if polhode.m1 == 0:
+        return "separatrix"
+    return "about_largest" if frame.sense > 0 else "about_smallest"
+
+
+def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:
+    periods = Periods.of(polhode)
+    period = 4 * periods.real / polhode.speed
+    precession = precession_rate(frame, polhode, periods)
+    n1, n2, n3 = (j * a for j, a in zip(frame.moments, polhode.amplitudes, strict=True))
+    # u = 0 and u = K
+    tilts = sorted((_angle(n1, n3), _angle(n2, n3 * polhode.m1.sqrt())))
+    x, y, z = frame.axes[2]
+    return Circulation(
+        axis=(float(x), float(y), float(z)),
+        separatrix_distance=float(polhode.m1),
+        period_s=float(period),
+        precession_rate_rad_s=float(precession),
+        advance_per_period_rad=float(precession * period),
+        tilt_min_rad=tilts[0],
+        tilt_max_rad=tilts[1],
+        flips=_flips(polhode, periods, _angle(n3 * polhode.m1.sqrt(), n2)) if polhode.m else None,
+    )
+
+
+def _flips(polhode: Polhode, periods: Periods, nearest_angle: float) -> Flips:
+    """The zeros of sn u, at the multiples of 2K."""
+    start, interval = polhode.start, 2 * periods.real
+    first = -start if start < 0 else interval - start
+    return Flips(
+        interval_s=float(interval / polhode.speed),
+        first_s=float(first / polhode.speed),
+        nearest_angle_rad=nearest_angle,
+        sudden=nearest_angle < SUDDEN_RAD and float(polhode.m1) < LINGERING,
+    )
+
+
+def _angle(across: Decimal, along: Decimal) -> float:
+    """The angle in [0, ½π] from these components, whatever their size."""
+    size = max(across, along)
+    return math.atan2(float(across / size), float(along / size))
+
+
+@dataclass(frozen=True)
+class PrincipalAxis:
+    """One principal axis: its moment, its direction in the body frame, and the stability of a spin about it.
+
+    The spin is the one that the motion's momentum would give; 1 rad/s for a body at rest.
+    """
+
+    moment_kg_m2: float
+    direction: Vector
+    spin: SpinStability
+
+
+@dataclass(frozen=True)
+class SteadyRotation:
+    """A rotation about a fixed axis.
+
+    Attributes
+    ----------
+    axis : tuple of 3 float
+        Unit vector along the body rate, body frame.
+    principal : tuple of int
+        The indices of the principal axes whose moment the body has about it: more than one where moments are equal.
+    turn_s : float
+        The time of one turn.
+    """
+
+    axis: Vector
+    principal: tuple[int, ...]
+    turn_s: float
+
+
+@dataclass(frozen=True)
+class BodyMomentum:
+    """A component of the body momentum Mω that stays constant, along a direction of the body frame."""
+
+    direction: Vector
+    momentum_kg_m2_s: float
+
+
+@dataclass(frozen=True)
+class Description:
+    """Everything about a body and its motion that does not depend on time.
+
+    Attributes
+    ----------
+    kind : str
+        ``asymmetric``, ``oblate``, ``prolate`` or ``spherical``.
+    flat : bool
+        Whether all mass lies in one plane.
+    axes : tuple of 3 PrincipalAxis
+        In ascending order of the moments.
+    kinetic_energy_j, angular_momentum_kg_m2_s : float
+        H and l = |Mω|; infinite where too large for a double.
+    world_momentum_kg_m2_s : tuple of 3 float
+        A M ω.
+    regime : str
+        ``rest``, ``steady``, ``about_largest``, ``about_smallest`` (the axis that the momentum circles in the body)
+        or ``separatrix`` (exactly between these two).
+    steady : SteadyRotation or None
+        In the regime ``steady`` only.
+    circulation : Circulation or None
+        In the last three regimes; its flips are those of an asymmetric top only.
+    symmetric_top : SymmetricTop or None
+        For an oblate or a prolate top.
+    conserved_body_momenta : tuple of BodyMomentum
+        None for an asymmetric top, one for a symmetric one, three for a sphere.
+    """
+
+    kind: Kind
+    flat: bool
+    axes: tuple[PrincipalAxis, PrincipalAxis, PrincipalAxis]
+    kinetic_energy_j: float
+    angular_momentum_kg_m2_s: float
+    world_momentum_kg_m2_s: Vector
+    regime: Regime
+    steady: SteadyRotation | None
+    circulation: Circulation | None
+    symmetric_top: SymmetricTop | None
+    conserved_body_momenta: tuple[BodyMomentum, ...]
+
+
+def describe(body: RigidBody, start: State) -> Description:
+    """The description of the motion of a body from a start of one instant: shapes (4,) and (3,)."""
+    kind, constants = kind_of_top(body), MotionConstants.of(body, start)
+    circulation = constants.circulation
+    if circulation is not None and kind != "asymmetric":
+        circulation = replace(circulation, flips=None)
+    first, second, third = (_principal_axis(body, start, i) for i in range(3))
+    with np.errstate(over="ignore"):
+        energy = float(body.kinetic_energy(start))
+    return Description(
+        kind=kind,
+        flat=is_flat(body),
+        axes=(first, second, third),
+        kinetic_energy_j=energy,
+        angular_momentum_kg_m2_s=math.hypot(*body.body_momentum(start)),
+        world_momentum_kg_m2_s=_vector(body.angular_momentum(start)),
+        regime=constants.regime,
+        steady=_steady_rotation(body, start) if constants.regime == "steady" else None,
+        circulation=circulation,
+        symmetric_top=SymmetricTop.of(body, start),
+        conserved_body_momenta=tuple(
+            BodyMomentum(_vector(axis), float(axis @ body.body_momentum(start))) for axis in conserved_body_axes(body)
+        ),
+    )
+
+
+def _principal_axis(body: RigidBody, start: State, index: int) -> PrincipalAxis:
+    moments = [float(moment) for moment in body.principal_moments]
+    # l/I, also where l itself is too small for a double
+    spin = math.hypot(*(body.inertia / moments[index] @ start.body_rate)) if start.body_rate.any() else 1.0
+    stability = SpinStability.of(moments, index, spin)
+    return PrincipalAxis(moments[index], _vector(body.principal_axes[:, index]), stability)
+
+
+def _steady_rotation(body: RigidBody, start: State) -> SteadyRotation:
+    speed = math.hypot(*start.body_rate)
+    axis = start.body_rate / speed
+    moments = body.principal_moments
+    own = float(moments[np.argmin(np.abs(moments - math.hypot(*(body.inertia @ axis))))])
+    principal = tuple(i for i in range(3) if equal_moments(float(moments[i]), own))
+    return SteadyRotation(_vector(axis), principal, 2.0 * math.pi / speed)
+
+
+def _vector(array: Array) -> Vector:
+    # + 0.0 makes −0 a plain 0
+    return cast(Vector, tuple(float(component) + 0.0 for component in array))
