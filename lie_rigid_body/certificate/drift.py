@@ -22,6 +22,7 @@ from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.spinning_frame import SpinningFrame, working_precision
+from lie_rigid_body.motion.time_steps import steps_between
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ _MORE_TERMS: Final = 4
 
 def equal_steps(period: float, longest: float) -> float:
     """The step when equal ones divide a period, s, none longer than allowed."""
-    return period / max(1.0, math.ceil(period / longest - 1e-9))
+    return period / steps_between(period, longest)
 
 
 class Drift(Protocol):

@@ -111,7 +111,8 @@ def _record(
     from lie_rigid_body.messages.batch import BatchEncoder
 
     encoder = BatchEncoder(simulation.segment.scenario)
-    batch = _batch(simulation.segment.scenario)
+    # few samples when each costs many steps, so that an interruption loses little
+    batch = simulation.segment.scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
     # disable=None: shown on a terminal only
     with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
@@ -129,14 +130,6 @@ def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
     """The last stamp that a sensor may have: the end of the duration, but for rounding, which the truth decides."""
     end = clock.epoch_ns + math.ceil(duration * 1_000_000_000) - 1
     return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
-
-
-def _batch(scenario: Scenario) -> int:
-    """How many samples to take at once: few when each costs many steps, so that an interruption loses little."""
-    if scenario.motion == "closed_form":
-        return _LARGEST_BATCH
-    steps = math.ceil(1.0 / (scenario.rate * scenario.max_step))
-    return max(1, min(_LARGEST_BATCH, _STEPS_PER_BATCH // steps))
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

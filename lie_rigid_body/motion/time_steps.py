@@ -1,4 +1,4 @@
-"""How the time between samples is divided into steps."""
+"""How the time between samples is divided into steps: the one home of this count."""
 
 from __future__ import annotations
 
@@ -20,6 +20,19 @@ _MOST_STEPS: Final = 1e15
 """In one call: a year's work."""
 
 _FASTEST: Final = 1e280
+
+
+def steps_between(span: float, max_step: float) -> int:
+    """How many equal steps lead over a span of time, none longer than allowed: what `TimeSteps` takes, for one span.
+
+    Parameters
+    ----------
+    span : float
+        s, above 0.
+    max_step : float
+        s
+    """
+    return max(1, math.ceil(span / max_step - _SLACK))
 
 
 class TimeSteps:

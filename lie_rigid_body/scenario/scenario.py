@@ -15,6 +15,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
@@ -114,6 +115,30 @@ class Scenario:
         if self.motion == "closed_form":
             return ClosedForm(self.body(), self.start())
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
+
+    def steps_per_sample(self, rate: float | None = None) -> int:
+        """Steps of the moving chart from one sample to the next, as ``max_step`` demands; 1 for the closed form.
+
+        Parameters
+        ----------
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
+        return 1 if self.motion == "closed_form" else steps_between(1.0 / (rate or self.rate), self.max_step)
+
+    def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
+        """How many samples to compute at once, at least 1.
+
+        Parameters
+        ----------
+        at_most : int
+            The most samples.
+        steps : int
+            The most steps of the moving chart, if one sample does not take more.
+        rate : float, optional
+            Samples per second, by default those of the truth.
+        """
+        return max(1, min(at_most, steps // self.steps_per_sample(rate)))
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):

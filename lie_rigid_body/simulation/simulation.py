@@ -21,10 +21,9 @@ R = TypeVar("R", bound=SlicedRows)
 Integers = NDArray[np.int64]
 
 LOOK_AHEAD: Final = 64
-"""Samples of the closed form computed at once when fewer are wanted: one costs almost as much as all of them."""
-
+"""Samples computed at once when fewer are wanted: of the closed form one costs almost as much as all of them."""
 STEPS_AHEAD: Final = 64
-"""Steps of the moving chart taken at once when fewer are wanted, about a millisecond of work."""
+"""The most steps of the moving chart taken for that, about a millisecond of work."""
 
 
 @dataclass(frozen=True)
@@ -160,19 +159,13 @@ def _followed(relay: Relay[R] | None, track: Track[R] | None, start_ns: int) -> 
     return relay
 
 
-def _look_ahead(scenario: Scenario, rate: float) -> int:
-    if scenario.motion == "closed_form":
-        return LOOK_AHEAD
-    return min(LOOK_AHEAD, int(STEPS_AHEAD * min(1.0, rate * scenario.max_step)))
-
-
 def _truth(segment: Segment, clock: SampleClock) -> Track[Samples]:
     motion = segment.scenario.make_motion()
     return Track(
         clock,
         segment.first_sample,
         lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
-        _look_ahead(segment.scenario, segment.scenario.rate),
+        segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD),
     )
 
 
@@ -189,7 +182,7 @@ def _imu(segment: Segment, model: ImuModel) -> Track[ImuSamples]:
         times = stamps - start_ns
         return ImuSamples(stamps, imu.measure(times, motion.at(times)))
 
-    return Track(clock, first, compute, _look_ahead(scenario, model.rate))
+    return Track(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate))
 
 
 def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[MagnetometerSamples]:
@@ -200,5 +193,5 @@ def _magnetometer(segment: Segment, model: MagnetometerModel) -> Track[Magnetome
         clock,
         clock.count_until(start_ns - 1),
         lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
-        _look_ahead(scenario, model.rate),
+        scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate),
     )

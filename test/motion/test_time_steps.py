@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body import InputError, MovingChart, RigidBody, State
 from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
-from lie_rigid_body.motion.time_steps import TimeSteps
+from lie_rigid_body.motion.time_steps import TimeSteps, steps_between
 
 SLACK = Fraction(1, 10**9)
 
@@ -26,6 +26,12 @@ def test_steps_are_as_few_as_their_largest_length_allows(gaps: list[int], max_st
         assert count >= wanted * (1 - Fraction(1, 10**14)) - SLACK
         assert count < wanted + 1 or count == 0 == span
         assert (count == 0) == (span == 0)
+
+
+@given(st.integers(1, 10**12), st.integers(1, 10**10))
+def test_one_span_has_as_many_steps_as_among_others(span_ns: int, step_ns: int):
+    _, [count] = TimeSteps(step_ns / 1e9).to(np.array([span_ns]))
+    assert steps_between(span_ns / 1e9, step_ns / 1e9) == count
 
 
 @pytest.mark.parametrize("step_ns", [1, 3, 7, 1000, 10_000_000, 33_333_333, 10**9])
