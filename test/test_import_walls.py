@@ -11,13 +11,14 @@ import pytest
 PACKAGE = "lie_rigid_body"
 SOURCES = Path(__file__).parent.parent / PACKAGE
 
-# What each room may import of the package besides itself and `errors`. A room is a folder or a module of the package,
-# and its own __init__ is the room "".
+# What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
+# package, and its own __init__ is the room "".
 SCENARIO = {"compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
+    "arrays": set(),
     "compilation": set(),
     "lie": set(),
     "mechanics": {"lie"},
@@ -37,6 +38,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "": SCENARIO | {"simulation"},
     "__main__": {"console"},
 }
+FOR_ALL = {"errors", "arrays"}
 PURE = {"groups", "lie", "mechanics", "motion"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
@@ -85,7 +87,7 @@ def head(module: str) -> str:
 
 
 def wall_between_rooms(module: str, target: str) -> bool:
-    return head(target) == PACKAGE and room(target) not in {room(module), "errors", *MAY_IMPORT.get(room(module), ())}
+    return head(target) == PACKAGE and room(target) not in {room(module), *FOR_ALL, *MAY_IMPORT.get(room(module), ())}
 
 
 def wall_around_ros(module: str, target: str) -> bool:

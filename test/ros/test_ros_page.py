@@ -19,8 +19,8 @@ if find_spec("rclpy"):
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
     from std_srvs.srv import Trigger
 
-    from lie_rigid_body.ros.parameters import AT_ONCE, READ_ONLY
-    from lie_rigid_body.ros.standard_services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.parameters import AT_ONCE, READ_ONLY
+    from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
 
 pytestmark = pytest.mark.ros
 

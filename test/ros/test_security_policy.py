@@ -18,8 +18,8 @@ if find_spec("rclpy"):
     from peer import Peer
     from std_srvs.srv import Trigger
 
-    from lie_rigid_body.ros import standard_services
-    from lie_rigid_body.ros.standard_services import StandardServices
+    from lie_rigid_body.ros.control import standard_services
+    from lie_rigid_body.ros.control.standard_services import StandardServices
 
 pytestmark = pytest.mark.ros
 

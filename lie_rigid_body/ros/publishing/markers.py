@@ -1,4 +1,4 @@
-"""``markers``: a picture of the body, its momentum, its angular velocity and the polhode."""
+"""``markers``: the body as a box, its angular momentum and velocity as arrows, the polhode as a line."""
 
 from __future__ import annotations
 
@@ -8,47 +8,45 @@ from typing import Final
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.pace import FOREVER
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.messages.layout import NS
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-Array = NDArray[np.float64]
-
 TOPIC: Final = "markers"
-NS: Final = 1_000_000_000
 LONGEST_SIDE: Final = 1.0
-"""m; an inertia alone does not say how large the body is."""
+"""Longest side of the box, m: an inertia alone does not determine the size of a body."""
 THINNEST: Final = 0.02
-"""m; a flat body has to be seen."""
+"""Shortest side of the box, m, so that a flat body stays visible."""
 ARROW: Final = 1.0
-"""m, of the angular velocity and of the momentum at the start."""
+"""Length of the arrows at the start of a segment, m."""
 TRAIL: Final = 600
-"""Points of the polhode trail."""
+"""Most points of the polhode's line."""
 BLUE: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
 ORANGE: Final = ColorRGBA(r=0.95, g=0.55, b=0.1, a=1.0)
 GREEN: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
 PURPLE: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
 
 
-class Markers:
-    """An outlet that draws the body as a box, while somebody looks.
+class Markers(Sink):
+    """A sink that publishes markers while somebody subscribes to them.
 
-    Everything is in the world frame: the polhode, which belongs to the body, is turned with it.
+    Everything is in the world frame: the polhode, a curve in the body, is turned with the body.
 
     Parameters
     ----------
     node : Node
     rate : float
-        Pictures per second of the steady clock.
+        Marker arrays per second of the steady clock.
     """
 
     def __init__(self, node: Node, rate: float) -> None:
@@ -59,7 +57,7 @@ class Markers:
         self._trail: deque[list[float]] = deque(maxlen=TRAIL)
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take the body, and begin a new trail."""
+        """Take the body, and begin a new polhode."""
         scenario = segment.scenario
         start, body = scenario.start(), scenario.body()
         self._frame, self._body = scenario.world_frame, body
@@ -75,12 +73,8 @@ class Markers:
         if len(batch.samples):
             self._latest = (int(batch.samples.stamps_ns[-1]), batch.samples.states[-1])
 
-    def ready(self) -> bool:
-        """There is always room."""
-        return True
-
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """Publish a picture when it is time."""
+        """Publish the markers of the latest state when it is time."""
         if self._latest is None:
             return FOREVER
         if steady_ns >= self._due_ns:
@@ -125,7 +119,7 @@ class Markers:
 
 
 def box_sides(body: RigidBody) -> Array:
-    """The sides of a uniform box with these principal moments, m, the longest of them `LONGEST_SIDE`.
+    """The sides of a uniform box with the body's ratios of principal moments, m; the longest is `LONGEST_SIDE`.
 
     Parameters
     ----------
@@ -134,7 +128,7 @@ def box_sides(body: RigidBody) -> Array:
     Returns
     -------
     ndarray, shape (3,)
-        Along the principal axes, none below `THINNEST`.
+        Sides along the principal axes, none below `THINNEST`.
 
     Notes
     -----
@@ -147,7 +141,7 @@ def box_sides(body: RigidBody) -> Array:
 
 
 def _scale(vector: Array) -> float:
-    """What makes a vector as long as an arrow."""
+    """The factor that makes a vector as long as an arrow; 0 for the zero vector."""
     size = float(np.linalg.norm(vector))
     return ARROW / size if size else 0.0
 

@@ -1,4 +1,4 @@
-"""The parameters of the node: declared from the one table, and validated as a whole."""
+"""The parameters of the node: declared from the table of parameters, and validated together as a scenario."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 READ_ONLY: Final = frozenset(
     {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
 )
-"""What types, stamps, files and publishers hang on from the start."""
+"""Parameters on which message types, stamps, files and publishers depend: fixed at the start."""
 AT_ONCE: Final = frozenset({"real_time_factor"})
-"""What acts without a reset."""
+"""Parameters that take effect without a reset."""
 
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _OF_EVERY_NODE: Final = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 
 
 class NodeParameters:
-    """The parameters that a node holds.
+    """The parameters of a node.
 
     Parameters
     ----------
     node : Node
     given : mapping of str to object
-        Values from elsewhere, which the node's overrides outdo.
+        Values from the node's own command line. Those of ROS arguments win over them.
 
     Raises
     ------
@@ -50,38 +50,38 @@ class NodeParameters:
                 parameter.name, ros_value(values[parameter.name]), descriptor(parameter), ignore_override=True
             )
         node.add_pre_set_parameters_callback(integers_as_doubles)
-        node.add_on_set_parameters_callback(self._judge)
+        node.add_on_set_parameters_callback(self._validate)
 
-    def held(self) -> dict[str, Any]:
-        """Every parameter's present value."""
+    def values(self) -> dict[str, Any]:
+        """The present value of every parameter, by name."""
         return {name: self._node.get_parameter(name).value for name in _BY_NAME}
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
-        return Scenario.from_parameters(self.held())
+        return Scenario.from_parameters(self.values())
 
-    def act(self, on_change: Callable[[Mapping[str, Any]], None]) -> None:
-        """Call back with the parameters that act at once, by name, when they change."""
+    def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
+        """Call ``act`` with the new values, by name, when parameters in `AT_ONCE` change."""
 
-        def tell(changes: Sequence[RosParameter]) -> None:
-            changed = {change.name: change.value for change in changes if change.name in AT_ONCE}
-            if changed:
-                on_change(changed)
+        def changed(changes: Sequence[RosParameter]) -> None:
+            values = {change.name: change.value for change in changes if change.name in AT_ONCE}
+            if values:
+                act(values)
 
-        self._node.add_post_set_parameters_callback(tell)
+        self._node.add_post_set_parameters_callback(changed)
 
-    def _judge(self, changes: Sequence[RosParameter]) -> SetParametersResult:
-        """Accept or refuse a set of changes, as a whole and with the reason."""
-        wanted = {change.name: change.value for change in changes if change.name in _BY_NAME}
+    def _validate(self, changes: Sequence[RosParameter]) -> SetParametersResult:
+        """Accept all changes of a request, or refuse all with the reason."""
+        new = {change.name: change.value for change in changes if change.name in _BY_NAME}
         try:
-            Scenario.from_parameters({**self.held(), **wanted})
+            Scenario.from_parameters({**self.values(), **new})
         except LieRigidBodyError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
-    """What ``ros2 param describe`` shows of a parameter."""
+    """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
     fixed = parameter.name in READ_ONLY
     described = ParameterDescriptor(
         description=parameter.description,
@@ -114,7 +114,7 @@ def _effect(name: str) -> Iterable[str]:
 
 
 def integers_as_doubles(changes: list[RosParameter]) -> list[RosParameter]:
-    """Changes in which an integer given for a double is that double, as in a parameter file."""
+    """Take an integer given for a double as that double, as in a parameter file."""
     return [_as_declared(change) for change in changes]
 
 
@@ -130,12 +130,12 @@ def _as_declared(change: RosParameter) -> RosParameter:
 
 
 def ros_value(value: Value) -> object:
-    """A value as rclpy wants it: arrays are lists."""
+    """A value in the type that rclpy wants: arrays are lists."""
     return list(value) if isinstance(value, tuple) else value
 
 
 def _overrides(node: Node) -> dict[str, object]:
-    """What ROS arguments and files give the node: all of it, as a parameter that is not declared shows nowhere else."""
+    """All values that ROS arguments and files give the node, also under names that it does not declare."""
     with node.handle:
         overrides = node.handle.get_parameters(RosParameter)
     return {name: override.value for name, override in overrides.items() if not name.startswith(_OF_EVERY_NODE)}

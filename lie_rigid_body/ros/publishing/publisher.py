@@ -1,4 +1,4 @@
-"""The topics of a live run."""
+"""The topics of samples: truth, sensors, latched scenario and clock."""
 
 from __future__ import annotations
 
@@ -21,61 +21,60 @@ from std_msgs.msg import String
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
-from lie_rigid_body.messages.layout import ENCAPSULATION
-from lie_rigid_body.ros.burst import LARGEST_BURST
-from lie_rigid_body.ros.punctuality import Punctuality
-from lie_rigid_body.ros.refusal import told
+from lie_rigid_body.messages.layout import ENCAPSULATION, NS
+from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
 
 SCENARIO: Final = "~/scenario"
 CLOCK: Final = "/clock"
-NS: Final = 1_000_000_000
-KEPT: Final = 4 * LARGEST_BURST
-"""Messages kept for reliable subscribers that have not confirmed them: a burst never overruns the one before."""
-CLOCK_KEPT: Final = 3 * KEPT
-"""The same for the clock, which ticks for the truth, for the IMU and for the magnetometer."""
-BURST_PATIENCE_NS: Final = 10_000_000
-"""How long a full burst waits to be confirmed on each topic: one subscriber that hangs must not hold up the others."""
-LAST_PATIENCE_NS: Final = 100_000_000
-"""The same for the last samples of all."""
-LONGEST_GOODBYE_NS: Final = NS
-"""For what is not even sent when the node ends."""
-IN_TIME_NS: Final = 5_000_000
-"""What is no later than this goes out at its own rate: only who catches up has to wait for subscribers."""
+DEPTH: Final = 4 * LARGEST_BATCH
+"""Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
+CLOCK_DEPTH: Final = 3 * DEPTH
+"""The same for the clock, which has a message for each stamp of the truth, of the IMU and of the magnetometer."""
+BATCH_CONFIRMATION_NS: Final = 10_000_000
+"""Longest wait on each topic for subscribers to confirm full batches: one that hangs must not hold up the others."""
+LAST_CONFIRMATION_NS: Final = 100_000_000
+"""Longest wait on each topic for subscribers to confirm the last samples when the node ends."""
+LAST_SENDING_NS: Final = NS
+"""Longest wait for room for the last samples when the node ends."""
+ON_TIME_NS: Final = 5_000_000
+"""Samples no later than this go out at their own rate: only those that catch up wait for subscribers."""
 LATE_NS: Final = NS
+"""Lateness from which a warning is logged."""
 WARNING_INTERVAL_NS: Final = 10 * NS
-_NEVER: Final = 2**63
 _SENSOR_TYPES: Final[Mapping[str, type]] = {IMU_DATA: Imu, IMU_BIAS: Imu, MAG: MagneticField}
 
 
-class SamplePublisher:
-    """An outlet into topics: the truth, the sensors, the latched scenario and the clock.
+class SamplePublisher(Sink):
+    """A sink into topics: the truth, the sensors, the latched scenario and the clock.
 
     Parameters
     ----------
     node : Node
     stamped_twist : bool
-        The type of the twist topic.
+        Whether the twist topic is a TwistStamped, or a bare Twist.
     sensors : Sensors
-        Those whose topics are there from the start. A segment with others adds theirs.
+        Sensors whose topics exist from the start. A segment with other sensors adds their topics.
     clock : bool
-        Whether to publish /clock: each stamp once, before what carries it.
-    unhurried : bool, optional
-        Whether reliable subscribers set the pace: every message is kept until they have all confirmed it, and `ready`
-        tells when there is room for more. Without it a subscriber that hangs loses messages, and delays nobody.
+        Whether to publish /clock: each stamp once, before the messages that carry it.
+    keep_all : bool, optional
+        Whether reliable subscribers set the pace: every message is kept until all of them have confirmed it, and
+        `ready` says when there is room for more. Otherwise a subscriber that hangs loses messages, and delays nobody.
 
     Raises
     ------
     InputError
-        If remapping leaves two topics with one name, or a name that is taken by another type.
+        If two topics are remapped to one name, or ROS refuses a name.
     """
 
     def __init__(
-        self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool, unhurried: bool = False
+        self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool, keep_all: bool = False
     ) -> None:
         self._node = node
-        self._history = HistoryPolicy.KEEP_ALL if unhurried else HistoryPolicy.KEEP_LAST
+        self._history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
         self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
         self._blocked: tuple[Publisher, bytes] | None = None
         self._logger = node.get_logger()
@@ -86,18 +85,18 @@ class SamplePublisher:
         types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
         self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
         self._scenario = _publisher(node, String, SCENARIO, latched)
-        self._clock = self._publisher(Clock, CLOCK, CLOCK_KEPT) if clock else None
+        self._clock = self._publisher(Clock, CLOCK, CLOCK_DEPTH) if clock else None
         self._clock_ns = 0
         self._add_sensors(sensors)
-        self._unsettled = 0
+        self._unconfirmed = 0
         self._is_limited = True
         self._warned_ns = -WARNING_INTERVAL_NS
 
-    def follow(self, factor: float) -> None:
-        """Take a real-time factor; 0: there is none."""
+    def set_factor(self, factor: float) -> None:
+        """Take the real-time factor; 0: as fast as possible."""
         self._is_limited = factor > 0.0
 
-    def _publisher(self, kind: type, topic: str, depth: int = KEPT) -> Publisher:
+    def _publisher(self, kind: type, topic: str, depth: int = DEPTH) -> Publisher:
         qos = QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
         return _publisher(self._node, kind, topic, qos)
 
@@ -113,7 +112,7 @@ class SamplePublisher:
 
     @property
     def sensor_topics(self) -> dict[str, str]:
-        """Full names of the sensors' topics, as remapped, by their relative names; also of sensors that are off."""
+        """Full names of the topics of all sensors, also of those that are off, as remapped, by their relative names."""
         return {topic: self._node.resolve_topic_name(topic) for topic in _SENSOR_TYPES}
 
     def begin_segment(self, segment: Segment) -> None:
@@ -122,16 +121,16 @@ class SamplePublisher:
         self._scenario.publish(encode_string(segment.to_json()))
 
     def write(self, batch: Batch) -> None:
-        """Publish messages, oldest first; those for which there is no room wait for `ready`."""
+        """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
         messages = self._in_order(batch)
         self._rest = messages if self.ready() else chain(self._rest, messages)
         self._send_rest()
-        self._unsettled += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
-        if self._unsettled >= LARGEST_BURST and self._history is HistoryPolicy.KEEP_LAST:
-            self._settle(BURST_PATIENCE_NS)
+        self._unconfirmed += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
+        if self._unconfirmed >= LARGEST_BATCH and self._history is HistoryPolicy.KEEP_LAST:
+            self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
 
     def ready(self) -> bool:
-        """Send what waits; return whether there is room for more."""
+        """Send the messages that were kept; return whether there is room for more."""
         return self._send_rest()
 
     def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
@@ -154,7 +153,10 @@ class SamplePublisher:
         return True
 
     def _send(self, publisher: Publisher, payload: bytes) -> bool:
-        """Publish, unless a history that keeps all is full even after a moment (100 ms in Fast DDS)."""
+        """Publish; return False if the history keeps all and stays full as long as the middleware waits.
+
+        Fast DDS waits 100 ms.
+        """
         try:
             publisher.publish(payload)
         except RuntimeError:
@@ -164,32 +166,33 @@ class SamplePublisher:
         return True
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """Say it when the samples are late, now and then."""
+        """Log a warning when the samples are late, at most one in ten seconds."""
         late = punctuality.lateness_ns
-        if late < IN_TIME_NS and self._is_limited:
-            self._unsettled = 0
+        if late < ON_TIME_NS and self._is_limited:
+            self._unconfirmed = 0
         if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
             self._logger.warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
-        return _NEVER
+        return FOREVER
 
     def finish(self) -> None:
-        """Let the last samples arrive."""
-        end = time.monotonic_ns() + LONGEST_GOODBYE_NS
+        """Send the messages that were kept, and wait for subscribers to confirm the last ones."""
+        end = time.monotonic_ns() + LAST_SENDING_NS
         while not self.ready() and time.monotonic_ns() < end:
-            pass  # each attempt takes its moment
-        self._settle(LAST_PATIENCE_NS)
+            pass  # the middleware waits in each attempt
+        self._wait_for_confirmation(LAST_CONFIRMATION_NS)
 
-    def _settle(self, patience_ns: int) -> None:
-        self._unsettled = 0
-        end = time.monotonic_ns() + len(self._publishers) * patience_ns
+    def _wait_for_confirmation(self, longest_ns: int) -> None:
+        """Wait until subscribers have confirmed all messages, on each topic at most ``longest_ns``."""
+        self._unconfirmed = 0
+        end = time.monotonic_ns() + len(self._publishers) * longest_ns
         for publisher in self._publishers.values():
-            left = min(patience_ns, max(0, end - time.monotonic_ns()))
+            left = min(longest_ns, max(0, end - time.monotonic_ns()))
             publisher.wait_for_all_acked(Duration(nanoseconds=left))
 
 
 def _clock(stamp_ns: int) -> bytes:
-    """A rosgraph_msgs/Clock."""
+    """The bytes of a rosgraph_msgs/Clock."""
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
 
 
@@ -200,7 +203,7 @@ def _require_distinct(full_names: Mapping[str, str]) -> None:
 
 
 def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
-    with told(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
+    with translated_errors(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
         return node.create_publisher(
             kind, topic, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
         )

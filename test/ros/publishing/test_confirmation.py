@@ -8,8 +8,7 @@ from importlib.util import find_spec
 import pytest
 
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.ros.burst import LARGEST_BURST
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -17,7 +16,7 @@ if find_spec("rclpy"):
     import rclpy
     from rclpy.publisher import Publisher
 
-    from lie_rigid_body.ros.publisher import SamplePublisher
+    from lie_rigid_body.ros.publishing.publisher import SamplePublisher
 
 pytestmark = pytest.mark.ros
 BURSTS = 3
@@ -42,8 +41,8 @@ def test_only_those_that_catch_up_wait(
     monkeypatch.setattr(Publisher, "wait_for_all_acked", lambda self, timeout: waited.append(self) or True)
     scenario = Scenario.from_parameters({"rate": 1000.0, "motion": "closed_form"})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
-    publisher.follow(factor)
-    for k in range(BURSTS * LARGEST_BURST):
+    publisher.set_factor(factor)
+    for k in range(BURSTS * LARGEST_BATCH):
         publisher.write(encoder.encode(simulation.take_until(simulation.clock.stamp_ns(k), 1)))
         publisher.tick(k * 1_000_000, Punctuality(lateness_ns=lateness_ns))
     pose_and_twist = 2

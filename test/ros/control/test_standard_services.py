@@ -11,22 +11,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_time import KeepingOutlet
+from fake_time import KeepingSink
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.live_run import LiveRun
-from lie_rigid_body.ros.mailbox import Mailbox
-from lie_rigid_body.ros.run_control import RunControl
-from lie_rigid_body.ros.run_state import RunState
+from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
+from lie_rigid_body.ros.timing.mailbox import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
     from standard_messages import RESPONSES, entity_filters, entity_state, feedback
 
-    from lie_rigid_body.ros.standard_control import StandardControl
-    from lie_rigid_body.ros.standard_services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.standard_control import StandardControl
+    from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
 
 pytestmark = [pytest.mark.ros, pytest.mark.filterwarnings("error::RuntimeWarning")]
 
@@ -53,8 +52,8 @@ class Simulator:
 
     def __init__(self, interruption: Interruption, mailbox: Mailbox, *, paused: bool) -> None:
         self.interruption = interruption
-        self.outlet = KeepingOutlet(interruption, 2**63)
-        self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.outlet], mailbox, interruption, paused=paused)
+        self.sink = KeepingSink(interruption, 2**63)
+        self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.sink], mailbox, interruption, paused=paused)
         self.control = RunControl(self.live, mailbox, interruption)
         self.services = StandardServices(StandardControl(self.control, lambda: SCENARIO, NAME))
 
@@ -153,7 +152,7 @@ def test_features_are_those_that_are_served(paused: Simulator) -> None:
 )
 def test_a_reset_needs_the_state_in_its_scope(paused: Simulator, scope: int, code: int) -> None:
     assert paused.code("reset_simulation", scope=scope) == code
-    assert len(paused.outlet.segments) == (2 if code == OK else 1)
+    assert len(paused.sink.segments) == (2 if code == OK else 1)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +192,7 @@ def test_quitting_ends_the_run_and_later_calls_are_answered(playing: Simulator) 
 @pytest.mark.parametrize("steps", [1, 2, 700])
 def test_steps_come_while_paused(paused: Simulator, steps: int) -> None:
     assert paused.code("step_simulation", steps=steps) == OK
-    assert paused.outlet.stamps == [EPOCH + k * 10**6 for k in range(steps)]
+    assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(steps)]
     assert paused.state == PAUSED
 
 
@@ -209,7 +208,7 @@ def test_steps_fail_unless_paused(paused: Simulator, state: int) -> None:
 @pytest.mark.parametrize("steps", [0, 2**64 - 1])
 def test_impossible_numbers_of_steps_fail(paused: Simulator, steps: int) -> None:
     assert paused.code("step_simulation", steps=steps) == FAILED
-    assert paused.outlet.stamps == []
+    assert paused.sink.stamps == []
 
 
 class Goal:
@@ -243,18 +242,18 @@ def test_the_action_reports_and_succeeds(paused: Simulator) -> None:
     answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends, goal.reports[-1]) == (OK, ["succeed"], (600, 0))
     assert [completed + remaining for completed, remaining in goal.reports] == [600] * len(goal.reports)
-    assert len(paused.outlet.stamps) == 600
+    assert len(paused.sink.stamps) == 600
 
 
 def test_the_action_can_be_canceled(paused: Simulator) -> None:
     goal = Goal(10**9, cancel_after=1)
     answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends) == (FAILED, ["canceled"])
-    count = len(paused.outlet.stamps)
+    count = len(paused.sink.stamps)
     assert f"canceled after {count} of {10**9}" in answer.result.error_message
     assert paused.state == PAUSED
     assert paused.code("step_simulation", steps=1) == OK
-    assert paused.outlet.stamps == [EPOCH + k * 10**6 for k in range(count + 1)]
+    assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(count + 1)]
 
 
 def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
@@ -304,7 +303,7 @@ def test_what_the_body_is(paused: Simulator) -> None:
 @pytest.mark.parametrize("service", ["get_entity_info", "get_entity_state", "set_entity_state"])
 def test_other_entities_are_not_found(paused: Simulator, service: str) -> None:
     assert paused.code(service, entity="robot", state=wanted()) == NOT_FOUND
-    assert len(paused.outlet.segments) == 1
+    assert len(paused.sink.segments) == 1
 
 
 def test_twist_and_acceleration_are_in_the_world(paused: Simulator) -> None:
@@ -334,10 +333,10 @@ def test_a_state_is_set_and_the_world_twist_turned_into_the_body(paused: Simulat
     if state != PAUSED:
         assert paused.go_to(state) == OK
     attitude, angular = [0.5, 0.5, -0.5, 0.5], [0.3, -0.2, 1.7]
-    before = len(paused.outlet.segments)
+    before = len(paused.sink.segments)
     assert paused.code("set_entity_state", entity=NAME, state=wanted(angular, attitude, frame=frame)) == OK
     assert paused.state == state
-    [segment] = paused.outlet.segments[before:]
+    [segment] = paused.sink.segments[before:]
     start = segment.scenario.start()
     np.testing.assert_allclose(start.attitude_xyzw, attitude, rtol=0, atol=1e-15)
     np.testing.assert_allclose(start.body_rate, Rotation.from_quat(attitude).inv().apply(angular), rtol=0, atol=1e-15)
@@ -362,18 +361,18 @@ def test_a_state_is_set_and_the_world_twist_turned_into_the_body(paused: Simulat
 )
 def test_a_state_that_cannot_be_is_refused(paused: Simulator, given: dict[str, Any], code: int) -> None:
     assert paused.code("set_entity_state", entity=NAME, state=wanted(**given)) == code
-    assert len(paused.outlet.segments) == 1
+    assert len(paused.sink.segments) == 1
 
 
 def test_only_what_is_asked_for_is_set(paused: Simulator) -> None:
     """Fields of later releases."""
     both = {"entity": NAME, "state": wanted([0.0, 0.0, 2.0], position=(1.0, 0.0, 0.0))}
     assert paused.code("set_entity_state", **both, set_pose=False, set_twist=True) == OK
-    start = paused.outlet.segments[-1].scenario.start()
+    start = paused.sink.segments[-1].scenario.start()
     np.testing.assert_allclose(start.attitude_xyzw, SCENARIO.initial_attitude_xyzw, rtol=0, atol=1e-15)
     both["state"] = wanted([0.0, 0.0, 9.0], linear=(1.0, 0.0, 0.0))
     assert paused.code("set_entity_state", **both, set_pose=True, set_twist=False) == OK
-    again = paused.outlet.segments[-1].scenario.start()
+    again = paused.sink.segments[-1].scenario.start()
     assert again.attitude_xyzw.tolist() == [0.0, 0.0, 0.0, 1.0]
     assert again.body_rate.tolist() == start.body_rate.tolist()
 

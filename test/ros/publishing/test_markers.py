@@ -14,14 +14,14 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import RigidBody
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
     from visualization_msgs.msg import Marker, MarkerArray
 
-    from lie_rigid_body.ros.markers import LONGEST_SIDE, THINNEST, Markers, box_sides
+    from lie_rigid_body.ros.publishing.markers import LONGEST_SIDE, THINNEST, Markers, box_sides
 
 pytestmark = pytest.mark.ros
 

@@ -9,7 +9,7 @@ import pytest
 
 from lie_rigid_body import RigidBody
 from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
-from lie_rigid_body.ros.announcement import Names, announcement, commands, shape
+from lie_rigid_body.ros.publishing.announcement import Names, announcement, commands, shape
 from lie_rigid_body.scenario import Scenario
 
 NAMES = Names("/a/top", "/a/truth", "/a/twist", "/a/top/scenario", "/a/top/reset", 42)
@@ -23,6 +23,8 @@ NAMES = Names("/a/top", "/a/truth", "/a/twist", "/a/top/scenario", "/a/top/reset
         ([1.5, 1.0, 1.5], "prolate"),
         ([1.0, 2.0, 3.0], "asymmetric"),
         ([1.0, 1.0 + 1e-6, 1.5], "asymmetric"),
+        ([1.0, 1.0 + 5e-14, 1.5], "asymmetric"),
+        ([1.0, 1.0 + 2e-16, 1.5], "oblate"),
     ],
 )
 def test_tops_by_their_shape(moments: list[float], name: str) -> None:

@@ -7,44 +7,43 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from fake_time import NS, FakeTime, KeepingOutlet
+from fake_time import NS, FakeTime, KeepingSink
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.ros.burst import LARGEST_BURST, STEPS_PER_BURST, largest_burst
-from lie_rigid_body.ros.live_run import LiveRun
-from lie_rigid_body.ros.mailbox import Call, ClosedError, Mailbox
-from lie_rigid_body.ros.punctuality import Punctuality
-from lie_rigid_body.ros.recorder import FLUSH_INTERVAL_NS, Recorder
+from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
+from lie_rigid_body.ros.timing.live_run import STEPS_PER_BATCH, LiveRun
+from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation, Taken
 
 
-def run(time: FakeTime, enough: int, **parameters: object) -> KeepingOutlet:
+def run(time: FakeTime, enough: int, **parameters: object) -> KeepingSink:
     interruption = Interruption()
-    outlet = KeepingOutlet(interruption, enough)
+    sink = KeepingSink(interruption, enough)
     simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
-    LiveRun(simulation, [outlet], time, interruption, time.steady).run()
-    return outlet
+    LiveRun(simulation, [sink], time, interruption, time.steady).run()
+    return sink
 
 
 @pytest.mark.parametrize("rate", [0.1, 100.0, 333.0, 1000.0, 12345.0])
 def test_every_sample_comes_once_and_in_time(rate: float) -> None:
-    outlet = run(FakeTime({}), 500, rate=rate)
-    assert outlet.stamps[:500] == [NS + round(k * NS / rate) for k in range(500)]
-    assert max(outlet.latest) < 2_000_000
-    assert isinstance(outlet.events[0], Segment)
+    sink = run(FakeTime({}), 500, rate=rate)
+    assert sink.stamps[:500] == [NS + round(k * NS / rate) for k in range(500)]
+    assert max(sink.latest) < 2_000_000
+    assert isinstance(sink.events[0], Segment)
 
 
-def test_stall_loses_nothing_and_comes_in_bursts() -> None:
-    outlet = run(FakeTime({10: 30 * NS}), 4000)
-    assert set(np.diff(outlet.stamps).tolist()) == {10_000_000}
-    bursts = [len(event) for event in outlet.events if isinstance(event, list)]
-    assert max(bursts) == LARGEST_BURST
-    assert sum(bursts[9:25]) > 3000
-    assert max(outlet.latest) == pytest.approx(30 * NS, rel=0.01)
+def test_stall_loses_nothing_and_is_caught_up_in_batches() -> None:
+    sink = run(FakeTime({10: 30 * NS}), 4000)
+    assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
+    batches = [len(event) for event in sink.events if isinstance(event, list)]
+    assert max(batches) == LARGEST_BATCH
+    assert sum(batches[9:25]) > 3000
+    assert max(sink.latest) == pytest.approx(30 * NS, rel=0.01)
 
 
 def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
@@ -58,16 +57,16 @@ def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> Non
 def test_reset_begins_with_the_next_sample() -> None:
     time = FakeTime({})
     interruption = Interruption()
-    outlet = KeepingOutlet(interruption, 100)
+    sink = KeepingSink(interruption, 100)
     simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}), NS)
-    live = LiveRun(simulation, [outlet], time, interruption, time.steady)
+    live = LiveRun(simulation, [sink], time, interruption, time.steady)
     time.calls[20] = Call(lambda: live.reset(Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})))
     live.run()
-    _, second = outlet.segments
+    _, second = sink.segments
     assert second.start_ns == NS + 20 * 10_000_000
-    assert outlet.events.index(second) == 1 + 20
-    assert outlet.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
-    assert outlet.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
+    assert sink.events.index(second) == 1 + 20
+    assert sink.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
+    assert sink.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
     assert second.scenario.initial_body_rate == (0.0, 0.0, 9.0)
 
 
@@ -76,9 +75,9 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
         raise InputError("no")
 
     call: Call[object] = Call(fail)
-    outlet = run(FakeTime({}, {20: call}), 100)
-    assert len(outlet.segments) == 1
-    assert set(np.diff(outlet.stamps).tolist()) == {10_000_000}
+    sink = run(FakeTime({}, {20: call}), 100)
+    assert len(sink.segments) == 1
+    assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
     with pytest.raises(InputError, match="no"):
         call.result()
 
@@ -94,11 +93,11 @@ def test_failed_recording_is_answered_and_ends_the_run() -> None:
         call.result()
 
 
-@pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BURST), (1e-4, 20), (1e-7, 1)])
-def test_bursts_are_bounded_by_their_work(max_step: float, most: int) -> None:
-    scenario = Scenario.from_parameters({"rate": 100.0, "max_step": max_step})
-    assert largest_burst(scenario) == most
-    assert most * 0.01 / max_step <= STEPS_PER_BURST or most == 1
+@pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
+def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
+    sink = run(FakeTime({2: 20 * NS}), most + 5, motion="moving_chart", max_step=max_step)
+    assert max(len(event) for event in sink.events if isinstance(event, list)) == most
+    assert most * 0.01 / max_step <= STEPS_PER_BATCH or most == 1
 
 
 def test_call_from_another_thread_is_carried_out_by_the_owner() -> None:

@@ -1,8 +1,8 @@
-"""What the standard simulator services mean here, in plain values: no message type is needed to decide it.
+"""The decisions behind the standard simulator services, in plain values: no message type is needed here.
 
-The package simulation_interfaces defines the services, their codes and their fields; `standard_services` is the
-adapter to them. Two traps of theirs: a result that was never set reads "unsupported" (0), and the twist of an entity is
-in the frame of its header, which here is the world.
+The package simulation_interfaces defines the services, their result codes and their fields; `standard_services` is the
+adapter to them. Two traps: a result that was never set reads "unsupported" (0), and the twist of an entity is in the
+frame of its header, which here is the world frame.
 """
 
 from __future__ import annotations
@@ -14,21 +14,19 @@ from enum import IntEnum
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import LieRigidBodyError, ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.ros.run_control import RunControl
-from lie_rigid_body.ros.run_state import RunState
-from lie_rigid_body.ros.stepping import Stepping
+from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.step_request import StepRequest
 from lie_rigid_body.scenario import Scenario
-
-Array = NDArray[np.float64]
 
 
 class Code(IntEnum):
-    """Result codes of simulation_interfaces/Result, and those that single services add."""
+    """Result codes of simulation_interfaces/Result, and those that SetSimulationState adds."""
 
     FEATURE_UNSUPPORTED = 0
     OK = 1
@@ -40,7 +38,7 @@ class Code(IntEnum):
 
 
 INVALID_POSE: Final = 101
-"""What SetEntityState means by the number that SetSimulationState uses for "already there"."""
+"""A result code that SetEntityState adds; the same number has another meaning in SetSimulationState."""
 
 
 class StandardState(IntEnum):
@@ -53,13 +51,13 @@ class StandardState(IntEnum):
 
 
 FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
-"""Entity categories, entity state getting and setting, entity info, reset of the state, simulation state getting and
-setting with pause, single steps, multiple steps, and the action; as in simulation_interfaces/SimulatorFeatures."""
+"""Numbers of simulation_interfaces/SimulatorFeatures: categories, getting and setting of an entity's state, its info,
+reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_OBJECT: Final = 0
 CATEGORY_DYNAMIC_OBJECT: Final = 4
-_OF_RUN: Final = {
+_STANDARD_STATES: Final = {
     RunState.STOPPED: StandardState.STOPPED,
     RunState.PLAYING: StandardState.PLAYING,
     RunState.PAUSED: StandardState.PAUSED,
@@ -82,12 +80,12 @@ class Result:
 
 @dataclass(frozen=True)
 class EntityState:
-    """Where the body is and how it turns, in the world.
+    """Attitude, angular velocity and angular acceleration of the body in the world frame.
 
     Parameters
     ----------
     frame : str
-        The world's name.
+        Name of the world frame.
     stamp_ns : int
     attitude_xyzw : ndarray, shape (4,)
     angular_velocity : ndarray, shape (3,)
@@ -104,19 +102,20 @@ class EntityState:
 
 
 @dataclass(frozen=True)
-class WantedState:
-    """What an entity is to be set to.
+class EntityStateRequest:
+    """The state that SetEntityState asks for.
 
     Parameters
     ----------
     frame : str
-        Of the pose and the twist; empty: the world.
+        Frame of pose and twist; empty: the world frame.
     position : sequence of float, length 3
+        m
     attitude_xyzw : sequence of float, length 4
     linear, angular : sequence of float, length 3
-        The twist, m/s and rad/s.
+        Linear and angular velocity, m/s and rad/s.
     set_pose, set_twist : bool
-        Which of the two is wanted.
+        Whether the pose, and the twist, are to be set.
     """
 
     frame: str
@@ -135,7 +134,7 @@ class StandardControl:
     ----------
     control : RunControl
     scenario : callable
-        The scenario that the parameters now hold.
+        Returns the scenario of the present parameters.
     entity : str
         The body's name.
     """
@@ -146,21 +145,21 @@ class StandardControl:
         self._entity = entity
 
     def reset(self, scope: int) -> Result:
-        """Begin anew if the state is in the scope. Time goes on: /clock never goes back."""
+        """Begin a new segment, if the state is in the scope. Stamps go on rising: /clock never goes back."""
         if scope != SCOPE_DEFAULT and not scope & SCOPE_STATE:
             return Result(
                 Code.FEATURE_UNSUPPORTED,
                 f"scope {scope} leaves out the state, which is all that a reset changes: nothing is spawned here, and "
                 "stamps go on rising; give SCOPE_STATE (2), or SCOPE_ALL (255)",
             )
-        return self._attempt(lambda: self._control.reset(self._scenario()))
+        return self._result_of(lambda: self._control.reset(self._scenario()))
 
     def state(self) -> StandardState:
-        """The simulation's state."""
-        return _OF_RUN[self._control.state]
+        """The state of the simulation."""
+        return _STANDARD_STATES[self._control.state]
 
     def set_state(self, wanted: int) -> Result:
-        """Play, pause, stop (pause at the start of the motion) or quit."""
+        """Play, pause, stop (pause at the start of a new segment) or quit."""
         present = self.state()
         if wanted not in set(StandardState):
             return Result(Code.FEATURE_UNSUPPORTED, f"state {wanted} is none of 0 stopped, 1 playing, 2 paused, 3 quit")
@@ -174,28 +173,28 @@ class StandardControl:
             StandardState.STOPPED: lambda: self._control.stop(self._scenario()),
             StandardState.QUITTING: self._control.quit,
         }
-        return self._attempt(actions[wanted])
+        return self._result_of(actions[wanted])
 
-    def begin_steps(self, count: int) -> Stepping | Result:
-        """Begin steps, or say why not."""
+    def begin_steps(self, count: int) -> StepRequest | Result:
+        """Begin to send samples while paused; return the request, or a result that says why not."""
         try:
             return self._control.step(count)
         except LieRigidBodyError as error:
             return Result(Code.OPERATION_FAILED, str(error))
 
     def cancel_steps(self) -> None:
-        """Let the rest of the steps be."""
+        """Leave out the rest of the samples asked for."""
         self._control.pause()
 
     def step(self, count: int) -> Result:
-        """Take steps, and return when they are done."""
-        stepping = self.begin_steps(count)
-        return stepping if isinstance(stepping, Result) else self._attempt(stepping.wait)
+        """Send so many samples while paused, and return when they are sent."""
+        request = self.begin_steps(count)
+        return request if isinstance(request, Result) else self._result_of(request.wait)
 
     def entities(
         self, pattern: str, categories: Sequence[int], *, tags: bool, bounds: bool
     ) -> tuple[Result, list[str]]:
-        """The names that a filter lets pass; by tags and bounds nothing can be filtered."""
+        """The entities that pass a filter by name and category; filters by tags and bounds are unsupported."""
         if tags or bounds:
             return Result(Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"), []
         try:
@@ -206,7 +205,7 @@ class StandardControl:
         return Result(Code.OK), [self._entity] if passes else []
 
     def entity_info(self, entity: str) -> tuple[Result, str]:
-        """What the body is."""
+        """A description of the body."""
         if entity != self._entity:
             return self._not_found(entity), ""
         scenario = self._control.scenario
@@ -214,7 +213,7 @@ class StandardControl:
         return Result(Code.OK), f"a torque-free rigid body with the principal moments {moments} kg m²"
 
     def entity_state(self, entity: str) -> tuple[Result, EntityState | None]:
-        """Where the body is and how it turns."""
+        """The latest state of the body in the world frame."""
         if entity != self._entity:
             return self._not_found(entity), None
         try:
@@ -234,8 +233,8 @@ class StandardControl:
             quaternion.rotate(attitude, acceleration),
         )
 
-    def set_entity_state(self, entity: str, wanted: WantedState) -> Result:
-        """Begin a torque-free motion from an arbitrary attitude and angular velocity."""
+    def set_entity_state(self, entity: str, wanted: EntityStateRequest) -> Result:
+        """Begin a new segment from any attitude and angular velocity, given in the world frame."""
         if entity != self._entity:
             return self._not_found(entity)
         world = self._control.scenario.world_frame
@@ -252,9 +251,9 @@ class StandardControl:
             )
         if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
             return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite")
-        return self._restate(wanted)
+        return self._reset_to(wanted)
 
-    def _restate(self, wanted: WantedState) -> Result:
+    def _reset_to(self, wanted: EntityStateRequest) -> Result:
         try:
             _, present = self._control.latest()
             attitude = present.attitude_xyzw
@@ -262,7 +261,7 @@ class StandardControl:
                 attitude = State(wanted.attitude_xyzw, present.body_rate).attitude_xyzw
             angular = np.array(wanted.angular, dtype=np.float64)
             rate = quaternion.rotate(quaternion.conjugate(attitude), angular) if wanted.set_twist else present.body_rate
-            self._control.restate(State(attitude, rate))
+            self._control.reset_to(State(attitude, rate))
         except ParameterError as error:
             code = INVALID_POSE if error.name.endswith("attitude_xyzw") else Code.OPERATION_FAILED
             return Result(code, str(error))
@@ -274,7 +273,7 @@ class StandardControl:
         return Result(Code.NOT_FOUND, f"there is no entity {entity!r}: the body is {self._entity!r}")
 
     @staticmethod
-    def _attempt(action: Callable[[], object]) -> Result:
+    def _result_of(action: Callable[[], object]) -> Result:
         try:
             action()
         except LieRigidBodyError as error:

@@ -11,16 +11,15 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.messages.transform_encoding import TransformEncoder
-from lie_rigid_body.ros.pace import FOREVER
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = "/tf"
 DEPTH: Final = 100
 
 
-class Transforms:
-    """An outlet that tells each attitude as a transform. It needs the package tf2_msgs, see `is_available`.
+class Transforms(Sink):
+    """A sink that publishes each attitude as a transform. It needs the package tf2_msgs, see `is_available`.
 
     Parameters
     ----------
@@ -36,22 +35,14 @@ class Transforms:
 
     @staticmethod
     def is_available() -> bool:
-        """Whether the message type is installed."""
+        """Whether the package tf2_msgs is installed."""
         return find_spec("tf2_msgs") is not None
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take the frames' names."""
+        """Take the names of the frames."""
         self._encoder = TransformEncoder(segment.scenario.world_frame, segment.scenario.body_frame)
 
     def write(self, batch: Batch) -> None:
-        """Publish the transforms."""
+        """Publish a transform for each sample."""
         for payload in self._encoder.encode(batch.samples.stamps_ns, batch.samples.states.attitude_xyzw):
             self._publisher.publish(payload)
-
-    def ready(self) -> bool:
-        """There is always room."""
-        return True
-
-    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """There is nothing to do now and then."""
-        return FOREVER

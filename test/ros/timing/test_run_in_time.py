@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
-from lie_rigid_body.ros.burst import LARGEST_BURST
-from lie_rigid_body.ros.run_state import RunState
-from lie_rigid_body.ros.stepping import ControlError, Stepping
+from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
+from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
 
 MS = 1_000_000
@@ -30,7 +30,7 @@ def truth(count: int, first: int = 0) -> list[int]:
 
 
 def failure(stepping: object) -> str:
-    assert isinstance(stepping, Stepping)
+    assert isinstance(stepping, StepRequest)
     with pytest.raises(ControlError) as told:
         stepping.wait(0.0)
     return str(told.value)
@@ -40,26 +40,26 @@ def failure(stepping: object) -> str:
 def test_samples_go_out_when_the_factor_says(factor: float) -> None:
     run = ScriptedRun(factor=factor)
     run.play((2 * NS, nothing))
-    due = [math.ceil(k * PERIOD / Fraction(repr(factor))) for k in range(len(run.outlet.stamps))]
-    assert run.outlet.stamps == truth(len(due))
-    assert run.outlet.sent_at == due
+    due = [math.ceil(k * PERIOD / Fraction(repr(factor))) for k in range(len(run.sink.stamps))]
+    assert run.sink.stamps == truth(len(due))
+    assert run.sink.sent_at == due
     assert len(due) >= int(200 * factor)
-    assert run.outlet.punctuality.missed == run.outlet.punctuality.worst_ns == 0
+    assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
 
 
 def test_without_a_limit_nothing_is_waited_for() -> None:
     run = ScriptedRun(factor=0.0)
     run.play((500 * MS, nothing))
-    assert run.outlet.stamps == truth(len(run.outlet.stamps))
-    assert len(run.outlet.stamps) > 100 * LARGEST_BURST
-    assert run.outlet.punctuality.missed == run.outlet.punctuality.worst_ns == 0
+    assert run.sink.stamps == truth(len(run.sink.stamps))
+    assert len(run.sink.stamps) > 100 * LARGEST_BATCH
+    assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
 
 
 def test_paused_at_the_start_sends_nothing() -> None:
     run = ScriptedRun(paused=True, imu_rate=250.0)
     run.play((100 * NS, nothing))
-    assert run.outlet.batches == []
-    assert len(run.outlet.segments) == 1
+    assert run.sink.batches == []
+    assert len(run.sink.segments) == 1
     assert run.live.state is RunState.PAUSED
 
 
@@ -68,12 +68,12 @@ def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
     seen: list[tuple[list[int], list[int], list[int]]] = []
 
     def look() -> None:
-        outlet = run.outlet
-        seen.append((outlet.stamps, outlet.sensor_stamps(IMU_DATA), outlet.sensor_stamps(MAG)))
+        sink = run.sink
+        seen.append((sink.stamps, sink.sensor_stamps(IMU_DATA), sink.sensor_stamps(MAG)))
 
     steps = [(k * NS, action) for k in range(1, 5) for action in (lambda: run.live.step(1), nothing, look)]
     answers = run.play(*steps)
-    assert [a.wait(0.0) for a in answers if isinstance(a, Stepping)] == [True] * 4
+    assert [a.wait(0.0) for a in answers if isinstance(a, StepRequest)] == [True] * 4
     imu = [NS + 4 * MS * k for k in range(20)]
     field = [NS + round(k * NS / 30) for k in range(20)]
     for number, (stamps, imu_stamps, field_stamps) in enumerate(seen):
@@ -83,16 +83,16 @@ def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
         assert field_stamps == [stamp for stamp in field if stamp <= last]
 
 
-@pytest.mark.parametrize("count", [1, 2, LARGEST_BURST, LARGEST_BURST + 1, 1000])
+@pytest.mark.parametrize("count", [1, 2, LARGEST_BATCH, LARGEST_BATCH + 1, 1000])
 def test_as_many_steps_as_asked_for(count: int) -> None:
     run = ScriptedRun(paused=True)
     [stepping, _, again, _] = run.play(
         (NS, lambda: run.live.step(count)), (2 * NS, nothing), (3 * NS, lambda: run.live.step(1)), (4 * NS, nothing)
     )
-    assert isinstance(stepping, Stepping)
-    assert isinstance(again, Stepping)
+    assert isinstance(stepping, StepRequest)
+    assert isinstance(again, StepRequest)
     assert (stepping.completed, stepping.total, stepping.wait(0.0), again.wait(0.0)) == (count, count, True, True)
-    assert run.outlet.stamps == truth(count + 1)
+    assert run.sink.stamps == truth(count + 1)
     assert run.live.state is RunState.PAUSED
 
 
@@ -111,12 +111,12 @@ def test_steps_that_are_refused_change_nothing() -> None:
         assert isinstance(refused, ControlError)
         assert word in str(refused)
     assert isinstance(beyond, ParameterError)
-    assert isinstance(long, Stepping)
+    assert isinstance(long, StepRequest)
     assert long.wait(0.0)
-    assert run.outlet.stamps == truth(101 + 600)
+    assert run.sink.stamps == truth(101 + 600)
 
 
-@pytest.mark.parametrize("why", ["paused", "resumed", "reset", "stop", "restate"])
+@pytest.mark.parametrize("why", ["paused", "resumed", "reset", "stop", "reset_to"])
 def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
     run = ScriptedRun(paused=True)
     actions = {
@@ -124,15 +124,15 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
         "resumed": run.live.resume,
         "reset": lambda: run.live.reset(run.scenario),
         "stop": lambda: run.live.stop(run.scenario),
-        "restate": lambda: run.live.restate(run.scenario.start()),
+        "reset_to": lambda: run.live.reset_to(run.scenario.start()),
     }
     [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
-    word = {"stop": "paused", "restate": "reset"}.get(why, why)
-    assert failure(stepping) == f"{word} after {LARGEST_BURST} of 1000 steps"
+    word = {"stop": "paused", "reset_to": "reset"}.get(why, why)
+    assert failure(stepping) == f"{word} after {LARGEST_BATCH} of 1000 steps"
     assert (run.live.state is RunState.PLAYING) == (why == "resumed")
-    count = len(run.outlet.stamps)
-    assert run.outlet.stamps == truth(count)
-    assert (count == LARGEST_BURST) == (why != "resumed")
+    count = len(run.sink.stamps)
+    assert run.sink.stamps == truth(count)
+    assert (count == LARGEST_BATCH) == (why != "resumed")
 
 
 def test_the_end_breaks_off_steps() -> None:
@@ -145,7 +145,7 @@ def test_time_goes_on_from_where_it_stood() -> None:
     run = ScriptedRun()
     [halted, *_] = run.play((NS + 5 * MS, run.live.pause), (10 * NS, run.live.resume), (11 * NS, nothing))
     assert halted == 2 * NS + 5 * MS
-    stamps, at = run.outlet.stamps, run.outlet.sent_at
+    stamps, at = run.sink.stamps, run.sink.sent_at
     assert stamps == truth(len(stamps))
     assert at[:101] == [k * PERIOD for k in range(101)]
     assert at[101:] == [10 * NS + 5 * MS + k * PERIOD for k in range(len(at) - 101)]
@@ -162,14 +162,14 @@ def test_resuming_twice_and_pausing_twice_is_the_same_as_once() -> None:
         (11 * NS, nothing),
     )[:2]
     assert pauses == [2 * NS + 5 * MS] * 2
-    assert run.outlet.sent_at[101:103] == [10 * NS + 5 * MS, 10 * NS + 15 * MS]
+    assert run.sink.sent_at[101:103] == [10 * NS + 5 * MS, 10 * NS + 15 * MS]
 
 
 @pytest.mark.parametrize(("before", "after"), [(1.0, 2.0), (2.0, 0.5), (0.5, 3.0), (0.0, 1.0)])
 def test_another_factor_acts_from_now_without_a_jump(before: float, after: float) -> None:
     run, now = ScriptedRun(factor=before), 4 * MS
     run.play((now, lambda: run.live.change_factor(after)), (now + NS, nothing))
-    stamps, at = run.outlet.stamps, run.outlet.sent_at
+    stamps, at = run.sink.stamps, run.sink.sent_at
     assert stamps == truth(len(stamps))
     later = [k for k, moment in enumerate(at) if moment > now]
     reached = before * now if before else stamps[later[0] - 1] - NS + PERIOD - 1
@@ -189,9 +189,9 @@ def test_a_factor_changed_while_paused_acts_when_time_goes_on() -> None:
         (2 * NS + 950 * MS, lambda: setattr(run.time, "now", run.time.now + 100 * MS)),
         (4 * NS, nothing),
     )
-    assert 10 <= len(run.outlet.stamps) - 6 <= 20
-    assert run.outlet.sent_at[6] > 2 * NS + 99 * MS
-    assert (run.outlet.punctuality.missed, run.outlet.punctuality.worst_ns) == (0, 50 * MS + 100)
+    assert 10 <= len(run.sink.stamps) - 6 <= 20
+    assert run.sink.sent_at[6] > 2 * NS + 99 * MS
+    assert (run.sink.punctuality.missed, run.sink.punctuality.worst_ns) == (0, 50 * MS + 100)
 
 
 def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
@@ -203,11 +203,11 @@ def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
     [_, halted, *_] = run.play(
         (NS + 5 * MS, stall), (2 * NS, run.live.pause), (100 * NS, run.live.resume), (101 * NS, nothing)
     )
-    sent = 101 + LARGEST_BURST
+    sent = 101 + LARGEST_BATCH
     assert halted == NS + sent * PERIOD - 1
-    assert run.outlet.stamps == truth(len(run.outlet.stamps))
-    assert run.outlet.sent_at[sent:] == [100 * NS + 1 + k * PERIOD for k in range(len(run.outlet.stamps) - sent)]
-    assert run.outlet.latest[-1] == 0
+    assert run.sink.stamps == truth(len(run.sink.stamps))
+    assert run.sink.sent_at[sent:] == [100 * NS + 1 + k * PERIOD for k in range(len(run.sink.stamps) - sent)]
+    assert run.sink.latest[-1] == 0
 
 
 @example([(100 * MS, 50 * MS)])  # late by just a period
@@ -231,10 +231,10 @@ def test_missed_deadlines_are_those_of_the_definition(
     run.play(*script, (at + 200 * MS, nothing))  # type: ignore[arg-type]
     lateness = [
         moment - math.ceil((stamp - NS) / Fraction(repr(factor)))
-        for stamp, moment in zip(run.outlet.stamps, run.outlet.sent_at, strict=True)
+        for stamp, moment in zip(run.sink.stamps, run.sink.sent_at, strict=True)
     ]
     deadline = max(MS, math.ceil(NS / Fraction(repr(rate)) / Fraction(repr(factor))))
-    punctuality = run.outlet.punctuality
+    punctuality = run.sink.punctuality
     assert punctuality.sent == len(lateness)
     assert punctuality.missed == sum(late > deadline for late in lateness)
     assert punctuality.worst_ns == max(lateness)
@@ -250,15 +250,15 @@ def test_to_stop_is_to_pause_at_the_start() -> None:
         (3 * NS, run.live.resume),
         (4 * NS, lambda: states.append(run.live.state)),
     )
-    _, second = run.outlet.segments
+    _, second = run.sink.segments
     assert (answers[0], second.start_ns) == (second, truth(1, 101)[0])
     assert states == [RunState.STOPPED, RunState.PLAYING]
     assert isinstance(answers[2], ControlError)
     assert "stopped" in str(answers[2])
-    assert run.outlet.stamps == truth(len(run.outlet.stamps))
+    assert run.sink.stamps == truth(len(run.sink.stamps))
     # time stands just before the start
-    assert run.outlet.sent_at[101] == 3 * NS + 1
-    batch = next(batch for batch in run.outlet.batches if batch.samples.stamps_ns[0] == second.start_ns)
+    assert run.sink.sent_at[101] == 3 * NS + 1
+    batch = next(batch for batch in run.sink.batches if batch.samples.stamps_ns[0] == second.start_ns)
     assert batch.samples.states[0].attitude_xyzw.tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
@@ -306,9 +306,9 @@ def test_no_stamp_is_lost_or_doubled_whatever_comes(rain: list[tuple[int, str]])
     answers = run.play(*script, (at + 20 * MS, nothing))
     assert [a for a in answers if isinstance(a, Exception) and not isinstance(a, ControlError)] == []
     for stamps, rate in (
-        (run.outlet.stamps, 333.3),
-        (run.outlet.sensor_stamps(IMU_DATA), 1000.0),
-        (run.outlet.sensor_stamps(IMU_BIAS), 1000.0),
-        (run.outlet.sensor_stamps(MAG), 77.0),
+        (run.sink.stamps, 333.3),
+        (run.sink.sensor_stamps(IMU_DATA), 1000.0),
+        (run.sink.sensor_stamps(IMU_BIAS), 1000.0),
+        (run.sink.sensor_stamps(MAG), 77.0),
     ):
         assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]

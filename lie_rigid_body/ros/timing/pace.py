@@ -1,4 +1,4 @@
-"""When stamps are due: simulated time laid along a steady clock, in integer nanoseconds."""
+"""Which stamps are due at a time of the steady clock, for each way simulated time can pass. Times are integers, ns."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ FOREVER: Final = 2**63
 
 
 class Pace(Protocol):
-    """A relation between stamps and a steady clock."""
+    """A relation between stamps and the steady clock."""
 
     def due_ns(self, steady_ns: int) -> int:
-        """The last stamp that is due at a steady time, ns."""
+        """The latest stamp that is due at a time of the steady clock, ns."""
         ...
 
     def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
-        """How long after a steady time a stamp is due, ns; negative when it has been due for as long."""
+        """Time from ``steady_ns`` until a stamp is due, ns; negative when it has been due for that long."""
         ...
 
 
 @dataclass(frozen=True)
-class Steady:
-    """Simulated time passes in proportion to the steady clock.
+class Scaled:
+    """Simulated time is the steady clock's, scaled by a constant factor from a common instant.
 
-    The relation never changes: nothing drifts, no sample is skipped, and what a stall delayed is simply due at once.
+    The relation never changes: nothing drifts, no sample is skipped, and samples delayed by a stall are due at once.
 
     Parameters
     ----------
     stamp_ns, steady_ns : int
         A stamp, and the steady time at which it is due, ns.
     factor : Fraction
-        Simulated time by steady time, above 0.
+        Real-time factor: simulated time over steady time, above 0.
     """
 
     stamp_ns: int
@@ -41,19 +41,19 @@ class Steady:
     factor: Fraction
 
     def due_ns(self, steady_ns: int) -> int:
-        """See `Pace`."""
+        """See `Pace`; rounded down."""
         n, d = self.factor.numerator, self.factor.denominator
         return self.stamp_ns + (steady_ns - self.steady_ns) * n // d
 
     def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
-        """See `Pace`."""
+        """See `Pace`; rounded up, so that the stamp is due after the wait."""
         n, d = self.factor.numerator, self.factor.denominator
         return self.steady_ns - (self.stamp_ns - stamp_ns) * d // n - steady_ns
 
 
 @dataclass(frozen=True)
 class Unlimited:
-    """Every stamp is due at once."""
+    """Real-time factor 0, as fast as possible: every stamp is due at any time."""
 
     def due_ns(self, steady_ns: int) -> int:
         """See `Pace`."""
@@ -66,7 +66,7 @@ class Unlimited:
 
 @dataclass(frozen=True)
 class Halted:
-    """Simulated time has stopped.
+    """Simulated time stands still: stamps up to a last one are due, later ones never.
 
     Parameters
     ----------
@@ -85,14 +85,14 @@ class Halted:
         return 0 if stamp_ns <= self.stamp_ns else FOREVER
 
 
-def pace(factor: float, stamp_ns: int, steady_ns: int) -> Steady | Unlimited:
+def pace_of(factor: float, stamp_ns: int, steady_ns: int) -> Scaled | Unlimited:
     """The pace of a real-time factor.
 
     Parameters
     ----------
     factor : float
-        Simulated time by steady time; 0: without a limit.
+        Simulated time over steady time, taken as its shortest decimal; 0: as fast as possible.
     stamp_ns, steady_ns : int
         A stamp, and the steady time at which it is due, ns.
     """
-    return Steady(stamp_ns, steady_ns, Fraction(repr(factor))) if factor > 0.0 else Unlimited()
+    return Scaled(stamp_ns, steady_ns, Fraction(repr(factor))) if factor > 0.0 else Unlimited()

@@ -1,29 +1,28 @@
-"""What other threads may ask of a run."""
+"""The commands of a live run, for other threads than its own."""
 
 from __future__ import annotations
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.ros.live_run import LiveRun
-from lie_rigid_body.ros.mailbox import Mailbox
-from lie_rigid_body.ros.run_state import RunState
-from lie_rigid_body.ros.stepping import Stepping
+from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
+from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.step_request import StepRequest
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
 
 class RunControl:
-    """The commands of a run, each carried out by the thread that owns it, between two bursts.
+    """The commands of a run, each carried out by the thread of the run, between two batches.
 
-    Every method waits for its result, and raises what the run raises, or `ClosedError` when it has ended.
+    Every method waits for its result. It raises what the run raises, and `ClosedError` once the run has ended.
 
     Parameters
     ----------
     run : LiveRun
     mailbox : Mailbox
-        Which the run empties.
+        The mailbox of the run.
     interruption : Interruption
-        Which ends it.
+        The interruption that ends the run.
     """
 
     def __init__(self, run: LiveRun, mailbox: Mailbox, interruption: Interruption) -> None:
@@ -33,44 +32,44 @@ class RunControl:
 
     @property
     def state(self) -> RunState:
-        """What time does."""
+        """Whether simulated time passes."""
         return self._run.state
 
     @property
     def scenario(self) -> Scenario:
-        """That of the present motion."""
+        """The scenario of the present segment."""
         return self._run.segment.scenario
 
     def latest(self) -> tuple[int, State]:
-        """Stamp (ns) and state of the sample sent last, or of the next one if it begins a motion."""
+        """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
         return self._mailbox.request(lambda: self._run.latest)
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample."""
         return self._mailbox.request(lambda: self._run.reset(scenario))
 
-    def restate(self, state: State) -> Segment:
-        """Begin a new segment of the present scenario from another state."""
-        return self._mailbox.request(lambda: self._run.restate(state))
+    def reset_to(self, state: State) -> Segment:
+        """Begin a new segment of the present scenario from another initial state."""
+        return self._mailbox.request(lambda: self._run.reset_to(state))
 
     def pause(self) -> int:
-        """Let time stand still; return the stamp where it does, ns."""
+        """Stop simulated time; return where it stands, ns."""
         return self._mailbox.request(self._run.pause)
 
     def resume(self) -> None:
-        """Let time go on."""
+        """Let simulated time pass again."""
         self._mailbox.request(self._run.resume)
 
     def stop(self, scenario: Scenario) -> Segment:
-        """Let time stand still at the start of a motion."""
+        """Begin a new segment, and stop simulated time just before its first sample."""
         return self._mailbox.request(lambda: self._run.stop(scenario))
 
-    def step(self, count: int) -> Stepping:
-        """Begin to send the next samples while time stands still."""
+    def step(self, count: int) -> StepRequest:
+        """While paused, begin to send the next samples."""
         return self._mailbox.request(lambda: self._run.step(count))
 
     def change_factor(self, factor: float) -> None:
-        """Let time go on at another speed."""
+        """Let simulated time pass by another real-time factor."""
         self._mailbox.request(lambda: self._run.change_factor(factor))
 
     def quit(self) -> None:

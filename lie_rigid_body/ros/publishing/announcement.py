@@ -1,4 +1,4 @@
-"""What the node says at its start: what it simulates, where it publishes, how to listen."""
+"""The text that the node prints at its start: body, motion, topics, and commands to listen with."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from lie_rigid_body.mechanics import RigidBody
+from lie_rigid_body.mechanics.top import kind_of_top
 from lie_rigid_body.scenario import Scenario
 
 
 @dataclass(frozen=True)
 class Names:
-    """Full names of what the node offers, as remapped.
+    """Full names of the node, its topics and its reset service, as remapped.
 
     Parameters
     ----------
@@ -34,7 +33,15 @@ class Names:
 
 
 def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
-    """The text, of several lines."""
+    """The text, several lines without a last line end.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    names : Names
+    record_path : str
+        The bag that the node records; empty: none.
+    """
     twist = "TwistStamped" if scenario.stamped_twist else "Twist"
     lines = [
         f"{names.node} simulates a torque-free rigid body",
@@ -55,7 +62,7 @@ def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
 
 
 def commands(names: Names) -> list[str]:
-    """Commands to listen with: those of ROS 2 where they are installed, else our own."""
+    """Commands for another terminal, to listen and to reset: those of ``ros2`` where it is installed, else `listen`."""
     domain = f"ROS_DOMAIN_ID={names.domain} " if names.domain else ""
     if shutil.which("ros2"):
         return [
@@ -67,21 +74,15 @@ def commands(names: Names) -> list[str]:
 
 
 def _python() -> str:
-    """What another terminal has to type for this very Python."""
+    """The command for the Python of this process: its name if the PATH leads to it, else its full path."""
     found = shutil.which("python")
     return "python" if found and Path(found) == Path(sys.executable) else shlex.quote(sys.executable)
 
 
 def shape(body: RigidBody) -> str:
-    """What kind of top the body is, by its principal moments."""
-    small, middle, large = (float(m) for m in body.principal_moments)
-    alike = [bool(np.isclose(a, b, rtol=1e-12, atol=0.0)) for a, b in ((small, middle), (middle, large))]
-    return {
-        (True, True): "spherical top",
-        (True, False): "oblate symmetric top",
-        (False, True): "prolate symmetric top",
-        (False, False): "asymmetric top",
-    }[alike[0], alike[1]]
+    """The body's kind of top in words."""
+    kind = kind_of_top(body)
+    return f"{kind} symmetric top" if kind in ("oblate", "prolate") else f"{kind} top"
 
 
 def _motion(scenario: Scenario) -> str:

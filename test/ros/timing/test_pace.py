@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.ros.pace import FOREVER, Halted, Steady, Unlimited, pace
+from lie_rigid_body.ros.timing.pace import FOREVER, Halted, Scaled, Unlimited, pace_of
 
 FACTORS = [0.1, 0.3, 1 / 3, 0.7, 0.999, 1.0, 1.1, 2.0, 3.3, 29.97, 1000.0]
 EPOCH = 1_700_000_000_123_456_789
@@ -21,9 +21,9 @@ factors = st.floats(0.1, 1000.0)
 spans = st.integers(0, FAR)
 
 
-def steady(factor: float) -> Steady:
-    made = pace(factor, EPOCH, START)
-    assert isinstance(made, Steady)
+def steady(factor: float) -> Scaled:
+    made = pace_of(factor, EPOCH, START)
+    assert isinstance(made, Scaled)
     return made
 
 
@@ -82,7 +82,7 @@ def test_before_the_first_stamp_nothing_is_due() -> None:
 
 
 def test_without_a_limit_everything_is_due_at_once() -> None:
-    here = pace(0.0, EPOCH, START)
+    here = pace_of(0.0, EPOCH, START)
     assert here == Unlimited()
     for now in (0, START, FAR):
         assert here.due_ns(now) >= FOREVER

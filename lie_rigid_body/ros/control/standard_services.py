@@ -1,6 +1,6 @@
-"""The standard simulator services, where the package simulation_interfaces is installed: a thin adapter.
+"""The standard simulator services, offered where the package simulation_interfaces is installed: a thin adapter.
 
-Every decision is made in `standard_control`; here plain values are carried over to and from the fields of messages.
+Every decision is made in `standard_control`; here values are copied from requests and into responses.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.ros.standard_control import (
+from lie_rigid_body.messages.layout import NS
+from lie_rigid_body.ros.control.standard_control import (
     CATEGORY_DYNAMIC_OBJECT,
     FEATURES,
     Code,
     EntityState,
+    EntityStateRequest,
     Result,
     StandardControl,
-    WantedState,
 )
 
 PACKAGE: Final = "simulation_interfaces"
 FEEDBACK_INTERVAL: Final = 0.1
-"""s between reports of steps; those of fast steps would only be in their way."""
-NS: Final = 1_000_000_000
+"""s between two reports of the action: a report of every step would only slow down fast steps."""
 CUSTOM_INFO: Final = "a torque-free rigid body; resets keep stamps rising; positions are 0"
 
 
@@ -38,9 +38,7 @@ def is_available() -> bool:
 
 
 class StandardServices:
-    """The handlers, and the node's services that they answer.
-
-    Each handler takes a request and the response to fill in, as rclpy gives them.
+    """The services and their handlers. Each handler takes a request and the response to fill in, as rclpy gives them.
 
     Parameters
     ----------
@@ -66,32 +64,31 @@ class StandardServices:
 
         for name, handler in self._handlers.items():
             node.create_service(getattr(srv, name), f"~/{snake_case(name)}", handler)
-        # steps may take long: others are answered meanwhile
-        apart = ReentrantCallbackGroup()
-        node.create_service(srv.StepSimulation, "~/step_simulation", self.step_simulation, callback_group=apart)
-        self._action_type = action.SimulateSteps
+        # steps may take long, and must not keep the other services waiting
+        concurrent = ReentrantCallbackGroup()
+        node.create_service(srv.StepSimulation, "~/step_simulation", self.step_simulation, callback_group=concurrent)
         self._action = ActionServer(
             node,
             action.SimulateSteps,
             "~/simulate_steps",
             lambda goal: self.simulate_steps(goal, action.SimulateSteps.Result(), action.SimulateSteps.Feedback),
             cancel_callback=lambda goal: CancelResponse.ACCEPT,
-            callback_group=apart,
+            callback_group=concurrent,
         )
 
     def get_simulator_features(self, request: Any, response: Any) -> Any:
-        """Which features there are."""
+        """The features offered."""
         response.features.features = list(FEATURES)
         response.features.spawn_formats = []
         response.features.custom_info = CUSTOM_INFO
         return response
 
     def reset_simulation(self, request: Any, response: Any) -> Any:
-        """A torque-free reset."""
+        """Begin a new segment."""
         return _filled(response, self._standard.reset(request.scope))
 
     def get_simulation_state(self, request: Any, response: Any) -> Any:
-        """Stopped, playing or paused."""
+        """The run state: stopped, playing or paused."""
         response.state.state = int(self._standard.state())
         return _filled(response, Result(Code.OK))
 
@@ -100,25 +97,25 @@ class StandardServices:
         return _filled(response, self._standard.set_state(request.state.state))
 
     def step_simulation(self, request: Any, response: Any) -> Any:
-        """Steps, answered when they are done."""
+        """Send so many samples; answered when they are sent."""
         return _filled(response, self._standard.step(request.steps))
 
     def simulate_steps(self, goal: ServerGoalHandle, result: Any, feedback: Callable[[], Any]) -> Any:
-        """Steps, with feedback, until done or canceled."""
-        stepping = self._standard.begin_steps(goal.request.steps)
-        if isinstance(stepping, Result):
+        """Send so many samples, with feedback, until all are sent or the goal is canceled."""
+        steps = self._standard.begin_steps(goal.request.steps)
+        if isinstance(steps, Result):
             goal.abort()
-            return _filled(result, stepping)
+            return _filled(result, steps)
         try:
             done = False
             while not done:
-                done = stepping.wait(FEEDBACK_INTERVAL)
+                done = steps.wait(FEEDBACK_INTERVAL)
                 if goal.is_cancel_requested and not done:
                     self._standard.cancel_steps()
                     goal.canceled()
-                    message = f"canceled after {stepping.completed} of {stepping.total} steps"
+                    message = f"canceled after {steps.completed} of {steps.total} steps"
                     return _filled(result, Result(Code.OPERATION_FAILED, message))
-                goal.publish_feedback(_progress(feedback(), stepping.completed, stepping.total))
+                goal.publish_feedback(_progress(feedback(), steps.completed, steps.total))
         except LieRigidBodyError as error:
             goal.abort()
             return _filled(result, Result(Code.OPERATION_FAILED, str(error)))
@@ -126,7 +123,7 @@ class StandardServices:
         return _filled(result, Result(Code.OK))
 
     def get_entities(self, request: Any, response: Any) -> Any:
-        """The one body, if the filters let it pass."""
+        """The name of the one body, if it passes the filters."""
         filters = request.filters
         result, names = self._standard.entities(
             filters.filter,
@@ -138,21 +135,21 @@ class StandardServices:
         return _filled(response, result)
 
     def get_entity_info(self, request: Any, response: Any) -> Any:
-        """What the body is."""
+        """Description and category of the body."""
         result, response.info.description = self._standard.entity_info(request.entity)
         response.info.category.category = CATEGORY_DYNAMIC_OBJECT
         return _filled(response, result)
 
     def get_entity_state(self, request: Any, response: Any) -> Any:
-        """Pose and twist in the world."""
+        """Pose, twist and acceleration of the body in the world frame."""
         result, state = self._standard.entity_state(request.entity)
         if state is not None:
             _fill_state(response.state, state)
         return _filled(response, result)
 
     def set_entity_state(self, request: Any, response: Any) -> Any:
-        """A torque-free reset to any pose and twist."""
-        return _filled(response, self._standard.set_entity_state(request.entity, _wanted(request)))
+        """Begin a new segment from any attitude and angular velocity."""
+        return _filled(response, self._standard.set_entity_state(request.entity, _state_request(request)))
 
 
 def snake_case(name: str) -> str:
@@ -184,17 +181,17 @@ def _fill_state(message: Any, state: EntityState) -> None:
             setattr(field, name, value)
 
 
-def _wanted(request: Any) -> WantedState:
+def _state_request(request: Any) -> EntityStateRequest:
     state = request.state
     position, orientation = state.pose.position, state.pose.orientation
     linear, angular = state.twist.linear, state.twist.angular
-    return WantedState(
+    return EntityStateRequest(
         frame=state.header.frame_id,
         position=(position.x, position.y, position.z),
         attitude_xyzw=(orientation.x, orientation.y, orientation.z, orientation.w),
         linear=(linear.x, linear.y, linear.z),
         angular=(angular.x, angular.y, angular.z),
-        # releases before 2 set both always
+        # before release 2 of simulation_interfaces both are always set
         set_pose=getattr(request, "set_pose", True),
         set_twist=getattr(request, "set_twist", True),
     )

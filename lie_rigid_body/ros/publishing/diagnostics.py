@@ -1,4 +1,4 @@
-"""``/diagnostics``: how the run keeps its promises, once a second."""
+"""``/diagnostics``: rate, lateness and drift of the run, once a second."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from rclpy.node import Node
 
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.messages.layout import NS
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 TOPIC: Final = "/diagnostics"
-INTERVAL_NS: Final = 1_000_000_000
-NS: Final = 1_000_000_000
+INTERVAL_NS: Final = NS
 LARGEST_DRIFT: Final = 1e-6
-"""Relative; a motion that is off by as much is no truth."""
+"""Relative drift of energy or momentum beyond which the level is ERROR."""
 
 
-class Diagnostics:
-    """An outlet that tells the rate, the lateness, and the drift of energy and momentum since the last reset.
+class Diagnostics(Sink):
+    """A sink that reports the rate, the lateness, and the drift of energy and momentum since the last reset.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Diagnostics:
         self._state: State | None = None
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take what is conserved from now on."""
+        """Take the body and the initial state, whose energy and momentum are conserved in this segment."""
         scenario = segment.scenario
         self._rate = scenario.rate
         self._body, self._start = scenario.body(), scenario.start()
@@ -48,12 +48,8 @@ class Diagnostics:
         if len(batch.samples):
             self._state = batch.samples.states[-1]
 
-    def ready(self) -> bool:
-        """There is always room."""
-        return True
-
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """Publish when a second has passed."""
+        """Publish a report when a second has passed since the last."""
         if self._due_ns is None:
             self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
         if steady_ns >= self._due_ns:
@@ -91,7 +87,7 @@ class Diagnostics:
         )
 
     def drifts(self) -> tuple[float, float]:
-        """Relative changes of kinetic energy and of the world momentum vector since the last reset."""
+        """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
         if self._state is None:
             return 0.0, 0.0
         energies = [float(self._body.kinetic_energy(state)) for state in (self._start, self._state)]

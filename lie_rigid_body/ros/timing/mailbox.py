@@ -1,4 +1,4 @@
-"""Calls from other threads, carried out by the one thread that owns the simulation."""
+"""Function calls from other threads, carried out by the one thread that owns the simulation."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ T = TypeVar("T")
 
 
 class ClosedError(LieRigidBodyError):
-    """The owner has ended and takes no more calls."""
+    """The owner of the mailbox has ended, and takes no more calls."""
 
 
 class Call(Generic[T]):
-    """A function to call, and the place where its result is awaited.
+    """A function for the owner to call, and a future of its result.
 
     Parameters
     ----------
@@ -30,12 +30,12 @@ class Call(Generic[T]):
         self._outcome: Future[T] = Future()
 
     def carry_out(self) -> None:
-        """Call the function. What it raises goes to whoever waits for the result.
+        """Call the function. The waiting thread gets its result, or what it raised.
 
         Raises
         ------
         BagError
-            Also to the caller: a recording that failed ends the run.
+            Raised here as well: a recording that failed ends the run.
         """
         try:
             self._outcome.set_result(self._function())
@@ -45,17 +45,17 @@ class Call(Generic[T]):
                 raise
 
     def refuse(self) -> None:
-        """Tell whoever waits that nothing will come, unless it has come."""
+        """Raise ClosedError in the waiting thread, unless the function was called."""
         if not self._outcome.done():
             self._outcome.set_exception(ClosedError("the node is ending: start it again"))
 
     def result(self) -> T:
-        """Wait for the function's result, or raise what it raised."""
+        """Wait for the function's result, and return it or raise what the function raised."""
         return self._outcome.result()
 
 
 class Mailbox:
-    """Where other threads leave their calls, and the owner waits for them."""
+    """A queue of calls: other threads request them, the owner waits for them and carries them out."""
 
     def __init__(self) -> None:
         self._calls: SimpleQueue[Call[object]] = SimpleQueue()
@@ -64,14 +64,14 @@ class Mailbox:
         self._open = True
 
     def request(self, function: Callable[[], T]) -> T:
-        """Have the owner call a function, and wait for the result.
+        """Have the owner call a function; wait for the result, and return it.
 
         Raises
         ------
         ClosedError
             If the owner has ended.
         Exception
-            What the function raised.
+            Whatever the function raised.
         """
         call: Call[Any] = Call(function)
         with self._lock:
@@ -87,16 +87,16 @@ class Mailbox:
                 self._unanswered.discard(call)
 
     def wait(self, seconds: float) -> Call[object] | None:
-        """The next call, as soon as there is one, or None after a time without any."""
+        """The next call as soon as there is one, or None after so many seconds."""
         try:
             return self._calls.get(timeout=seconds) if seconds > 0.0 else self._calls.get_nowait()
         except Empty:
             return None
 
     def close(self) -> None:
-        """Refuse every call without an answer, and all later ones.
+        """Refuse every call that has no result yet, and all later ones.
 
-        Also those that `wait` has given: a signal may have come before they were carried out.
+        Calls that `wait` has returned count as well: a signal may have come before they were carried out.
         """
         with self._lock:
             self._open = False

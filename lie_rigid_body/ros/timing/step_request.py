@@ -1,4 +1,4 @@
-"""Samples that were asked for while time stands still."""
+"""A request to send samples while simulated time stands still."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from lie_rigid_body.errors import LieRigidBodyError
 
 
 class ControlError(LieRigidBodyError):
-    """What the run cannot do in its present state."""
+    """A request that the run cannot fulfil in its present state."""
 
 
-class Stepping:
-    """A request for samples, and the place where its end is awaited.
+class StepRequest:
+    """A number of samples to send while paused. The run counts them; any other thread may wait for the last.
 
     Parameters
     ----------
@@ -35,23 +35,23 @@ class Stepping:
         self._end: Future[int] = Future()
 
     def advance(self, next_sample: int) -> None:
-        """Note which sample comes next."""
+        """Count the samples before ``next_sample`` as sent."""
         self.completed = min(self.total, next_sample - self._first)
         if self.completed == self.total and not self._end.done():
             self._end.set_result(self.total)
 
     def abandon(self, why: str) -> None:
-        """Tell whoever waits that the rest will not come, unless all has come."""
+        """Raise ControlError in every thread that waits, unless all samples were sent."""
         if not self._end.done():
             self._end.set_exception(ControlError(f"{why} after {self.completed} of {self.total} steps"))
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Wait for the end, or for a time; return whether all samples were sent.
+        """Wait for the last sample, for at most a time; return whether all were sent.
 
         Raises
         ------
         ControlError
-            If the rest will not come.
+            If the request was abandoned.
         """
         try:
             self._end.result(seconds)
