@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import Batch
@@ -130,19 +130,22 @@ class ScriptedRun:
     ----------
     factor, paused
         As those of `LiveRun`.
+    sinks : sequence of Sink
+        Others than the one that keeps what comes.
     **parameters
         Of the scenario; the stamps begin at 1 s.
     """
 
-    def __init__(self, *, factor: float = 1.0, paused: bool = False, **parameters: object) -> None:
+    def __init__(
+        self, *, factor: float = 1.0, paused: bool = False, sinks: Sequence[Sink] = (), **parameters: object
+    ) -> None:
         self.interruption = Interruption()
         self.scenario = Scenario.from_parameters({"motion": "closed_form", **parameters})
         self.time = ScriptedTime(self.interruption)
         self.sink = KeepingSink(self.interruption, NEVER, self.time.steady)
-        sinks: list[Sink] = [self.sink]
         self.live = LiveRun(
             Simulation(self.scenario, NS),
-            sinks,
+            [*sinks, self.sink],
             self.time,
             self.interruption,
             self.time.steady,

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import re
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ import pytest
 from simulator_process import SimulatorProcess, eventually, finish_client, start_client
 
 from lie_rigid_body import ClosedForm
+from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.recording.bag_reader import Recording, read_bag
 from lie_rigid_body.simulation import Segment
 
@@ -25,6 +24,8 @@ pytestmark = pytest.mark.ros
 RATE = 200
 PERIOD_NS = 5_000_000
 STALL = 1.5
+"""s; a node warns when it is later than 1 s."""
+COUNTS = {"reset": 600, "stalled": 500}
 
 
 @dataclass
@@ -33,7 +34,6 @@ class Run:
 
     seen: dict[str, np.ndarray]
     status: int
-    end_took: float
     bag: Path
     complained: list[str]
 
@@ -48,7 +48,7 @@ class Run:
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Run]]:
-    """Two nodes side by side: one for 10 s with a reset, ended by SIGINT; one that stalls, ended by SIGTERM."""
+    """Two nodes side by side: one with a reset, ended by SIGINT; one that stalls, ended by SIGTERM."""
     folder = tmp_path_factory.mktemp("live")
     arguments = {
         name: [
@@ -56,15 +56,15 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Run]]:
             *("-p", "initial_attitude_xyzw:=[0.1, 0.5, -0.1, 0.854400374531753]"),
             *("--ros-args", "-r", f"__ns:=/{name}"),
         ]
-        for name in ("ten_seconds", "stalled")
+        for name in COUNTS
     }
     with (
-        SimulatorProcess(*arguments["ten_seconds"]) as ten_seconds,
+        SimulatorProcess(*arguments["reset"]) as reset,
         SimulatorProcess(*arguments["stalled"]) as stalled,
     ):
         clients = [
-            start_client(str(folder / "ten_seconds.npz"), "/ten_seconds", str(10 * RATE), str(4 * RATE)),
-            start_client(str(folder / "stalled.npz"), "/stalled", str(5 * RATE), "0"),
+            start_client(str(folder / "reset.npz"), "/reset", str(COUNTS["reset"]), "200"),
+            start_client(str(folder / "stalled.npz"), "/stalled", str(COUNTS["stalled"]), "0"),
         ]
         eventually((folder / "stalled.npz.receiving").exists, "a client that receives")
         stalled.process.send_signal(signal.SIGSTOP)
@@ -73,20 +73,18 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Run]]:
         for client in clients:
             finish_client(client)
         yield {
-            "ten_seconds": ended(ten_seconds, folder / "ten_seconds", signal.SIGINT),
+            "reset": ended(reset, folder / "reset", signal.SIGINT),
             "stalled": ended(stalled, folder / "stalled", signal.SIGTERM),
         }
 
 
 def ended(simulator: SimulatorProcess, path: Path, number: signal.Signals) -> Run:
-    start = time.monotonic()
     status = simulator.end(number)
-    took = time.monotonic() - start
     with np.load(path.with_suffix(".npz")) as seen:
-        return Run(dict(seen), status, took, path.with_suffix(".mcap"), simulator.complained)
+        return Run(dict(seen), status, path.with_suffix(".mcap"), simulator.complained)
 
 
-both = pytest.mark.parametrize("name", ["ten_seconds", "stalled"])
+both = pytest.mark.parametrize("name", list(COUNTS))
 
 
 @both
@@ -94,7 +92,7 @@ def test_no_stamp_is_lost_or_doubled(runs: dict[str, Run], name: str) -> None:
     seen = runs[name].seen
     for topic in ("pose_stamps_ns", "twist_stamps_ns"):
         assert set(np.diff(seen[topic]).tolist()) == {PERIOD_NS}
-    assert len(seen["pose_stamps_ns"]) >= {"ten_seconds": 10 * RATE, "stalled": 5 * RATE}[name]
+    assert len(seen["pose_stamps_ns"]) >= COUNTS[name]
 
 
 @both
@@ -108,7 +106,7 @@ def test_pose_and_twist_carry_the_same_stamps(runs: dict[str, Run], name: str) -
 
 
 def test_reset_returns_to_the_start_while_stamps_go_on(runs: dict[str, Run]) -> None:
-    run = runs["ten_seconds"]
+    run = runs["reset"]
     first, second = run.segments
     [answer] = run.seen["answers"]
     assert re.match(rf"True .*\b{second.start_ns}\b", str(answer))
@@ -153,7 +151,6 @@ def test_signal_ends_it_with_status_0_and_silence(runs: dict[str, Run], name: st
     assert run.status == 0
     # a node that stalled says so
     assert [line for line in run.complained if "late, catching up" not in line] == []
-    assert run.end_took < 10.0
 
 
 @both
@@ -172,14 +169,11 @@ def test_bag_holds_what_was_published(runs: dict[str, Run], name: str) -> None:
 
 
 @both
-def test_check_accepts_the_bag(runs: dict[str, Run], name: str) -> None:
-    command = [sys.executable, "-m", "lie_rigid_body", "check", "--json", str(runs[name].bag)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)
+def test_check_accepts_the_bag(runs: dict[str, Run], name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert check(["--json", str(runs[name].bag)]) == 0
+    assert json.loads(capsys.readouterr().out)
 
 
 def test_stall_is_caught_up(runs: dict[str, Run]) -> None:
     """The node noticed a stall that came while the client was receiving; that no stamp is missing is tested above."""
-    [warning] = runs["stalled"].complained
-    assert "late, catching up" in warning
+    assert any("late, catching up" in line for line in runs["stalled"].complained)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -11,14 +10,11 @@ from fake_time import NS, FakeTime, KeepingSink
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.ros.timing.live_run import STEPS_PER_BATCH, LiveRun
 from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Segment, Simulation, Taken
+from lie_rigid_body.simulation import Segment, Simulation
 
 
 def run(time: FakeTime, enough: int, **parameters: object) -> KeepingSink:
@@ -162,19 +158,3 @@ def test_closing_keeps_answers() -> None:
     mailbox.close()
     asking.join(10.0)
     assert results == [42]
-
-
-@pytest.mark.parametrize(("max_step", "wait_ns"), [(1e-3, FLUSH_INTERVAL_NS), (2e-6, 0)])
-def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: float, wait_ns: int) -> None:
-    scenario = Scenario.from_parameters({"rate": 1.0, "max_step": max_step})
-    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
-    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
-        recorder = Recorder(bag)
-        recorder.begin_segment(simulation.segment)
-        samples = simulation.take(1)
-        before = bag.path.stat().st_size
-        recorder.write(encoder.encode(Taken(samples, None, None)))
-        recorder.tick(5 * NS, Punctuality())
-        assert (bag.path.stat().st_size > before) == (wait_ns == 0)
-        recorder.tick(5 * NS + wait_ns, Punctuality())
-        assert bag.path.stat().st_size > before
