@@ -44,12 +44,12 @@ def bare(rate: str, *topics: str) -> None:
     import rclpy
     from rclpy.serialization import serialize_message
 
-    from lie_rigid_body.ros.publisher import KEPT
+    from lie_rigid_body.ros.publishing.publisher import DEPTH
 
     rclpy.init(args=[])
     node = rclpy.create_node("bare")
     types = message_types()
-    pairs = [(node.create_publisher(types[t], t, KEPT).publish, serialize_message(types[t]())) for t in topics]
+    pairs = [(node.create_publisher(types[t], t, DEPTH).publish, serialize_message(types[t]())) for t in topics]
 
     def publish() -> None:
         for send, payload in pairs:
@@ -66,7 +66,7 @@ def subscriber() -> None:
 
     import rclpy
 
-    from lie_rigid_body.ros.publisher import KEPT
+    from lie_rigid_body.ros.publishing.publisher import DEPTH
 
     rclpy.init(args=[])
     node = rclpy.create_node("subscriber")
@@ -76,7 +76,7 @@ def subscriber() -> None:
         poses[0] += 1
 
     for topic, kind in message_types().items():
-        node.create_subscription(kind, topic, count if topic == "pose" else lambda _: None, KEPT, raw=True)
+        node.create_subscription(kind, topic, count if topic == "pose" else lambda _: None, DEPTH, raw=True)
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
     for _ in sys.stdin:
         print(poses[0], flush=True)

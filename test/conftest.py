@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
-import random
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.util import find_spec
-from pathlib import Path
 
 import hypothesis
 import pytest
+
+from ros_domains import own_domain
 
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
@@ -21,9 +18,6 @@ hypothesis.settings.load_profile("repeatable")
 
 ROS_INSTALLED = find_spec("rclpy") is not None
 ROS_LEFT_OUT = "rclpy is not installed"
-
-# Above 101 the ports of a domain reach into the range that Linux hands out to clients; 0 is everybody's default.
-DOMAINS = range(1, 102)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -58,28 +52,6 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
     skipped = reporter.stats.get("skipped", [])
     count = sum(isinstance(r.longrepr, tuple) and ROS_LEFT_OUT in r.longrepr[2] for r in skipped)
     reporter.write_line(f"ROS part left out: {count} tests ({ROS_LEFT_OUT})", yellow=True)
-
-
-@contextmanager
-def own_domain() -> Iterator[int]:
-    """A ROS domain that no other test process of this machine uses while the context lasts."""
-    for domain in random.sample(DOMAINS, len(DOMAINS)):
-        lock = Path(tempfile.gettempdir()) / f"ros-domain-{domain}.lock"
-        try:
-            handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
-        except PermissionError:
-            continue
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(handle)
-            continue
-        try:
-            yield domain
-        finally:
-            os.close(handle)
-        return
-    raise RuntimeError(f"all {len(DOMAINS)} ROS domains are in use by other test runs: wait for them to end")
 
 
 @pytest.fixture(scope="session", autouse=True)

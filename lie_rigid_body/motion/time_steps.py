@@ -1,4 +1,4 @@
-"""How the time between samples is divided into steps."""
+"""How the time between samples is divided into steps: the one home of this count."""
 
 from __future__ import annotations
 

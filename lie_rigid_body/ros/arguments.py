@@ -1,4 +1,4 @@
-"""The command line of the node: its own options, and those for ROS."""
+"""The command line of the node: its own options, and the arguments for ROS."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ If that bag can no longer be written, the node says so and ends with status 2.
 
 @dataclass(frozen=True)
 class Arguments:
-    """What the user asked for.
+    """A command line, split.
 
     Parameters
     ----------
     scenario : str or None
     params_files, assignments : tuple of str
-        The node's own options.
+        Values of the node's own options, in the order given.
     ros : tuple of str
-        Arguments for rclpy, with their ``--ros-args``.
+        Arguments for rclpy, with their ``--ros-args``; empty if there are none.
     """
 
     scenario: str | None
@@ -62,7 +62,7 @@ def parse(argv: Sequence[str]) -> Arguments:
 
 
 def split(argv: Iterable[str]) -> tuple[list[str], list[str]]:
-    """A command line's own part, and its ROS part: what lies between ``--ros-args`` and ``--`` or the end."""
+    """The node's own arguments, and those for ROS: from ``--ros-args`` to ``--`` or the end."""
     own: list[str] = []
     ros: list[str] = []
     target = own

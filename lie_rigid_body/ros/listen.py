@@ -1,4 +1,4 @@
-"""``python -m lie_rigid_body.ros.listen``: see the samples, or reset the motion, where there is no ros2 command."""
+"""``python -m lie_rigid_body.ros.listen``: print poses, or reset the motion, where there is no ros2 command."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 PROGRAM: Final = "python -m lie_rigid_body.ros.listen"
 SHOWN_EVERY: Final = 0.2
-"""s between the lines on the screen, or less often when the samples come more slowly."""
+"""s; the shortest time between two printed poses."""
 LONGEST_WAIT: Final = 5.0
-"""s for the first sample before its absence is told, and for the reset service to appear and to answer."""
-LONGEST_DEAFNESS: Final = 0.1
-"""s until a signal is heeded."""
+"""s for the first pose, after which its absence is reported; also for the reset service to appear, and to answer."""
+SIGNAL_INTERVAL: Final = 0.1
+"""s; the longest time between two looks whether a signal has come."""
 NO_ANSWER: Final = 1
 
 
@@ -57,7 +57,7 @@ def _main(argv: Sequence[str] | None) -> int:
 def _connected(pose: str, service: str | None, interruption: Interruption) -> int:
     import rclpy
 
-    from lie_rigid_body.ros.spinning import initialised
+    from lie_rigid_body.ros.session import initialised
 
     with initialised([]):
         node = rclpy.create_node("lie_rigid_body_listener")
@@ -65,11 +65,11 @@ def _connected(pose: str, service: str | None, interruption: Interruption) -> in
 
 
 def listen(node: Node, topic: str, interruption: Interruption) -> int:
-    """Print the poses of a topic, some of them, until interrupted."""
+    """Print poses of a topic, one in `SHOWN_EVERY` seconds, until interrupted."""
     from geometry_msgs.msg import PoseStamped
     from rclpy.qos import QoSProfile
 
-    from lie_rigid_body.ros.refusal import told
+    from lie_rigid_body.ros.session import translated_errors
 
     shown = 0.0
 
@@ -81,25 +81,28 @@ def listen(node: Node, topic: str, interruption: Interruption) -> int:
         shown = time.monotonic()
         console.say(line(pose))
 
-    def tell_silence() -> None:
+    def report_silence() -> None:
         silence.cancel()
         print(f"nothing yet on {topic} in domain {node.context.get_domain_id()}: is the node running?", file=sys.stderr)
 
-    with told(f"--pose {topic!r}"):
+    with translated_errors(f"--pose {topic!r}"):
         node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
-    silence = node.create_timer(LONGEST_WAIT, tell_silence)
+    silence = node.create_timer(LONGEST_WAIT, report_silence)
     _spin_while(node, lambda: not interruption.requested)
     return console.SUCCESS
 
 
 def _spin_while(node: Node, wanted: Callable[[], bool]) -> None:
-    """Handle what comes in. rclpy heeds no signals here: it would shut down in a thread of its own, at any moment."""
+    """Spin while a condition holds.
+
+    rclpy handles no signals here: it would shut down in another thread, at any moment.
+    """
     from rclpy.executors import SingleThreadedExecutor
 
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     while wanted():
-        executor.spin_once(timeout_sec=LONGEST_DEAFNESS)
+        executor.spin_once(timeout_sec=SIGNAL_INTERVAL)
 
 
 def line(pose: PoseStamped) -> str:
@@ -112,12 +115,12 @@ def reset(node: Node, service: str, interruption: Interruption) -> int:
     """Call a reset service, and print its answer."""
     from std_srvs.srv import Trigger
 
-    from lie_rigid_body.ros.refusal import told
+    from lie_rigid_body.ros.session import translated_errors
 
     def waiting() -> bool:
         return not interruption.requested and time.monotonic() < end
 
-    with told(f"--reset {service!r}"):
+    with translated_errors(f"--reset {service!r}"):
         client = node.create_client(Trigger, service)
     end = time.monotonic() + LONGEST_WAIT
     _spin_while(node, lambda: waiting() and not client.service_is_ready())

@@ -1,4 +1,4 @@
-"""The ROS node: publishers, parameters and services around a live run."""
+"""The ROS node: parameters, publishers and services of a live run."""
 
 from __future__ import annotations
 
@@ -7,26 +7,27 @@ from typing import Any
 
 from rclpy.node import Node
 
-from lie_rigid_body.ros import standard_services
-from lie_rigid_body.ros.diagnostics import Diagnostics
-from lie_rigid_body.ros.markers import Markers
-from lie_rigid_body.ros.outlet import Outlet
-from lie_rigid_body.ros.parameters import NodeParameters
-from lie_rigid_body.ros.publisher import SamplePublisher
-from lie_rigid_body.ros.run_control import RunControl
-from lie_rigid_body.ros.services import Services
-from lie_rigid_body.ros.standard_control import StandardControl
-from lie_rigid_body.ros.transforms import Transforms
+from lie_rigid_body.ros.control import standard_services
+from lie_rigid_body.ros.control.parameters import NodeParameters
+from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.control.services import Services
+from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
+from lie_rigid_body.ros.publishing.markers import Markers
+from lie_rigid_body.ros.publishing.publisher import SamplePublisher
+from lie_rigid_body.ros.publishing.transforms import Transforms
+from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
 
 class SimulatorNode(Node):
-    """What other nodes see of the simulation.
+    """The node of a live run. It publishes from the start, and offers its services once `serve` is called.
 
     Parameters
     ----------
     given : callable
-        ``given(node_name, namespace)`` gives the parameters that come from elsewhere than ROS, which outdoes them.
+        ``given(node_name, namespace)`` returns the parameters of the node's own command line; those of ROS arguments
+        win over them.
 
     Attributes
     ----------
@@ -36,57 +37,57 @@ class SimulatorNode(Node):
     Raises
     ------
     LieRigidBodyError
-        If the parameters make no scenario.
+        If the parameters are not valid, or ROS refuses a topic.
     """
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         super().__init__(NODE_NAME)
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
-        scenario, held = self.parameters.scenario(), self.parameters.held()
+        scenario, values = self.parameters.scenario(), self.parameters.values()
         self.publisher = SamplePublisher(
             self,
             stamped_twist=scenario.stamped_twist,
             sensors=scenario.sensors,
-            clock=held["publish_clock"],
-            unhurried=held["real_time_factor"] == 0.0,
+            clock=values["publish_clock"],
+            keep_all=values["real_time_factor"] == 0.0,
         )
-        self.publisher.follow(held["real_time_factor"])
-        self._views = self._make_views(held)
+        self.publisher.set_factor(values["real_time_factor"])
+        self._views = self._make_views(values)
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
 
-    def _make_views(self, held: Mapping[str, Any]) -> list[Outlet]:
-        views: list[Outlet] = [Diagnostics(self)]
-        if marker_rate := held["marker_rate"]:
+    def _make_views(self, values: Mapping[str, Any]) -> list[Sink]:
+        views: list[Sink] = [Diagnostics(self)]
+        if marker_rate := values["marker_rate"]:
             views.append(Markers(self, marker_rate))
-        if held["publish_tf"] and Transforms.is_available():
+        if values["publish_tf"] and Transforms.is_available():
             views.append(Transforms(self))
         return views
 
     @property
-    def outlets(self) -> list[Outlet]:
-        """Where the samples go."""
+    def sinks(self) -> list[Sink]:
+        """The sinks that publish samples or what is made of them."""
         return [self.publisher, *self._views]
 
     @property
     def reset_service(self) -> str:
-        """Full name of the reset service."""
+        """Full name of the reset service, as remapped."""
         return self.resolve_service_name("~/reset")
 
     def serve(self, control: RunControl) -> None:
-        """Offer the services, and let parameters act that do so at once."""
-        self.parameters.act(self._follow(control))
+        """Offer the services, and let changes of the real-time factor take effect."""
+        self.parameters.on_change(self._change_factor(control))
         Services(control, self.parameters.scenario).offer(self)
         if standard_services.is_available():
             standard = StandardControl(control, self.parameters.scenario, self.get_name())
             self._standard = standard_services.StandardServices(standard)
             self._standard.offer(self)
 
-    def _follow(self, control: RunControl) -> Callable[[Mapping[str, Any]], None]:
+    def _change_factor(self, control: RunControl) -> Callable[[Mapping[str, Any]], None]:
         def act(changed: Mapping[str, Any]) -> None:
             if "real_time_factor" in changed:
                 factor = float(changed["real_time_factor"])
                 control.change_factor(factor)
-                self.publisher.follow(factor)
+                self.publisher.set_factor(factor)
 
         return act

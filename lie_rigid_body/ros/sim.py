@@ -18,10 +18,10 @@ from lie_rigid_body.ros.arguments import Arguments, parse
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.ros.announcement import Names
     from lie_rigid_body.ros.node import SimulatorNode
+    from lie_rigid_body.ros.publishing.announcement import Names
 
-NEEDED: Final = (
+REQUIRED_PACKAGES: Final = (
     *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),
     *("geometry_msgs", "sensor_msgs", "diagnostic_msgs", "visualization_msgs"),
 )
@@ -54,13 +54,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def require_ros() -> None:
-    """Say what is missing where ROS 2 is not installed.
+    """Check that ROS 2 is installed.
 
     Raises
     ------
     InputError
+        Naming the first package that is missing.
     """
-    missing = [name for name in NEEDED if not _is_installed(name)]
+    missing = [name for name in REQUIRED_PACKAGES if not _is_installed(name)]
     if missing:
         raise InputError(
             f"{missing[0]} is not installed: with ROS 2 Jazzy from apt, source /opt/ros/jazzy/setup.bash; elsewhere, "
@@ -76,7 +77,7 @@ def _is_installed(name: str) -> bool:
 
 
 def _require_readable(given: Arguments) -> None:
-    """Say what is wrong with ROS parameters more clearly than rclpy would."""
+    """Check parameters given as ROS arguments, whose errors rclpy reports less clearly."""
     from lie_rigid_body.scenario.parameter_file import parse_assignment, read_sections
 
     for path in given.ros_params_files:
@@ -87,38 +88,38 @@ def _require_readable(given: Arguments) -> None:
 
 def _simulate(given: Arguments, interruption: Interruption) -> None:
     from lie_rigid_body.ros.node import SimulatorNode
-    from lie_rigid_body.ros.spinning import initialised, spinning
+    from lie_rigid_body.ros.session import initialised, spinning
     from lie_rigid_body.scenario.parameter_file import gather
 
     if interruption.requested:
         return
     with initialised(given.ros):
         node = SimulatorNode(partial(gather, given.scenario, given.params_files, given.assignments))
-        path = str(node.parameters.held()["record_path"])
-        with spinning(node), _settled(node), _recording(node, path) as bag:
+        path = str(node.parameters.values()["record_path"])
+        with spinning(node), _finished(node), _recording(node, path) as bag:
             _run(node, bag, interruption)
         node.destroy_node()
 
 
 def _run(node: SimulatorNode, bag: BagWriter | None, interruption: Interruption) -> None:
-    from lie_rigid_body.ros.announcement import announcement
-    from lie_rigid_body.ros.live_run import LiveRun
-    from lie_rigid_body.ros.mailbox import Mailbox
-    from lie_rigid_body.ros.recorder import Recorder
-    from lie_rigid_body.ros.run_control import RunControl
+    from lie_rigid_body.ros.control.run_control import RunControl
+    from lie_rigid_body.ros.publishing.announcement import announcement
+    from lie_rigid_body.ros.publishing.recorder import Recorder
+    from lie_rigid_body.ros.timing.live_run import LiveRun
+    from lie_rigid_body.ros.timing.mailbox import Mailbox
     from lie_rigid_body.simulation import Simulation
 
     scenario = node.parameters.scenario()
     mailbox = Mailbox()
     simulation = Simulation(scenario, scenario.epoch_ns or time.time_ns())
-    held = node.parameters.held()
+    values = node.parameters.values()
     run = LiveRun(
         simulation,
-        [*node.outlets, *([Recorder(bag)] if bag else [])],
+        [*node.sinks, *([Recorder(bag)] if bag else [])],
         mailbox,
         interruption,
-        factor=held["real_time_factor"],
-        paused=held["paused"],
+        factor=values["real_time_factor"],
+        paused=values["paused"],
     )
     node.serve(RunControl(run, mailbox, interruption))
     _say(announcement(scenario, _names(node), str(bag.path) if bag else ""))
@@ -130,7 +131,7 @@ def _run(node: SimulatorNode, bag: BagWriter | None, interruption: Interruption)
 
 @contextmanager
 def _recording(node: SimulatorNode, path: str) -> Iterator[BagWriter | None]:
-    """Keep the bag of ``record_path`` open, and finish it whatever happens."""
+    """Keep the bag of ``record_path`` open, and finish it whatever happens; None without a path."""
     if not path:
         yield None
         return
@@ -159,14 +160,14 @@ def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
 
 
 @contextmanager
-def _settled(node: SimulatorNode) -> Iterator[None]:
-    """Let the last samples arrive before rclpy forgets them."""
+def _finished(node: SimulatorNode) -> Iterator[None]:
+    """Deliver the last samples at the end, before rclpy is shut down."""
     yield
     node.publisher.finish()
 
 
 def _names(node: SimulatorNode) -> Names:
-    from lie_rigid_body.ros.announcement import Names
+    from lie_rigid_body.ros.publishing.announcement import Names
 
     pose, twist, scenario = node.publisher.topics
     domain = node.context.get_domain_id()
@@ -174,7 +175,7 @@ def _names(node: SimulatorNode) -> Names:
 
 
 def _say(text: str) -> None:
-    """Print, unless nobody listens: the node's work is on its topics."""
+    """Print, if the standard output is open: the node works without it."""
     try:
         print(text, flush=True)
     except OSError:

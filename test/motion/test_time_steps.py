@@ -28,6 +28,12 @@ def test_steps_are_as_few_as_their_largest_length_allows(gaps: list[int], max_st
         assert (count == 0) == (span == 0)
 
 
+@given(st.integers(1, 10**12), st.integers(1, 10**10))
+def test_one_span_has_as_many_steps_as_among_others(span_ns: int, step_ns: int):
+    _, [count] = TimeSteps(step_ns / 1e9).to(np.array([span_ns]))
+    assert steps_between(span_ns / 1e9, step_ns / 1e9) == count
+
+
 @pytest.mark.parametrize("step_ns", [1, 3, 7, 1000, 10_000_000, 33_333_333, 10**9])
 @pytest.mark.parametrize("number", [1, 2, 3, 49, 1000, 123_456, 99_999_999])
 def test_a_span_of_whole_steps_has_as_many(step_ns: int, number: int):

@@ -1,15 +1,14 @@
-"""A run on a steady clock that the test holds, and an outlet that keeps what comes."""
+"""A run on a steady clock that the test holds, and an sink that keeps what comes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.live_run import LiveRun
-from lie_rigid_body.ros.mailbox import Call, Mailbox
-from lie_rigid_body.ros.outlet import Outlet
-from lie_rigid_body.ros.punctuality import Punctuality
+from lie_rigid_body.ros.timing.live_run import LiveRun
+from lie_rigid_body.ros.timing.mailbox import Call, Mailbox
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 
@@ -19,7 +18,7 @@ COST = 2_000_000
 """ns that a turn of the loop takes when it does not wait."""
 
 
-class KeepingOutlet:
+class KeepingSink:
     """Keeps what comes, and asks the run to end after a number of samples."""
 
     def __init__(self, interruption: Interruption, enough: int, steady: Callable[[], int] = lambda: 0) -> None:
@@ -131,19 +130,22 @@ class ScriptedRun:
     ----------
     factor, paused
         As those of `LiveRun`.
+    sinks : sequence of Sink
+        Others than the one that keeps what comes.
     **parameters
         Of the scenario; the stamps begin at 1 s.
     """
 
-    def __init__(self, *, factor: float = 1.0, paused: bool = False, **parameters: object) -> None:
+    def __init__(
+        self, *, factor: float = 1.0, paused: bool = False, sinks: Sequence[Sink] = (), **parameters: object
+    ) -> None:
         self.interruption = Interruption()
         self.scenario = Scenario.from_parameters({"motion": "closed_form", **parameters})
         self.time = ScriptedTime(self.interruption)
-        self.outlet = KeepingOutlet(self.interruption, NEVER, self.time.steady)
-        outlets: list[Outlet] = [self.outlet]
+        self.sink = KeepingSink(self.interruption, NEVER, self.time.steady)
         self.live = LiveRun(
             Simulation(self.scenario, NS),
-            outlets,
+            [*sinks, self.sink],
             self.time,
             self.interruption,
             self.time.steady,

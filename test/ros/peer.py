@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
+import re
+import time
 from collections.abc import Callable
 from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from simulator_process import DEADLINE, eventually
+from simulator_process import DEADLINE
 from std_srvs.srv import Trigger
 
+NODE = "/lie_rigid_body"
 LATCHED = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Peer:
-    """Another node, and what it asks of the simulator."""
+    """Another node, and what it asks of the simulator. Its context is its own: tests may initialise rclpy as well."""
 
-    def __init__(self, name: str) -> None:
-        self.node = rclpy.create_node(name)
+    def __init__(self, name: str, domain: int | None = None) -> None:
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain)
+        self.node = rclpy.create_node(name, context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+
+    def __enter__(self) -> Peer:
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self._context)
 
     def answer(self, kind: type, service: str, request: object) -> Any:
         return self.wait_for(self.client(kind, service).call_async(request))
@@ -34,7 +51,7 @@ class Peer:
         return client
 
     def wait_for(self, future: Any) -> Any:
-        rclpy.spin_until_future_complete(self.node, future, timeout_sec=DEADLINE)
+        self._executor.spin_until_future_complete(future, DEADLINE)
         assert future.done()
         return future.result()
 
@@ -48,16 +65,31 @@ class Peer:
         for subscription in list(self.node.subscriptions):
             self.node.destroy_subscription(subscription)
 
-    def spin_until(self, condition: Callable[[], object], what: str) -> None:
-        eventually(lambda: bool(rclpy.spin_once(self.node, timeout_sec=0.1) or condition()), what)
+    def spin_until(self, condition: Callable[[], object], what: str, deadline: float = DEADLINE) -> None:
+        end = time.monotonic() + deadline
+        while not condition():
+            assert time.monotonic() < end, f"waited {deadline:g} s for {what}"
+            self._executor.spin_once(timeout_sec=0.1)
 
-    def reset(self) -> Trigger.Response:
-        return self.answer(Trigger, "/lie_rigid_body/reset", Trigger.Request())
+    def call(self, name: str) -> Trigger.Response:
+        return self.answer(Trigger, f"{NODE}/{name}", Trigger.Request())
+
+    def stamp(self, name: str) -> int:
+        """The stamp, ns, in the answer of a service that succeeds."""
+        answer = self.call(name)
+        assert answer.success, answer.message
+        [found] = re.findall(r"\d+", answer.message)
+        return int(found)
 
     def set_together(self, **values: object) -> Any:
         parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
         request = SetParametersAtomically.Request(parameters=parameters)
-        return self.answer(SetParametersAtomically, "/lie_rigid_body/set_parameters_atomically", request).result
+        return self.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
+
+    def parameters(self) -> AsyncParameterClient:
+        client = AsyncParameterClient(self.node, NODE)
+        assert client.wait_for_services(DEADLINE)
+        return client
 
     def values(self, client: AsyncParameterClient, *names: str) -> list[Any]:
         found = self.wait_for(client.get_parameters(list(names))).values

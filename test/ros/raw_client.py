@@ -1,16 +1,20 @@
-"""A client of the node, in a process of its own: keeps the bytes of every message, and writes them when it is told to.
+"""A client of the node, in a process of its own, which keeps the bytes of every message.
 
 Usage: raw_client.py OUT NAMESPACE TOPIC...
 
-OUT.ready appears when every topic has its publisher; a file OUT.stop asks it to end as soon as nothing more comes.
+It prints "heard" when every topic has had a message. A line of its input, the last stamp (ns) of each topic as JSON,
+asks it to write what it has when these stamps have come, and to end.
 """
 
 from __future__ import annotations
 
+import json
 import pickle
+import struct
 import sys
 import time
 from pathlib import Path
+from threading import Thread
 
 import rclpy
 from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -27,11 +31,17 @@ TYPES = {
     "imu/mag": MagneticField,
     "/clock": Clock,
 }
-LONGEST_LIFE = 150.0
-SILENCE = 3.5
-"""s; DDS asks after what was lost every 3 s."""
+LONGEST_LIFE = 240.0
 DEPTH = 400_000
 """More than ever comes: a Python client is slower than the node."""
+SILENCE = 0.2
+"""s in which a message that comes too often would show."""
+
+
+def stamp_ns(payload: bytes) -> int:
+    """Stamps come first in all of these messages, after four bytes of encapsulation."""
+    sec, nanosec = struct.unpack_from("<iI", payload, 4)
+    return int(sec) * 10**9 + int(nanosec)
 
 
 def main(out: str, namespace: str, *topics: str) -> None:
@@ -39,26 +49,23 @@ def main(out: str, namespace: str, *topics: str) -> None:
     node = rclpy.create_node("raw_client")
     seen: dict[str, list[bytes]] = {topic: [] for topic in topics}
     qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-    subscriptions = [
-        node.create_subscription(
-            TYPES[topic], topic if topic[0] == "/" else f"{namespace}/{topic}", seen[topic].append, qos, raw=True
-        )
-        for topic in topics
-    ]
+    for topic in topics:
+        name = topic if topic[0] == "/" else f"{namespace}/{topic}"
+        node.create_subscription(TYPES[topic], name, seen[topic].append, qos, raw=True)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    end, heard, count, ready = time.monotonic() + LONGEST_LIFE, time.monotonic(), 0, False
-    while not (Path(f"{out}.stop").exists() and time.monotonic() - heard > SILENCE):
-        assert time.monotonic() < end, {topic: len(messages) for topic, messages in seen.items()}
-        if not ready and all(subscription.get_publisher_count() for subscription in subscriptions):
-            ready = True
-            Path(f"{out}.ready").touch()
-        until = time.monotonic() + 0.2
-        while time.monotonic() < until:
-            executor.spin_once(timeout_sec=0.1)
-        now = sum(len(messages) for messages in seen.values())
-        if now > count:
-            count, heard = now, time.monotonic()
+    last: dict[str, int] = {}
+    Thread(target=lambda: last.update(json.loads(sys.stdin.readline())), daemon=True).start()
+    end, heard = time.monotonic() + LONGEST_LIFE, False
+    while not last or any(not seen[topic] or stamp_ns(seen[topic][-1]) < last[topic] for topic in topics):
+        assert time.monotonic() < end, (last, {topic: len(messages) for topic, messages in seen.items()})
+        executor.spin_once(timeout_sec=0.05)
+        if not heard and all(seen.values()):
+            heard = True
+            print("heard", flush=True)
+    end = time.monotonic() + SILENCE
+    while time.monotonic() < end:
+        executor.spin_once(timeout_sec=0.05)
     Path(out).write_bytes(pickle.dumps(seen))
     rclpy.try_shutdown()
 

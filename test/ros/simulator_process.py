@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import cycle
 from pathlib import Path
 from threading import Event, Thread
 from types import TracebackType
 
-DEADLINE = 60.0
+DEADLINE = 120.0
 """s: far beyond what a loaded machine takes; only a failure waits as long."""
 LAST_LINE = "Ctrl-C ends it."
 CLIENT = Path(__file__).with_name("stream_client.py")
@@ -25,12 +26,23 @@ def sim_command(*arguments: str) -> list[str]:
     return [sys.executable, "-m", "lie_rigid_body", "sim", *arguments]
 
 
+def assignments(**values: object) -> list[str]:
+    """The arguments that assign parameters."""
+    return [part for name, value in values.items() for part in ("-p", f"{name}:={value}")]
+
+
 class SimulatorProcess:
     """A running ``sim``; leaving the context kills it if it still runs."""
 
-    def __init__(self, *arguments: str, preexec: Callable[[], None] | None = None) -> None:
+    def __init__(self, *arguments: str, domain: int | None = None, preexec: Callable[[], None] | None = None) -> None:
+        self.domain = int(os.environ["ROS_DOMAIN_ID"]) if domain is None else domain
         self.process = subprocess.Popen(
-            sim_command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=preexec
+            sim_command(*arguments),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "ROS_DOMAIN_ID": str(self.domain)},
+            preexec_fn=preexec,
         )
         self.said: list[str] = []
         self.complained: list[str] = []
@@ -96,11 +108,19 @@ class RawClient:
     def __init__(self, out: Path, namespace: str, *topics: str) -> None:
         self._out = out
         command = [sys.executable, str(RAW_CLIENT), str(out), namespace, *topics]
-        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self._heard = Event()
+        self._reader = Thread(target=self._wait_until_heard, daemon=True)
+
+    def _wait_until_heard(self) -> None:
+        assert self._process.stdout is not None
+        self._process.stdout.readline()  # or it ended
+        self._heard.set()
 
     def __enter__(self) -> RawClient:
-        ready = self._out.with_name(f"{self._out.name}.ready")
-        eventually(lambda: ready.exists() or self._process.poll() is not None, "a client that listens")
+        self._reader.start()
         return self
 
     def __exit__(
@@ -108,11 +128,26 @@ class RawClient:
     ) -> None:
         self._process.kill()
         self._process.wait(DEADLINE)
+        self._reader.join(DEADLINE)
 
-    def finish(self) -> dict[str, list[bytes]]:
-        """Let what is under way arrive, and return the messages of each topic."""
-        self._out.with_name(f"{self._out.name}.stop").touch()
-        finish_client(self._process)
+    def meet(self, send: Callable[[], object]) -> None:
+        """Have the node send until each topic has been heard: only what is sent from then on is sure to come."""
+
+        def sent_and_heard() -> bool:
+            send()
+            return self._heard.is_set()
+
+        eventually(sent_and_heard, "a client that hears all topics")
+        self._reader.join(DEADLINE)
+        assert self._process.poll() is None, self._process.stderr
+
+    def finish(self, last_ns: Mapping[str, int]) -> dict[str, list[bytes]]:
+        """The messages of each topic, when the last have come."""
+        try:
+            _, complaint = self._process.communicate(json.dumps(last_ns), timeout=DEADLINE)
+        finally:
+            self._process.kill()
+        assert self._process.returncode == 0, complaint
         seen: dict[str, list[bytes]] = pickle.loads(self._out.read_bytes())
         return seen
 

@@ -19,7 +19,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-DEADLINE = 55.0
+DEADLINE = 110.0
 
 
 def stamp_ns(message: PoseStamped | TwistStamped) -> int:

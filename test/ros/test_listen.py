@@ -28,16 +28,22 @@ def test_without_ros_it_says_the_same_as_sim(
 
 @pytest.mark.ros
 @pytest.mark.parametrize("arguments", [("--pose", "a b"), ("--pose", ""), ("--reset", "1/2"), ("--fast",)])
-def test_bad_names_are_refused_in_one_line(arguments: tuple[str, ...]) -> None:
-    done = subprocess.run((*LISTEN, *arguments), capture_output=True, text=True, timeout=DEADLINE, check=False)
-    assert done.returncode == 2
-    [line] = done.stderr.splitlines()
+def test_bad_names_are_refused_in_one_line(arguments: tuple[str, ...], capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == 2
+    [line] = capfd.readouterr().err.splitlines()
     assert arguments[0] in line
 
 
 @pytest.mark.ros
+def test_process_ends_with_status_2() -> None:
+    done = subprocess.run((*LISTEN, "--pose", "a b"), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+
+
+@pytest.mark.ros
 def test_silence_is_told_once() -> None:
-    with subprocess.Popen((*LISTEN, "--pose", "/nobody"), stderr=subprocess.PIPE, text=True) as process:
+    soon = "from lie_rigid_body.ros import listen; listen.LONGEST_WAIT = 0.2; listen.main(['--pose', '/nobody'])"
+    with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:
         patience = threading.Timer(DEADLINE, process.kill)
         patience.start()
         try:
@@ -53,9 +59,8 @@ def test_silence_is_told_once() -> None:
 
 
 @pytest.mark.ros
-def test_reader_who_leaves_hears_no_complaint() -> None:
-    with SimulatorProcess("--ros-args", "-r", "__ns:=/heard"):
-        command = f"{' '.join(LISTEN)} --pose /heard/pose | head -n 1"
-        done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=DEADLINE, check=False)
+def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> None:
+    command = f"ROS_DOMAIN_ID={full_node.domain} {' '.join(LISTEN)} | head -n 1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=DEADLINE, check=False)
     assert done.stderr == ""
     assert done.stdout.count("\n") == 1

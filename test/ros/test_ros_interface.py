@@ -14,48 +14,44 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from simulator_process import DEADLINE, SimulatorProcess
+from simulator_process import DEADLINE, SimulatorProcess, assignments
 
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.simulation import Segment
 
 if find_spec("rclpy"):
-    import rclpy
     from geometry_msgs.msg import PoseStamped, Twist
     from peer import LATCHED, Peer
+    from rcl_interfaces.srv import GetParameters
     from rclpy.parameter_client import AsyncParameterClient
-    from rclpy.qos import ReliabilityPolicy
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
 
 pytestmark = pytest.mark.ros
 
 
-@pytest.fixture(scope="module", autouse=True)
-def ros(isolated_ros: None) -> Iterator[None]:
-    rclpy.init(args=[])
-    yield
-    rclpy.shutdown()
-
-
 @pytest.fixture(scope="module")
-def simulator() -> Iterator[SimulatorProcess]:
+def simulator(isolated_ros: None) -> Iterator[SimulatorProcess]:
     with SimulatorProcess("--scenario", "dzhanibekov", "-p", "inertia:=[1, 2, 2.5]") as running:
         yield running
 
 
 @pytest.fixture(scope="module")
-def peer(simulator: SimulatorProcess) -> Iterator[Peer]:
-    peer = Peer("peer")
-    yield peer
-    peer.node.destroy_node()
+def module_peer(simulator: SimulatorProcess) -> Iterator[Peer]:
+    with Peer("peer") as peer:
+        yield peer
+
+
+@pytest.fixture
+def peer(module_peer: Peer) -> Iterator[Peer]:
+    yield module_peer
+    module_peer.listen_no_more()
 
 
 @pytest.fixture(scope="module")
-def parameters(peer: Peer) -> AsyncParameterClient:
-    client = AsyncParameterClient(peer.node, "/lie_rigid_body")
-    assert client.wait_for_services(DEADLINE)
-    return client
+def parameters(module_peer: Peer) -> AsyncParameterClient:
+    return module_peer.parameters()
 
 
 def test_late_joiner_gets_the_scenario(peer: Peer) -> None:
@@ -130,7 +126,7 @@ def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:
     count = len(poses)
     peer.spin_until(lambda: len(poses) > count + 20, "more poses")
     assert {pose.header.frame_id for pose in poses} == {"world"}
-    answer = peer.reset()
+    answer = peer.call("reset")
     assert answer.success
     peer.spin_until(lambda: len(scenarios) > 1 and poses[-1].header.frame_id == "map", "the new scenario")
     segment = Segment.from_json(scenarios[-1].data)
@@ -163,9 +159,11 @@ def test_announced_commands_work(simulator: SimulatorProcess) -> None:
     assert re.match(r"\d+\.\d{9} s  x [-+]\d\.\d{6}  y ", line)
 
 
-def test_names_and_types_are_the_users(peer: Peer) -> None:
-    arguments = ["--ros-args", "-r", "__ns:=/a", "-r", "__node:=top", "-r", "pose:=truth", "-p", "stamped_twist:=false"]
-    poses = peer.listen(PoseStamped, "/a/truth")
+def test_names_types_and_qualities_of_service_are_the_users(peer: Peer) -> None:
+    qos = "qos_overrides./a/truth.publisher"
+    arguments = ["--ros-args", "-r", "__ns:=/a", "-r", "__node:=top", "-r", "pose:=truth"]
+    arguments += assignments(**{"stamped_twist": "false", f"{qos}.reliability": "best_effort", f"{qos}.depth": 7})
+    poses = peer.listen(PoseStamped, "/a/truth", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
     twists = peer.listen(Twist, "/a/twist")
     scenarios = peer.listen(String, "/a/top/scenario", LATCHED)
     with SimulatorProcess(*arguments) as other:
@@ -173,6 +171,13 @@ def test_names_and_types_are_the_users(peer: Peer) -> None:
         assert peer.answer(Trigger, "/a/top/reset", Trigger.Request()).success
         assert any("/a/truth" in line for line in other.said)
         assert any("/a/top" in line for line in other.said)
+        [truth] = peer.node.get_publishers_info_by_topic("/a/truth")
+        [twist] = peer.node.get_publishers_info_by_topic("/a/twist")
+        asked = GetParameters.Request(names=[f"{qos}.depth", f"{qos}.reliability"])
+        depth, reliability = peer.answer(GetParameters, "/a/top/get_parameters", asked).values
+    qualities = truth.qos_profile.reliability, twist.qos_profile.reliability
+    assert qualities == (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
+    assert (depth.integer_value, reliability.string_value) == (7, "best_effort")
     assert twists[0].angular.y == pytest.approx(1.0, abs=0.1)
     assert not Segment.from_json(scenarios[0].data).scenario.stamped_twist
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -11,15 +11,12 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from simulator_process import DEADLINE, SimulatorProcess
 
 if find_spec("rclpy"):
-    import rclpy
     from peer import Peer
-    from std_srvs.srv import Trigger
 
-    from lie_rigid_body.ros import standard_services
-    from lie_rigid_body.ros.standard_services import StandardServices
+    from lie_rigid_body.ros.control import standard_services
+    from lie_rigid_body.ros.control.standard_services import StandardServices
 
 pytestmark = pytest.mark.ros
 
@@ -104,41 +101,27 @@ class AnyName:
         return object()
 
 
-@pytest.fixture(scope="module")
-def peer(isolated_ros: None) -> Iterator[Peer]:
-    """A node that looks at the simulator, all of whose sensors are on."""
-    rclpy.init(args=[])
-    on = ("imu_rate:=50.0", "magnetometer_rate:=20.0", "publish_clock:=true")
-    with SimulatorProcess(*(word for assignment in on for word in ("-p", assignment))):
-        peer = Peer("auditor")
-        # what comes last: all else is there as well
-        assert peer.node.create_client(Trigger, f"/{NODE}/step").wait_for_service(DEADLINE)
-        yield peer
-        peer.node.destroy_node()
-    rclpy.shutdown()
-
-
 def seen(look: Callable[[str, str], list[tuple[str, list[str]]]]) -> set[str]:
     return {name for name, _ in look(NODE, "/")}
 
 
-def test_node_publishes_what_it_may(peer: Peer) -> None:
+def test_node_publishes_what_it_may(observer: Peer) -> None:
     expected = allowed("topic", "publish") | parts(allowed("action", "execute"), TOPICS_OF_AN_ACTION)
     expected -= missing("tf2_msgs", TOPICS_WITH_TF2_MSGS)
     expected -= missing("simulation_interfaces", parts(STANDARD_ACTIONS, TOPICS_OF_AN_ACTION))
-    look = peer.node.get_publisher_names_and_types_by_node
-    peer.spin_until(lambda: seen(look) >= expected, "all publishers")
+    look = observer.node.get_publisher_names_and_types_by_node
+    observer.spin_until(lambda: seen(look) >= expected, "all publishers")
     assert seen(look) == expected
 
 
-def test_node_offers_what_it_may(peer: Peer) -> None:
+def test_node_offers_what_it_may(observer: Peer) -> None:
     expected = allowed("service", "reply") | parts(allowed("action", "execute"), SERVICES_OF_AN_ACTION)
     expected -= missing("simulation_interfaces", STANDARD_SERVICES | parts(STANDARD_ACTIONS, SERVICES_OF_AN_ACTION))
-    look = peer.node.get_service_names_and_types_by_node
-    peer.spin_until(lambda: seen(look) >= expected, "all services")
+    look = observer.node.get_service_names_and_types_by_node
+    observer.spin_until(lambda: seen(look) >= expected, "all services")
     assert seen(look) == expected
 
 
-def test_node_listens_to_nothing_and_asks_nobody(peer: Peer) -> None:
-    assert seen(peer.node.get_subscriber_names_and_types_by_node) == allowed("topic", "subscribe") == set()
-    assert seen(peer.node.get_client_names_and_types_by_node) == allowed("service", "request") == set()
+def test_node_listens_to_nothing_and_asks_nobody(observer: Peer) -> None:
+    assert seen(observer.node.get_subscriber_names_and_types_by_node) == allowed("topic", "subscribe") == set()
+    assert seen(observer.node.get_client_names_and_types_by_node) == allowed("service", "request") == set()

@@ -1,0 +1,281 @@
+"""The decisions behind the standard simulator services, in plain values: no message type is needed here.
+
+The package simulation_interfaces defines the services, their result codes and their fields; `standard_services` is the
+adapter to them. Two traps: a result that was never set reads "unsupported" (0), and the twist of an entity is in the
+frame of its header, which here is the world frame.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import LieRigidBodyError, ParameterError
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.step_request import StepRequest
+from lie_rigid_body.scenario import Scenario
+
+
+class Code(IntEnum):
+    """Result codes of simulation_interfaces/Result, and those that SetSimulationState adds."""
+
+    FEATURE_UNSUPPORTED = 0
+    OK = 1
+    NOT_FOUND = 2
+    INCORRECT_STATE = 3
+    OPERATION_FAILED = 4
+    ALREADY_IN_TARGET_STATE = 101
+    INCORRECT_TRANSITION = 103
+
+
+INVALID_POSE: Final = 101
+"""A result code that SetEntityState adds; the same number has another meaning in SetSimulationState."""
+
+
+class StandardState(IntEnum):
+    """States of simulation_interfaces/SimulationState."""
+
+    STOPPED = 0
+    PLAYING = 1
+    PAUSED = 2
+    QUITTING = 3
+
+
+FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
+"""Numbers of simulation_interfaces/SimulatorFeatures: categories, getting and setting of an entity's state, its info,
+reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action."""
+SCOPE_DEFAULT: Final = 0
+SCOPE_STATE: Final = 2
+CATEGORY_OBJECT: Final = 0
+CATEGORY_DYNAMIC_OBJECT: Final = 4
+_STANDARD_STATES: Final = {
+    RunState.STOPPED: StandardState.STOPPED,
+    RunState.PLAYING: StandardState.PLAYING,
+    RunState.PAUSED: StandardState.PAUSED,
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """A simulation_interfaces/Result.
+
+    Parameters
+    ----------
+    code : int
+    message : str
+    """
+
+    code: int
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class EntityState:
+    """Attitude, angular velocity and angular acceleration of the body in the world frame.
+
+    Parameters
+    ----------
+    frame : str
+        Name of the world frame.
+    stamp_ns : int
+    attitude_xyzw : ndarray, shape (4,)
+    angular_velocity : ndarray, shape (3,)
+        World frame, rad/s.
+    angular_acceleration : ndarray, shape (3,)
+        World frame, rad/s².
+    """
+
+    frame: str
+    stamp_ns: int
+    attitude_xyzw: Array
+    angular_velocity: Array
+    angular_acceleration: Array
+
+
+@dataclass(frozen=True)
+class EntityStateRequest:
+    """The state that SetEntityState asks for.
+
+    Parameters
+    ----------
+    frame : str
+        Frame of pose and twist; empty: the world frame.
+    position : sequence of float, length 3
+        m
+    attitude_xyzw : sequence of float, length 4
+    linear, angular : sequence of float, length 3
+        Linear and angular velocity, m/s and rad/s.
+    set_pose, set_twist : bool
+        Whether the pose, and the twist, are to be set.
+    """
+
+    frame: str
+    position: Sequence[float]
+    attitude_xyzw: Sequence[float]
+    linear: Sequence[float]
+    angular: Sequence[float]
+    set_pose: bool = True
+    set_twist: bool = True
+
+
+class StandardControl:
+    """The decisions behind the standard services of one body.
+
+    Parameters
+    ----------
+    control : RunControl
+    scenario : callable
+        Returns the scenario of the present parameters.
+    entity : str
+        The body's name.
+    """
+
+    def __init__(self, control: RunControl, scenario: Callable[[], Scenario], entity: str) -> None:
+        self._control = control
+        self._scenario = scenario
+        self._entity = entity
+
+    def reset(self, scope: int) -> Result:
+        """Begin a new segment, if the state is in the scope. Stamps go on rising: /clock never goes back."""
+        if scope != SCOPE_DEFAULT and not scope & SCOPE_STATE:
+            return Result(
+                Code.FEATURE_UNSUPPORTED,
+                f"scope {scope} leaves out the state, which is all that a reset changes: nothing is spawned here, and "
+                "stamps go on rising; give SCOPE_STATE (2), or SCOPE_ALL (255)",
+            )
+        return self._result_of(lambda: self._control.reset(self._scenario()))
+
+    def state(self) -> StandardState:
+        """The state of the simulation."""
+        return _STANDARD_STATES[self._control.state]
+
+    def set_state(self, wanted: int) -> Result:
+        """Play, pause, stop (pause at the start of a new segment) or quit."""
+        present = self.state()
+        if wanted not in set(StandardState):
+            return Result(Code.FEATURE_UNSUPPORTED, f"state {wanted} is none of 0 stopped, 1 playing, 2 paused, 3 quit")
+        if wanted == present:
+            return Result(Code.ALREADY_IN_TARGET_STATE, f"the simulation is {present.name.lower()} already")
+        if (present, wanted) == (StandardState.STOPPED, StandardState.PAUSED):
+            return Result(Code.INCORRECT_TRANSITION, "the simulation is stopped: play it before it can be paused")
+        actions: dict[int, Callable[[], object]] = {
+            StandardState.PLAYING: self._control.resume,
+            StandardState.PAUSED: self._control.pause,
+            StandardState.STOPPED: lambda: self._control.stop(self._scenario()),
+            StandardState.QUITTING: self._control.quit,
+        }
+        return self._result_of(actions[wanted])
+
+    def begin_steps(self, count: int) -> StepRequest | Result:
+        """Begin to send samples while paused; return the request, or a result that says why not."""
+        try:
+            return self._control.step(count)
+        except LieRigidBodyError as error:
+            return Result(Code.OPERATION_FAILED, str(error))
+
+    def cancel_steps(self) -> None:
+        """Leave out the rest of the samples asked for."""
+        self._control.pause()
+
+    def step(self, count: int) -> Result:
+        """Send so many samples while paused, and return when they are sent."""
+        request = self.begin_steps(count)
+        return request if isinstance(request, Result) else self._result_of(request.wait)
+
+    def entities(
+        self, pattern: str, categories: Sequence[int], *, tags: bool, bounds: bool
+    ) -> tuple[Result, list[str]]:
+        """The entities that pass a filter by name and category; filters by tags and bounds are unsupported."""
+        if tags or bounds:
+            return Result(Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"), []
+        try:
+            named = not pattern or re.search(pattern, self._entity) is not None
+        except re.error as error:
+            return Result(Code.OPERATION_FAILED, f"filter {pattern!r} is no regular expression: {error}"), []
+        passes = named and (not categories or CATEGORY_DYNAMIC_OBJECT in categories)
+        return Result(Code.OK), [self._entity] if passes else []
+
+    def entity_info(self, entity: str) -> tuple[Result, str]:
+        """A description of the body."""
+        if entity != self._entity:
+            return self._not_found(entity), ""
+        scenario = self._control.scenario
+        moments = ", ".join(f"{moment:g}" for moment in scenario.body().principal_moments)
+        return Result(Code.OK), f"a torque-free rigid body with the principal moments {moments} kg m²"
+
+    def entity_state(self, entity: str) -> tuple[Result, EntityState | None]:
+        """The latest state of the body in the world frame."""
+        if entity != self._entity:
+            return self._not_found(entity), None
+        try:
+            stamp_ns, state = self._control.latest()
+        except LieRigidBodyError as error:
+            return Result(Code.OPERATION_FAILED, str(error)), None
+        scenario = self._control.scenario
+        attitude, rate = state.attitude_xyzw, state.body_rate
+        body = scenario.body()
+        # Euler's equations: I ω̇ = (I ω) × ω
+        acceleration = np.linalg.solve(body.inertia, np.cross(body.body_momentum(state), rate))
+        return Result(Code.OK), EntityState(
+            scenario.world_frame,
+            stamp_ns,
+            attitude,
+            quaternion.rotate(attitude, rate),
+            quaternion.rotate(attitude, acceleration),
+        )
+
+    def set_entity_state(self, entity: str, wanted: EntityStateRequest) -> Result:
+        """Begin a new segment from any attitude and angular velocity, given in the world frame."""
+        if entity != self._entity:
+            return self._not_found(entity)
+        world = self._control.scenario.world_frame
+        if wanted.frame not in ("", world):
+            return Result(
+                Code.OPERATION_FAILED,
+                f"frame {wanted.frame!r} is unknown: give pose and twist in {world!r}, or leave it empty",
+            )
+        if wanted.set_pose and any(wanted.position):
+            return Result(INVALID_POSE, f"position {list(wanted.position)} is not 0: the mass centre stays there")
+        if wanted.set_twist and any(wanted.linear):
+            return Result(
+                Code.OPERATION_FAILED, f"linear velocity {list(wanted.linear)} is not 0: the mass centre stays"
+            )
+        if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
+            return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite")
+        return self._reset_to(wanted)
+
+    def _reset_to(self, wanted: EntityStateRequest) -> Result:
+        try:
+            _, present = self._control.latest()
+            attitude = present.attitude_xyzw
+            if wanted.set_pose:
+                attitude = State(wanted.attitude_xyzw, present.body_rate).attitude_xyzw
+            angular = np.array(wanted.angular, dtype=np.float64)
+            rate = quaternion.rotate(quaternion.conjugate(attitude), angular) if wanted.set_twist else present.body_rate
+            self._control.reset_to(State(attitude, rate))
+        except ParameterError as error:
+            code = INVALID_POSE if error.name.endswith("attitude_xyzw") else Code.OPERATION_FAILED
+            return Result(code, str(error))
+        except LieRigidBodyError as error:
+            return Result(Code.OPERATION_FAILED, str(error))
+        return Result(Code.OK)
+
+    def _not_found(self, entity: str) -> Result:
+        return Result(Code.NOT_FOUND, f"there is no entity {entity!r}: the body is {self._entity!r}")
+
+    @staticmethod
+    def _result_of(action: Callable[[], object]) -> Result:
+        try:
+            action()
+        except LieRigidBodyError as error:
+            return Result(Code.OPERATION_FAILED, str(error))
+        return Result(Code.OK)

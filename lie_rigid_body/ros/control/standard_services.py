@@ -1,0 +1,197 @@
+"""The standard simulator services, offered where the package simulation_interfaces is installed: a thin adapter.
+
+Every decision is made in `standard_control`; here values are copied from requests and into responses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any, Final
+
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.ros.control.standard_control import (
+    CATEGORY_DYNAMIC_OBJECT,
+    FEATURES,
+    Code,
+    EntityState,
+    EntityStateRequest,
+    Result,
+    StandardControl,
+)
+
+PACKAGE: Final = "simulation_interfaces"
+FEEDBACK_INTERVAL: Final = 0.1
+"""s between two reports of the action: a report of every step would only slow down fast steps."""
+CUSTOM_INFO: Final = "a torque-free rigid body; resets keep stamps rising; positions are 0"
+
+
+def is_available() -> bool:
+    """Whether the package of the standard services is installed."""
+    return find_spec(PACKAGE) is not None
+
+
+class StandardServices:
+    """The services and their handlers. Each handler takes a request and the response to fill in, as rclpy gives them.
+
+    Parameters
+    ----------
+    standard : StandardControl
+    """
+
+    def __init__(self, standard: StandardControl) -> None:
+        self._standard = standard
+        self._handlers: dict[str, Callable[[Any, Any], Any]] = {
+            "GetSimulatorFeatures": self.get_simulator_features,
+            "ResetSimulation": self.reset_simulation,
+            "GetSimulationState": self.get_simulation_state,
+            "SetSimulationState": self.set_simulation_state,
+            "GetEntities": self.get_entities,
+            "GetEntityInfo": self.get_entity_info,
+            "GetEntityState": self.get_entity_state,
+            "SetEntityState": self.set_entity_state,
+        }
+
+    def offer(self, node: Node) -> None:
+        """Create the services and the action on a node, under their own names in snake case."""
+        from simulation_interfaces import action, srv
+
+        for name, handler in self._handlers.items():
+            node.create_service(getattr(srv, name), f"~/{snake_case(name)}", handler)
+        # steps may take long, and must not keep the other services waiting
+        concurrent = ReentrantCallbackGroup()
+        node.create_service(srv.StepSimulation, "~/step_simulation", self.step_simulation, callback_group=concurrent)
+        self._action = ActionServer(
+            node,
+            action.SimulateSteps,
+            "~/simulate_steps",
+            lambda goal: self.simulate_steps(goal, action.SimulateSteps.Result(), action.SimulateSteps.Feedback),
+            cancel_callback=lambda goal: CancelResponse.ACCEPT,
+            callback_group=concurrent,
+        )
+
+    def get_simulator_features(self, request: Any, response: Any) -> Any:
+        """The features offered."""
+        response.features.features = list(FEATURES)
+        response.features.spawn_formats = []
+        response.features.custom_info = CUSTOM_INFO
+        return response
+
+    def reset_simulation(self, request: Any, response: Any) -> Any:
+        """Begin a new segment."""
+        return _filled(response, self._standard.reset(request.scope))
+
+    def get_simulation_state(self, request: Any, response: Any) -> Any:
+        """The run state: stopped, playing or paused."""
+        response.state.state = int(self._standard.state())
+        return _filled(response, Result(Code.OK))
+
+    def set_simulation_state(self, request: Any, response: Any) -> Any:
+        """Play, pause, stop or quit."""
+        return _filled(response, self._standard.set_state(request.state.state))
+
+    def step_simulation(self, request: Any, response: Any) -> Any:
+        """Send so many samples; answered when they are sent."""
+        return _filled(response, self._standard.step(request.steps))
+
+    def simulate_steps(self, goal: ServerGoalHandle, result: Any, feedback: Callable[[], Any]) -> Any:
+        """Send so many samples, with feedback, until all are sent or the goal is canceled."""
+        steps = self._standard.begin_steps(goal.request.steps)
+        if isinstance(steps, Result):
+            goal.abort()
+            return _filled(result, steps)
+        try:
+            done = False
+            while not done:
+                done = steps.wait(FEEDBACK_INTERVAL)
+                if goal.is_cancel_requested and not done:
+                    self._standard.cancel_steps()
+                    goal.canceled()
+                    message = f"canceled after {steps.completed} of {steps.total} steps"
+                    return _filled(result, Result(Code.OPERATION_FAILED, message))
+                goal.publish_feedback(_progress(feedback(), steps.completed, steps.total))
+        except LieRigidBodyError as error:
+            goal.abort()
+            return _filled(result, Result(Code.OPERATION_FAILED, str(error)))
+        goal.succeed()
+        return _filled(result, Result(Code.OK))
+
+    def get_entities(self, request: Any, response: Any) -> Any:
+        """The name of the one body, if it passes the filters."""
+        filters = request.filters
+        result, names = self._standard.entities(
+            filters.filter,
+            [category.category for category in filters.categories],
+            tags=bool(filters.tags.tags),
+            bounds=bool(filters.bounds.points),
+        )
+        response.entities = names
+        return _filled(response, result)
+
+    def get_entity_info(self, request: Any, response: Any) -> Any:
+        """Description and category of the body."""
+        result, response.info.description = self._standard.entity_info(request.entity)
+        response.info.category.category = CATEGORY_DYNAMIC_OBJECT
+        return _filled(response, result)
+
+    def get_entity_state(self, request: Any, response: Any) -> Any:
+        """Pose, twist and acceleration of the body in the world frame."""
+        result, state = self._standard.entity_state(request.entity)
+        if state is not None:
+            _fill_state(response.state, state)
+        return _filled(response, result)
+
+    def set_entity_state(self, request: Any, response: Any) -> Any:
+        """Begin a new segment from any attitude and angular velocity."""
+        return _filled(response, self._standard.set_entity_state(request.entity, _state_request(request)))
+
+
+def snake_case(name: str) -> str:
+    """``GetEntities`` as ``get_entities``."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
+
+
+def _filled(response: Any, result: Result) -> Any:
+    response.result.result = int(result.code)
+    response.result.error_message = result.message
+    return response
+
+
+def _progress(feedback: Any, completed: int, total: int) -> Any:
+    feedback.completed_steps = completed
+    feedback.remaining_steps = total - completed
+    return feedback
+
+
+def _fill_state(message: Any, state: EntityState) -> None:
+    message.header.frame_id = state.frame
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(state.stamp_ns, NS)
+    for field, vector in (
+        (message.pose.orientation, state.attitude_xyzw),
+        (message.twist.angular, state.angular_velocity),
+        (message.acceleration.angular, state.angular_acceleration),
+    ):
+        for name, value in zip("xyzw", vector.tolist(), strict=False):
+            setattr(field, name, value)
+
+
+def _state_request(request: Any) -> EntityStateRequest:
+    state = request.state
+    position, orientation = state.pose.position, state.pose.orientation
+    linear, angular = state.twist.linear, state.twist.angular
+    return EntityStateRequest(
+        frame=state.header.frame_id,
+        position=(position.x, position.y, position.z),
+        attitude_xyzw=(orientation.x, orientation.y, orientation.z, orientation.w),
+        linear=(linear.x, linear.y, linear.z),
+        angular=(angular.x, angular.y, angular.z),
+        # before release 2 of simulation_interfaces both are always set
+        set_pose=getattr(request, "set_pose", True),
+        set_twist=getattr(request, "set_twist", True),
+    )

@@ -1,0 +1,110 @@
+"""``/diagnostics``: rate, lateness and drift of the run, once a second."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.simulation import Segment
+
+TOPIC: Final = "/diagnostics"
+INTERVAL_NS: Final = NS
+LARGEST_DRIFT: Final = 1e-6
+"""Relative drift of energy or momentum beyond which the level is ERROR."""
+
+
+class Diagnostics(Sink):
+    """A sink that reports the rate, the lateness, and the drift of energy and momentum since the last reset.
+
+    Parameters
+    ----------
+    node : Node
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._due_ns: int | None = None
+        self._before = (0, Punctuality())
+        self._state: State | None = None
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Take the body and the initial state, whose energy and momentum are conserved in this segment."""
+        scenario = segment.scenario
+        self._rate = scenario.rate
+        self._body, self._start = scenario.body(), scenario.start()
+        self._state = None
+
+    def write(self, batch: Batch) -> None:
+        """Keep the latest state."""
+        if len(batch.samples):
+            self._state = batch.samples.states[-1]
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        """Publish a report when a second has passed since the last."""
+        if self._due_ns is None:
+            self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
+        if steady_ns >= self._due_ns:
+            self._publisher.publish(self._array(self._status(steady_ns, punctuality)))
+            self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
+        return self._due_ns - steady_ns
+
+    def _array(self, status: DiagnosticStatus) -> DiagnosticArray:
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        return array
+
+    def _status(self, steady_ns: int, punctuality: Punctuality) -> DiagnosticStatus:
+        then_ns, before = self._before
+        missed = punctuality.missed - before.missed
+        energy, momentum = self.drifts()
+        values = {
+            "samples per second": f"{(punctuality.sent - before.sent) * NS / (steady_ns - then_ns):.6g}",
+            "samples per second of simulated time": f"{self._rate:g}",
+            "samples sent": str(punctuality.sent),
+            "lateness of the latest sample (ms)": f"{punctuality.lateness_ns / 1e6:.3f}",
+            "worst lateness so far (ms)": f"{punctuality.worst_ns / 1e6:.3f}",
+            "missed deadlines in this interval": str(missed),
+            "missed deadlines so far": str(punctuality.missed),
+            "energy drift since the last reset (relative)": f"{energy:.2e}",
+            "momentum drift since the last reset (relative)": f"{momentum:.2e}",
+        }
+        level, message = _judgement(missed, max(energy, momentum))
+        return DiagnosticStatus(
+            level=level,
+            name=f"{self._node.get_fully_qualified_name()}: simulation",
+            message=message,
+            hardware_id=self._node.get_name(),
+            values=_pairs(values),
+        )
+
+    def drifts(self) -> tuple[float, float]:
+        """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
+        if self._state is None:
+            return 0.0, 0.0
+        energies = [float(self._body.kinetic_energy(state)) for state in (self._start, self._state)]
+        momenta = [self._body.angular_momentum(state) for state in (self._start, self._state)]
+        size = float(np.linalg.norm(momenta[0]))
+        if not (energies[0] and size):
+            return 0.0, 0.0
+        return abs(energies[1] / energies[0] - 1.0), float(np.linalg.norm(momenta[1] - momenta[0])) / size
+
+
+def _judgement(missed: int, drift: float) -> tuple[bytes, str]:
+    if drift > LARGEST_DRIFT:
+        return DiagnosticStatus.ERROR, "energy or momentum drifts: choose a better method or a smaller max_step"
+    if missed:
+        return DiagnosticStatus.WARN, "samples were late; none is left out"
+    return DiagnosticStatus.OK, "in time"
+
+
+def _pairs(values: Mapping[str, str]) -> list[KeyValue]:
+    return [KeyValue(key=key, value=value) for key, value in values.items()]

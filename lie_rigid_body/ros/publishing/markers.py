@@ -1,0 +1,159 @@
+"""``markers``: the body as a box, its angular momentum and velocity as arrows, the polhode as a line."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, Quaternion, Vector3
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.simulation import Segment
+
+TOPIC: Final = "markers"
+LONGEST_SIDE: Final = 1.0
+"""Longest side of the box, m: an inertia alone does not determine the size of a body."""
+THINNEST: Final = 0.02
+"""Shortest side of the box, m, so that a flat body stays visible."""
+ARROW: Final = 1.0
+"""Length of the arrows at the start of a segment, m."""
+TRAIL: Final = 600
+"""Most points of the polhode's line."""
+BLUE: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
+ORANGE: Final = ColorRGBA(r=0.95, g=0.55, b=0.1, a=1.0)
+GREEN: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
+PURPLE: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
+
+
+class Markers(Sink):
+    """A sink that publishes markers while somebody subscribes to them.
+
+    Everything is in the world frame: the polhode, a curve in the body, is turned with the body.
+
+    Parameters
+    ----------
+    node : Node
+    rate : float
+        Marker arrays per second of the steady clock.
+    """
+
+    def __init__(self, node: Node, rate: float) -> None:
+        self._publisher = node.create_publisher(MarkerArray, TOPIC, QoSProfile(depth=10))
+        self._interval_ns = round(NS / rate)
+        self._due_ns = 0
+        self._latest: tuple[int, State] | None = None
+        self._trail: deque[list[float]] = deque(maxlen=TRAIL)
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Take the body, and begin a new polhode."""
+        scenario = segment.scenario
+        start, body = scenario.start(), scenario.body()
+        self._frame, self._body = scenario.world_frame, body
+        self._sides = box_sides(body)
+        # the box lies along the principal axes
+        self._box = quaternion.from_matrix(body.principal_axes)
+        self._rate_scale = _scale(start.body_rate)
+        self._momentum_scale = _scale(body.body_momentum(start))
+        self._trail.clear()
+
+    def write(self, batch: Batch) -> None:
+        """Keep the latest state."""
+        if len(batch.samples):
+            self._latest = (int(batch.samples.stamps_ns[-1]), batch.samples.states[-1])
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        """Publish the markers of the latest state when it is time."""
+        if self._latest is None:
+            return FOREVER
+        if steady_ns >= self._due_ns:
+            stamp_ns, state = self._latest
+            self._trail.append((state.body_rate * self._rate_scale).tolist())
+            if self._publisher.get_subscription_count():
+                self._publisher.publish(self._picture(stamp_ns, state))
+            self._due_ns = steady_ns + self._interval_ns
+        return self._due_ns - steady_ns
+
+    def _picture(self, stamp_ns: int, state: State) -> MarkerArray:
+        attitude = state.attitude_xyzw
+        rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
+        momentum = self._body.angular_momentum(state) * self._momentum_scale
+        box = self._marker(0, "body", Marker.CUBE, stamp_ns, BLUE)
+        box.pose.orientation = _quaternion(quaternion.multiply(attitude, self._box))
+        box.scale = _vector(self._sides)
+        trail = self._marker(3, "polhode", Marker.LINE_STRIP, stamp_ns, PURPLE)
+        trail.pose.orientation = _quaternion(attitude)
+        trail.scale.x = 0.01
+        trail.points = [_point(point) for point in self._trail]
+        return MarkerArray(
+            markers=[
+                box,
+                self._arrow(1, "momentum", stamp_ns, GREEN, momentum),
+                self._arrow(2, "angular velocity", stamp_ns, ORANGE, rate),
+                trail,
+            ]
+        )
+
+    def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, tip: Array) -> Marker:
+        arrow = self._marker(number, name, Marker.ARROW, stamp_ns, color)
+        arrow.points = [Point(), _point(tip.tolist())]
+        arrow.scale = Vector3(x=0.03, y=0.06, z=0.1)
+        return arrow
+
+    def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA) -> Marker:
+        marker = Marker(ns=name, id=number, type=kind, action=Marker.ADD, color=color)
+        marker.header.frame_id = self._frame
+        marker.header.stamp = Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS)
+        return marker
+
+
+def box_sides(body: RigidBody) -> Array:
+    """The sides of a uniform box with the body's ratios of principal moments, m; the longest is `LONGEST_SIDE`.
+
+    Parameters
+    ----------
+    body : RigidBody
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Sides along the principal axes, none below `THINNEST`.
+
+    Notes
+    -----
+    I₁ = m (b² + c²)/12 and its permutations give a² ∝ I₂ + I₃ − I₁.
+    """
+    moments = body.principal_moments / body.principal_moments.max()
+    sides = np.sqrt(np.maximum(moments.sum() - 2.0 * moments, 0.0))
+    visible: Array = np.maximum(LONGEST_SIDE * sides / sides.max(), THINNEST)
+    return visible
+
+
+def _scale(vector: Array) -> float:
+    """The factor that makes a vector as long as an arrow; 0 for the zero vector."""
+    size = float(np.linalg.norm(vector))
+    return ARROW / size if size else 0.0
+
+
+def _point(values: list[float]) -> Point:
+    return Point(x=values[0], y=values[1], z=values[2])
+
+
+def _vector(values: Array) -> Vector3:
+    return Vector3(x=float(values[0]), y=float(values[1]), z=float(values[2]))
+
+
+def _quaternion(xyzw: Array) -> Quaternion:
+    x, y, z, w = xyzw.tolist()
+    return Quaternion(x=x, y=y, z=z, w=w)

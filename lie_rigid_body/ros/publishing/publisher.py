@@ -1,0 +1,210 @@
+"""The topics of samples: truth, sensors, latched scenario and clock."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Iterator, Mapping
+from itertools import chain, combinations
+from typing import Final
+
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, MagneticField
+from std_msgs.msg import String
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
+from lie_rigid_body.messages.layout import ENCAPSULATION
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
+from lie_rigid_body.sensors import Sensors
+from lie_rigid_body.simulation import Segment
+
+SCENARIO: Final = "~/scenario"
+CLOCK: Final = "/clock"
+DEPTH: Final = 4 * LARGEST_BATCH
+"""Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
+CLOCK_DEPTH: Final = 3 * DEPTH
+"""The same for the clock, which has a message for each stamp of the truth, of the IMU and of the magnetometer."""
+BATCH_CONFIRMATION_NS: Final = 10_000_000
+"""Longest wait on each topic for subscribers to confirm full batches: one that hangs must not hold up the others."""
+LAST_CONFIRMATION_NS: Final = 100_000_000
+"""Longest wait on each topic for subscribers to confirm the last samples when the node ends."""
+LAST_SENDING_NS: Final = NS
+"""Longest wait for room for the last samples when the node ends."""
+ON_TIME_NS: Final = 5_000_000
+"""Samples no later than this go out at their own rate: only those that catch up wait for subscribers."""
+LATE_NS: Final = NS
+"""Lateness from which a warning is logged."""
+WARNING_INTERVAL_NS: Final = 10 * NS
+_SENSOR_TYPES: Final[Mapping[str, type]] = {IMU_DATA: Imu, IMU_BIAS: Imu, MAG: MagneticField}
+
+
+class SamplePublisher(Sink):
+    """A sink into topics: the truth, the sensors, the latched scenario and the clock.
+
+    Parameters
+    ----------
+    node : Node
+    stamped_twist : bool
+        Whether the twist topic is a TwistStamped, or a bare Twist.
+    sensors : Sensors
+        Sensors whose topics exist from the start. A segment with other sensors adds their topics.
+    clock : bool
+        Whether to publish /clock: each stamp once, before the messages that carry it.
+    keep_all : bool, optional
+        Whether reliable subscribers set the pace: every message is kept until all of them have confirmed it, and
+        `ready` says when there is room for more. Otherwise a subscriber that hangs loses messages, and delays nobody.
+
+    Raises
+    ------
+    InputError
+        If two topics are remapped to one name, or ROS refuses a name.
+    """
+
+    def __init__(
+        self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool, keep_all: bool = False
+    ) -> None:
+        self._node = node
+        self._history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
+        self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
+        self._blocked: tuple[Publisher, bytes] | None = None
+        self._logger = node.get_logger()
+        _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO, *_SENSOR_TYPES)})
+        latched = QoSProfile(
+            depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+        )
+        types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
+        self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
+        self._scenario = _publisher(node, String, SCENARIO, latched)
+        self._clock = self._publisher(Clock, CLOCK, CLOCK_DEPTH) if clock else None
+        self._clock_ns = 0
+        self._add_sensors(sensors)
+        self._unconfirmed = 0
+        self._is_limited = True
+        self._warned_ns = -WARNING_INTERVAL_NS
+
+    def set_factor(self, factor: float) -> None:
+        """Take the real-time factor; 0: as fast as possible."""
+        self._is_limited = factor > 0.0
+
+    def _publisher(self, kind: type, topic: str, depth: int = DEPTH) -> Publisher:
+        qos = QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
+        return _publisher(self._node, kind, topic, qos)
+
+    def _add_sensors(self, sensors: Sensors) -> None:
+        for topic in sensor_topics(sensors):
+            if topic not in self._publishers:
+                self._publishers[topic] = self._publisher(_SENSOR_TYPES[topic], topic)
+
+    @property
+    def topics(self) -> tuple[str, str, str]:
+        """Full names of the pose, twist and scenario topics, as remapped."""
+        return self._publishers[POSE].topic_name, self._publishers[TWIST].topic_name, self._scenario.topic_name
+
+    @property
+    def sensor_topics(self) -> dict[str, str]:
+        """Full names of the topics of all sensors, also of those that are off, as remapped, by their relative names."""
+        return {topic: self._node.resolve_topic_name(topic) for topic in _SENSOR_TYPES}
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Publish the scenario."""
+        self._add_sensors(segment.scenario.sensors)
+        self._scenario.publish(encode_string(segment.to_json()))
+
+    def write(self, batch: Batch) -> None:
+        """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
+        messages = self._in_order(batch)
+        self._rest = messages if self.ready() else chain(self._rest, messages)
+        self._send_rest()
+        self._unconfirmed += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
+        if self._unconfirmed >= LARGEST_BATCH and self._history is HistoryPolicy.KEEP_LAST:
+            self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
+
+    def ready(self) -> bool:
+        """Send the messages that were kept; return whether there is room for more."""
+        return self._send_rest()
+
+    def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
+        publishers, clock = self._publishers, self._clock
+        for stamp, topic, payload in batch.in_order():
+            if clock is not None and stamp > self._clock_ns:
+                self._clock_ns = stamp
+                yield clock, _clock(stamp)
+            yield publishers[topic], payload
+
+    def _send_rest(self) -> bool:
+        if self._blocked is not None:
+            if not self._send(*self._blocked):
+                return False
+            self._blocked = None
+        for message in self._rest:
+            if not self._send(*message):
+                self._blocked = message
+                return False
+        return True
+
+    def _send(self, publisher: Publisher, payload: bytes) -> bool:
+        """Publish; return False if the history keeps all and stays full as long as the middleware waits.
+
+        Fast DDS waits 100 ms.
+        """
+        try:
+            publisher.publish(payload)
+        except RuntimeError:
+            if self._history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
+                return False
+            raise
+        return True
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        """Log a warning when the samples are late, at most one in ten seconds."""
+        late = punctuality.lateness_ns
+        if late < ON_TIME_NS and self._is_limited:
+            self._unconfirmed = 0
+        if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
+            self._warned_ns = steady_ns
+            self._logger.warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
+        return FOREVER
+
+    def finish(self) -> None:
+        """Send the messages that were kept, and wait for subscribers to confirm the last ones."""
+        end = time.monotonic_ns() + LAST_SENDING_NS
+        while not self.ready() and time.monotonic_ns() < end:
+            pass  # the middleware waits in each attempt
+        self._wait_for_confirmation(LAST_CONFIRMATION_NS)
+
+    def _wait_for_confirmation(self, longest_ns: int) -> None:
+        """Wait until subscribers have confirmed all messages, on each topic at most ``longest_ns``."""
+        self._unconfirmed = 0
+        end = time.monotonic_ns() + len(self._publishers) * longest_ns
+        for publisher in self._publishers.values():
+            left = min(longest_ns, max(0, end - time.monotonic_ns()))
+            publisher.wait_for_all_acked(Duration(nanoseconds=left))
+
+
+def _clock(stamp_ns: int) -> bytes:
+    """The bytes of a rosgraph_msgs/Clock."""
+    return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
+
+
+def _require_distinct(full_names: Mapping[str, str]) -> None:
+    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
+        if its_name == other_name:
+            raise InputError(f"the topics {one} and {other} are both remapped to {its_name}: give each its own name")
+
+
+def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
+    with translated_errors(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
+        return node.create_publisher(
+            kind, topic, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
+        )

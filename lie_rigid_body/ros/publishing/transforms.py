@@ -1,0 +1,48 @@
+"""``/tf``: the body's frame in the world, for RViz and Foxglove."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Final
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from lie_rigid_body.messages import TransformEncoder
+from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.ros.timing.sink import Sink
+from lie_rigid_body.simulation import Segment
+
+TF: Final = "/tf"
+DEPTH: Final = 100
+
+
+class Transforms(Sink):
+    """A sink that publishes each attitude as a transform. It needs the package tf2_msgs, see `is_available`.
+
+    Parameters
+    ----------
+    node : Node
+    """
+
+    def __init__(self, node: Node) -> None:
+        from tf2_msgs.msg import TFMessage
+
+        qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        options = QoSOverridingOptions.with_default_policies()
+        self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
+
+    @staticmethod
+    def is_available() -> bool:
+        """Whether the package tf2_msgs is installed."""
+        return find_spec("tf2_msgs") is not None
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Take the names of the frames."""
+        self._encoder = TransformEncoder(segment.scenario.world_frame, segment.scenario.body_frame)
+
+    def write(self, batch: Batch) -> None:
+        """Publish a transform for each sample."""
+        for payload in self._encoder.encode(batch.samples.stamps_ns, batch.samples.states.attitude_xyzw):
+            self._publisher.publish(payload)

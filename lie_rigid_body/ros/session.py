@@ -1,0 +1,102 @@
+"""rclpy for the node and for `listen`: initialised, spinning in the background, its errors translated.
+
+The samples do not go through a timer of an executor: its wait set costs several times what a sample does, and a timer
+waits for the other callbacks that are ready. Nor does rclpy handle the signals: it would shut down amid a batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from threading import Thread
+from typing import Final
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from lie_rigid_body.errors import InputError
+
+_RCL: Final = "rcl"
+LONGEST_JOIN: Final = 0.5
+"""s to wait for the background thread at the end."""
+THREADS: Final = 4
+"""Some may wait for long steps while the others answer."""
+
+
+@contextmanager
+def initialised(arguments: Sequence[str]) -> Iterator[None]:
+    """Keep rclpy initialised, without signal handlers of its own.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The command-line arguments for ROS.
+
+    Raises
+    ------
+    InputError
+        If ROS does not understand them.
+    """
+    # what rcl logs of bad arguments is in the exception as well
+    set_logger_level(_RCL, LoggingSeverity.FATAL)
+    with translated_errors(" ".join(arguments) or "to start"):
+        rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
+    if get_logger_level(_RCL) == LoggingSeverity.FATAL:
+        set_logger_level(_RCL, LoggingSeverity.UNSET)
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()
+
+
+@contextmanager
+def spinning(node: Node) -> Iterator[None]:
+    """Answer the node's services in background threads. At the end rclpy is shut down, which ends these threads."""
+    executor = MultiThreadedExecutor(THREADS)
+    executor.add_node(node)
+    thread = Thread(target=_spin, args=(executor, node), name="services", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()
+        thread.join(LONGEST_JOIN)
+
+
+def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
+    while rclpy.ok():
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+        except Exception as error:
+            # one malformed request must not silence all services
+            node.get_logger().error(f"a callback failed: {error!r}")
+
+
+@contextmanager
+def translated_errors(request: str) -> Iterator[None]:
+    """Turn any error of rclpy into an InputError of one line.
+
+    Parameters
+    ----------
+    request : str
+        What ROS is asked for, in the words of the user.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        yield
+    except Exception as error:
+        raise InputError(f"ROS refuses {request}: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """The first line of rclpy's message, without the place in its source."""
+    first = (str(error).splitlines() or [type(error).__name__])[0]
+    return first.partition(", at ")[0].removeprefix("failed to initialize rcl: ").rstrip(": ")

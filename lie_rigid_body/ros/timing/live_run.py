@@ -1,0 +1,302 @@
+"""The loop of the live node: it takes samples from a simulation when they are due, and hands them to the sinks."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from enum import Enum
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import Batch, BatchEncoder
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.pace import Halted, Pace, pace_of
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
+from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Segment, Simulation
+
+STEPS_PER_BATCH: Final = 2000
+"""The most steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
+SHORTEST_WAIT_NS: Final = 1_000_000
+"""Samples of a rate above 1 kHz go out in batches, one each millisecond."""
+LONGEST_WAIT_NS: Final = 3600 * NS
+"""Some waits of the operating system cannot be longer than a few weeks."""
+
+
+class RunState(Enum):
+    """Run states: stopped, playing, paused."""
+
+    STOPPED = "stopped"
+    """Simulated time stands still at the start of a segment."""
+    PLAYING = "playing"
+    """Simulated time passes, as the real-time factor says."""
+    PAUSED = "paused"
+    """Simulated time stands still, and samples are sent by step requests only."""
+
+
+class LiveRun:
+    """The loop that owns the simulation. It runs in the main thread, which signals interrupt.
+
+    All other methods than `run` are to be called by the thread of the loop: other threads leave calls in the mailbox.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    sinks : sequence of Sink
+        The receivers of the samples.
+    mailbox : Mailbox
+        Calls to carry out between two batches.
+    interruption : Interruption
+        Ends the loop when it is requested.
+    steady : callable, optional
+        The steady clock, ns.
+    factor : float, optional
+        Real-time factor: simulated time over steady time; 0: as fast as possible.
+    paused : bool, optional
+        Begin paused, before the first sample.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        sinks: Sequence[Sink],
+        mailbox: Mailbox,
+        interruption: Interruption,
+        steady: Callable[[], int] = time.monotonic_ns,
+        *,
+        factor: float = 1.0,
+        paused: bool = False,
+    ) -> None:
+        self._simulation = simulation
+        self._sinks = sinks
+        self._mailbox = mailbox
+        self._interruption = interruption
+        self._steady = steady
+        self._factor = factor
+        self._pace: Pace = Halted(simulation.next_stamp_ns - 1)
+        self._state = RunState.PAUSED if paused else RunState.PLAYING
+        self._request: StepRequest | None = None
+        self._punctuality = Punctuality()
+
+    @property
+    def state(self) -> RunState:
+        """Whether simulated time passes."""
+        return self._state
+
+    @property
+    def factor(self) -> float:
+        """Real-time factor: simulated time over steady time; 0: as fast as possible."""
+        return self._factor
+
+    @property
+    def segment(self) -> Segment:
+        """The present segment."""
+        return self._simulation.segment
+
+    @property
+    def latest(self) -> tuple[int, State]:
+        """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
+        return self._latest
+
+    def run(self) -> None:
+        """Send samples, and carry out calls, until the interruption is requested.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If a sink fails, or the stamps reach their end.
+        """
+        if self._state is RunState.PLAYING:
+            self._pace = pace_of(self._factor, self._simulation.next_stamp_ns, self._steady())
+        self._begin(self._simulation.segment)
+        try:
+            while not self._interruption.requested:
+                self._send_due()
+                self._carry_out_call(self._wait_ns())
+        except KeyboardInterrupt:
+            return  # interrupted while waiting or computing: nothing is lost
+        finally:
+            self._abandon("the node is ending")
+
+    def reset(self, scenario: Scenario) -> Segment:
+        """Begin a new segment with the next sample.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Its initial state is that of the next sample.
+
+        Returns
+        -------
+        Segment
+            The new one.
+        """
+        segment = self._simulation.reset(scenario)
+        self._abandon("reset")
+        self._stay_halted()
+        self._begin(segment)
+        return segment
+
+    def reset_to(self, state: State) -> Segment:
+        """Begin a new segment of the present scenario from another initial state.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If the scenario is not valid with that state.
+        """
+        present = self._simulation.segment.scenario
+        given = {
+            **present.parameters(),
+            "initial_attitude_xyzw": state.attitude_xyzw.tolist(),
+            "initial_body_rate": state.body_rate.tolist(),
+        }
+        return self.reset(replace(Scenario.from_parameters(given), epoch_ns=present.epoch_ns))
+
+    def pause(self) -> int:
+        """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""
+        self._abandon("paused")
+        halted = self._present_ns()
+        self._pace, self._state = Halted(halted), RunState.PAUSED
+        return halted
+
+    def resume(self) -> None:
+        """Let simulated time pass again, from where it stands."""
+        if self._state is RunState.PLAYING:
+            return
+        self._abandon("resumed")
+        self._pace = pace_of(self._factor, self._present_ns(), self._steady())
+        self._state = RunState.PLAYING
+
+    def stop(self, scenario: Scenario) -> Segment:
+        """Begin a new segment, and stop simulated time just before its first sample."""
+        self.pause()
+        segment = self.reset(scenario)
+        self._state = RunState.STOPPED
+        return segment
+
+    def step(self, count: int) -> StepRequest:
+        """While paused, send the next samples of the truth, and the sensors' readings up to the last of them.
+
+        Parameters
+        ----------
+        count : int
+            Samples of the truth, at least 1.
+
+        Returns
+        -------
+        StepRequest
+            It tells when they are sent.
+
+        Raises
+        ------
+        ControlError
+            If the run is not paused, or another request is under way.
+        ParameterError
+            If the last stamp would lie beyond `MAX_EPOCH_NS`.
+        """
+        if self._state is not RunState.PAUSED:
+            raise ControlError(f"the run is {self._state.value}: pause it before a step")
+        if self._request is not None:
+            raise ControlError(f"{self._request.completed} of {self._request.total} steps are done: wait, or pause")
+        if count < 1:
+            raise ControlError(f"{count} steps are none: ask for at least 1")
+        first = self._simulation.next_sample
+        last_ns = self._simulation.clock.stamp_ns(first + count - 1)
+        if last_ns > MAX_EPOCH_NS:
+            raise ParameterError("steps", f"{count} steps lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}")
+        self._pace = Halted(last_ns)
+        self._request = StepRequest(first, count)
+        return self._request
+
+    def change_factor(self, factor: float) -> None:
+        """Let simulated time pass by another real-time factor from now on."""
+        present = self._present_ns()
+        self._factor = factor
+        self._set_deadline()
+        if self._state is RunState.PLAYING:
+            self._pace = pace_of(factor, present, self._steady())
+
+    def _present_ns(self) -> int:
+        """Present simulated time, ns: never beyond a sample that was not yet sent."""
+        return min(self._pace.due_ns(self._steady()), self._simulation.next_stamp_ns - 1)
+
+    def _stay_halted(self) -> None:
+        if self._state is not RunState.PLAYING:
+            self._pace = Halted(self._simulation.next_stamp_ns - 1)
+
+    def _abandon(self, why: str) -> None:
+        if self._request is not None:
+            self._request.abandon(why)
+            self._request = None
+
+    def _begin(self, segment: Segment) -> None:
+        scenario = segment.scenario
+        self._encoder = BatchEncoder(scenario)
+        # few samples when each costs many steps, so that calls need not wait long
+        self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
+        sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
+        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in sensors if sensor is not None)])
+        self._set_deadline()
+        self._latest = (segment.start_ns, scenario.start())
+        for sink in self._sinks:
+            sink.begin_segment(segment)
+
+    def _set_deadline(self) -> None:
+        factor = self._factor or 1.0
+        self._deadline_ns = max(SHORTEST_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
+        self._is_fast = self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
+
+    def _send_due(self) -> None:
+        """Send the samples that are due, at most one batch."""
+        now, stamp = self._steady(), self._simulation.next_stamp_ns
+        due = self._pace.due_ns(now)
+        if not all(sink.ready() for sink in self._sinks) or stamp > due:
+            return
+        with self._interruption.allowed():
+            taken = self._simulation.take_until(due, self._batch_size)
+        batch = self._encoder.encode(taken)
+        for sink in self._sinks:
+            sink.write(batch)
+        self._note(batch, now, -self._pace.wait_ns(stamp, now))
+
+    def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
+        """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""
+        samples, missed = batch.samples, 0
+        if lateness_ns > self._deadline_ns:
+            overdue = self._pace.due_ns(steady_ns - self._deadline_ns - 1)
+            missed = int(np.searchsorted(samples.stamps_ns, overdue, side="right"))
+        self._punctuality = self._punctuality.after(len(samples), missed, lateness_ns)
+        if len(samples):
+            self._latest = (int(samples.stamps_ns[-1]), samples.states[-1])
+        if self._request is not None:
+            self._request.advance(self._simulation.next_sample)
+            if self._request.completed == self._request.total:
+                self._request = None
+
+    def _wait_ns(self) -> int:
+        """Time until a sample is due or a sink wants its tick, ns. It gives the sinks their tick."""
+        now = self._steady()
+        others = [sink.tick(now, self._punctuality) for sink in self._sinks]
+        wait = self._pace.wait_ns(self._simulation.next_stamp_ns, now)
+        if not all(sink.ready() for sink in self._sinks):
+            return 0
+        if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
+            wait = SHORTEST_WAIT_NS
+        return min(wait, LONGEST_WAIT_NS, *others)
+
+    def _carry_out_call(self, wait_ns: int) -> None:
+        """Wait for a call, at most for a time, and carry it out."""
+        with self._interruption.allowed():
+            call = self._mailbox.wait(wait_ns / NS)
+        if call is not None:
+            call.carry_out()

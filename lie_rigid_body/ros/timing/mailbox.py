@@ -1,0 +1,104 @@
+"""Function calls from other threads, carried out by the one thread that owns the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from queue import Empty, SimpleQueue
+from threading import Lock
+from typing import Any, Generic, TypeVar, cast
+
+from lie_rigid_body.errors import BagError, LieRigidBodyError
+
+T = TypeVar("T")
+
+
+class ClosedError(LieRigidBodyError):
+    """The owner of the mailbox has ended, and takes no more calls."""
+
+
+class Call(Generic[T]):
+    """A function for the owner to call, and a future of its result.
+
+    Parameters
+    ----------
+    function : callable
+    """
+
+    def __init__(self, function: Callable[[], T]) -> None:
+        self._function = function
+        self._outcome: Future[T] = Future()
+
+    def carry_out(self) -> None:
+        """Call the function. The waiting thread gets its result, or what it raised.
+
+        Raises
+        ------
+        BagError
+            Raised here as well: a recording that failed ends the run.
+        """
+        try:
+            self._outcome.set_result(self._function())
+        except Exception as error:
+            self._outcome.set_exception(error)
+            if isinstance(error, BagError):
+                raise
+
+    def refuse(self) -> None:
+        """Raise ClosedError in the waiting thread, unless the function was called."""
+        if not self._outcome.done():
+            self._outcome.set_exception(ClosedError("the node is ending: start it again"))
+
+    def result(self) -> T:
+        """Wait for the function's result, and return it or raise what the function raised."""
+        return self._outcome.result()
+
+
+class Mailbox:
+    """A queue of calls: other threads request them, the owner waits for them and carries them out."""
+
+    def __init__(self) -> None:
+        self._calls: SimpleQueue[Call[object]] = SimpleQueue()
+        self._unanswered: set[Call[object]] = set()
+        self._lock = Lock()
+        self._open = True
+
+    def request(self, function: Callable[[], T]) -> T:
+        """Have the owner call a function; wait for the result, and return it.
+
+        Raises
+        ------
+        ClosedError
+            If the owner has ended.
+        Exception
+            Whatever the function raised.
+        """
+        call: Call[Any] = Call(function)
+        with self._lock:
+            if not self._open:
+                call.refuse()
+            else:
+                self._unanswered.add(call)
+                self._calls.put(call)
+        try:
+            return cast(T, call.result())
+        finally:
+            with self._lock:
+                self._unanswered.discard(call)
+
+    def wait(self, seconds: float) -> Call[object] | None:
+        """The next call as soon as there is one, or None after so many seconds."""
+        try:
+            return self._calls.get(timeout=seconds) if seconds > 0.0 else self._calls.get_nowait()
+        except Empty:
+            return None
+
+    def close(self) -> None:
+        """Refuse every call that has no result yet, and all later ones.
+
+        Calls that `wait` has returned count as well: a signal may have come before they were carried out.
+        """
+        with self._lock:
+            self._open = False
+            for call in self._unanswered:
+                call.refuse()

@@ -1,0 +1,98 @@
+"""Which stamps are due at a time of the steady clock, for each way simulated time can pass. Times are integers, ns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final, Protocol
+
+FOREVER: Final = 2**63
+"""ns; longer than any wait, and later than any stamp."""
+
+
+class Pace(Protocol):
+    """A relation between stamps and the steady clock."""
+
+    def due_ns(self, steady_ns: int) -> int:
+        """The latest stamp that is due at a time of the steady clock, ns."""
+        ...
+
+    def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """Time from ``steady_ns`` until a stamp is due, ns; negative when it has been due for that long."""
+        ...
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Simulated time is the steady clock's, scaled by a constant factor from a common instant.
+
+    The relation never changes: nothing drifts, no sample is skipped, and samples delayed by a stall are due at once.
+
+    Parameters
+    ----------
+    stamp_ns, steady_ns : int
+        A stamp, and the steady time at which it is due, ns.
+    factor : Fraction
+        Real-time factor: simulated time over steady time, above 0.
+    """
+
+    stamp_ns: int
+    steady_ns: int
+    factor: Fraction
+
+    def due_ns(self, steady_ns: int) -> int:
+        """See `Pace`; rounded down."""
+        n, d = self.factor.numerator, self.factor.denominator
+        return self.stamp_ns + (steady_ns - self.steady_ns) * n // d
+
+    def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """See `Pace`; rounded up, so that the stamp is due after the wait."""
+        n, d = self.factor.numerator, self.factor.denominator
+        return self.steady_ns - (self.stamp_ns - stamp_ns) * d // n - steady_ns
+
+
+@dataclass(frozen=True)
+class Unlimited:
+    """Real-time factor 0, as fast as possible: every stamp is due at any time."""
+
+    def due_ns(self, steady_ns: int) -> int:
+        """See `Pace`."""
+        return FOREVER
+
+    def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """See `Pace`."""
+        return 0
+
+
+@dataclass(frozen=True)
+class Halted:
+    """Simulated time stands still: stamps up to a last one are due, later ones never.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        The last stamp that is due, ns.
+    """
+
+    stamp_ns: int
+
+    def due_ns(self, steady_ns: int) -> int:
+        """See `Pace`."""
+        return self.stamp_ns
+
+    def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """See `Pace`."""
+        return 0 if stamp_ns <= self.stamp_ns else FOREVER
+
+
+def pace_of(factor: float, stamp_ns: int, steady_ns: int) -> Scaled | Unlimited:
+    """The pace of a real-time factor.
+
+    Parameters
+    ----------
+    factor : float
+        Simulated time over steady time, taken as its shortest decimal; 0: as fast as possible.
+    stamp_ns, steady_ns : int
+        A stamp, and the steady time at which it is due, ns.
+    """
+    return Scaled(stamp_ns, steady_ns, Fraction(repr(factor))) if factor > 0.0 else Unlimited()

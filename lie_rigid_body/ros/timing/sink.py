@@ -1,0 +1,81 @@
+"""The contract between a live run and what receives its samples: topics, a bag, diagnostics, markers, transforms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.simulation import Segment
+
+LARGEST_BATCH: Final = 250
+"""The most samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
+
+
+@dataclass(frozen=True)
+class Punctuality:
+    """How many samples a run has sent so far, and how late.
+
+    Parameters
+    ----------
+    sent : int
+        Samples of the truth sent.
+    missed : int
+        Those sent more than a sample period, or a millisecond if that is longer, after they were due.
+    lateness_ns : int
+        Lateness of the latest batch's first sample, ns.
+    worst_ns : int
+        Greatest lateness so far, ns.
+    """
+
+    sent: int = 0
+    missed: int = 0
+    lateness_ns: int = 0
+    worst_ns: int = 0
+
+    def after(self, sent: int, missed: int, lateness_ns: int) -> Punctuality:
+        """The punctuality after another batch.
+
+        Parameters
+        ----------
+        sent, missed : int
+            Samples in the batch, and those of them that were late.
+        lateness_ns : int
+            Lateness of its first sample, ns.
+        """
+        worst = max(self.worst_ns, lateness_ns)
+        return Punctuality(self.sent + sent, self.missed + missed, lateness_ns, worst)
+
+
+class Sink(Protocol):
+    """A receiver of samples. All methods are called by the thread of the run, in the order of the stamps."""
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Take the segment that the next samples belong to, at the start and at each reset."""
+        ...
+
+    def write(self, batch: Batch) -> None:
+        """Take messages, at most `LARGEST_BATCH` of a kind. Called only when every sink is ready."""
+        ...
+
+    def ready(self) -> bool:
+        """Whether there is room for another batch. A sink that always has room leaves this as it is."""
+        return True
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        """Do periodic work; called in each turn of the run's loop. A sink without such work leaves this as it is.
+
+        Parameters
+        ----------
+        steady_ns : int
+            Present time of the steady clock, ns.
+        punctuality : Punctuality
+            That of the run so far.
+
+        Returns
+        -------
+        int
+            The longest time until the next call, ns.
+        """
+        return FOREVER

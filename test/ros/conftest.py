@@ -1,0 +1,46 @@
+"""What the tests of the node share. This file also puts its folder, with the helpers in it, on the path of imports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+
+import pytest
+from simulator_process import SimulatorProcess, assignments
+
+from ros_domains import own_domain
+
+if find_spec("rclpy"):
+    from peer import NODE, Peer
+    from std_srvs.srv import Trigger
+
+
+@pytest.fixture(scope="session")
+def full_node(isolated_ros: None) -> Iterator[SimulatorProcess]:
+    """A node with all sensors and the clock on, in a domain of its own, for tests that leave it as they find it."""
+    given = assignments(rate=25.0, imu_rate=40.0, magnetometer_rate=10.0, publish_clock="true")
+    with own_domain() as domain, SimulatorProcess(*given, domain=domain) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def module_observer(full_node: SimulatorProcess) -> Iterator[Peer]:
+    # not of the whole session: other tests initialise and shut down rclpy in this process
+    with Peer("observer", full_node.domain) as peer:
+        peer.spin_until(lambda: NODE.removeprefix("/") in peer.node.get_node_names(), "the node")
+        peer.client(Trigger, f"{NODE}/step")  # what the node makes last: all else is known as well
+        yield peer
+
+
+@pytest.fixture
+def observer(module_observer: Peer) -> Iterator[Peer]:
+    """Another node beside `full_node`, whose subscriptions end with the test."""
+    yield module_observer
+    module_observer.listen_no_more()
+
+
+@pytest.fixture
+def peer(isolated_ros: None) -> Iterator[Peer]:
+    """Another node beside the one that a test starts itself: it has not met those of other tests."""
+    with Peer("peer") as peer:
+        yield peer

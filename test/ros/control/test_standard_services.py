@@ -1,0 +1,392 @@
+"""The standard simulator services: every answer is set, and says what the definitions of simulation_interfaces say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from threading import Thread
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from fake_time import KeepingSink
+from scipy.spatial.transform import Rotation
+
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
+from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+if find_spec("rclpy"):
+    from standard_messages import RESPONSES, entity_filters, entity_state, feedback
+
+    from lie_rigid_body.ros.control.standard_control import StandardControl
+    from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
+
+pytestmark = [pytest.mark.ros, pytest.mark.filterwarnings("error::RuntimeWarning")]
+
+UNSUPPORTED, OK, NOT_FOUND, FAILED = 0, 1, 2, 4
+INVALID_POSE = ALREADY_THERE = 101
+INCORRECT_TRANSITION = 103
+STOPPED, PLAYING, PAUSED, QUITTING = range(4)
+NAME = "lie_rigid_body"
+EPOCH = 10**18
+SCENARIO = Scenario.from_parameters(
+    {
+        "motion": "closed_form",
+        "rate": 1000.0,
+        "inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9],
+        "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5],
+        "initial_body_rate": [0.7, -1.3, 0.4],
+        "world_frame": "map",
+    }
+)
+
+
+class Simulator:
+    """A run in a thread of its own, and the services in front of it."""
+
+    def __init__(self, interruption: Interruption, mailbox: Mailbox, *, paused: bool) -> None:
+        self.interruption = interruption
+        self.sink = KeepingSink(interruption, 2**63)
+        self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.sink], mailbox, interruption, paused=paused)
+        self.control = RunControl(self.live, mailbox, interruption)
+        self.services = StandardServices(StandardControl(self.control, lambda: SCENARIO, NAME))
+
+    def ask(self, service: str, **request: Any) -> Any:
+        return getattr(self.services, service)(SimpleNamespace(**request), RESPONSES[service]())
+
+    def code(self, service: str, **request: Any) -> int:
+        answer = self.ask(service, **request).result
+        assert (answer.error_message == "") == (answer.result == OK)
+        return int(answer.result)
+
+    def go_to(self, state: int) -> int:
+        return self.code("set_simulation_state", state=SimpleNamespace(state=state))
+
+    @property
+    def state(self) -> int:
+        answer = self.ask("get_simulation_state")
+        assert answer.result.result == OK
+        return int(answer.state.state)
+
+
+@contextmanager
+def running(*, paused: bool) -> Iterator[Simulator]:
+    interruption, mailbox = Interruption(), Mailbox()
+    simulator = Simulator(interruption, mailbox, paused=paused)
+
+    def run() -> None:
+        simulator.live.run()
+        mailbox.close()
+
+    thread = Thread(target=run, daemon=True)
+    thread.start()
+    simulator.control.latest()  # it has begun
+    try:
+        yield simulator
+    finally:
+        if thread.is_alive() and not interruption.requested:
+            simulator.control.quit()
+        thread.join(10.0)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def playing() -> Iterator[Simulator]:
+    with running(paused=False) as simulator:
+        yield simulator
+
+
+@pytest.fixture
+def paused() -> Iterator[Simulator]:
+    with running(paused=True) as simulator:
+        yield simulator
+
+
+def wanted(
+    angular: object = (0.0, 0.0, 0.0),
+    attitude: object = (0.0, 0.0, 0.0, 1.0),
+    position: object = (0.0, 0.0, 0.0),
+    linear: object = (0.0, 0.0, 0.0),
+    frame: str = "",
+) -> Any:
+    state = entity_state()
+    state.header.frame_id = frame
+    fields = (state.pose.position, state.pose.orientation, state.twist.linear, state.twist.angular)
+    for field, values in zip(fields, (position, attitude, linear, angular), strict=True):
+        for name, value in zip("xyzw", values, strict=False):  # type: ignore[call-overload]
+            setattr(field, name, float(value))
+    return state
+
+
+def quaternion(state: Any) -> np.ndarray:
+    q = state.pose.orientation
+    return np.array([q.x, q.y, q.z, q.w])
+
+
+def xyz(vector: Any) -> np.ndarray:
+    return np.array([vector.x, vector.y, vector.z])
+
+
+def test_names_are_in_snake_case() -> None:
+    assert snake_case("GetSimulatorFeatures") == "get_simulator_features"
+
+
+def test_features_are_those_that_are_served(paused: Simulator) -> None:
+    """Numbers of simulation_interfaces/SimulatorFeatures."""
+    features = paused.ask("get_simulator_features").features
+    served = {"state getting": 10, "state setting": 11, "info": 12, "reset": 20, "reset of the state": 22}
+    served |= {"get": 24, "set": 25, "pause": 26, "one step": 31, "steps": 32, "the action": 33, "categories": 8}
+    assert set(features.features) == set(served.values())
+    assert features.spawn_formats == []
+    assert features.custom_info
+
+
+@pytest.mark.parametrize(
+    ("scope", "code"), [(0, OK), (1, UNSUPPORTED), (2, OK), (3, OK), (4, UNSUPPORTED), (5, UNSUPPORTED), (255, OK)]
+)
+def test_a_reset_needs_the_state_in_its_scope(paused: Simulator, scope: int, code: int) -> None:
+    assert paused.code("reset_simulation", scope=scope) == code
+    assert len(paused.sink.segments) == (2 if code == OK else 1)
+
+
+@pytest.mark.parametrize(
+    ("before", "to", "code", "after"),
+    [
+        (PLAYING, PLAYING, ALREADY_THERE, PLAYING),
+        (PLAYING, PAUSED, OK, PAUSED),
+        (PLAYING, STOPPED, OK, STOPPED),
+        (PAUSED, PAUSED, ALREADY_THERE, PAUSED),
+        (PAUSED, PLAYING, OK, PLAYING),
+        (PAUSED, STOPPED, OK, STOPPED),
+        (STOPPED, STOPPED, ALREADY_THERE, STOPPED),
+        (STOPPED, PLAYING, OK, PLAYING),
+        (STOPPED, PAUSED, INCORRECT_TRANSITION, STOPPED),
+        (PLAYING, 4, UNSUPPORTED, PLAYING),
+        (PAUSED, 255, UNSUPPORTED, PAUSED),
+    ],
+)
+def test_transitions(paused: Simulator, before: int, to: int, code: int, after: int) -> None:
+    if before != PAUSED:
+        assert paused.go_to(before) == OK
+    assert (paused.state, paused.go_to(to), paused.state) == (before, code, after)
+
+
+def test_quitting_ends_the_run_and_later_calls_are_answered(playing: Simulator) -> None:
+    assert playing.go_to(QUITTING) == OK
+    assert playing.interruption.requested
+    for service, request in {
+        "reset_simulation": {"scope": 0},
+        "step_simulation": {"steps": 1},
+        "get_entity_state": {"entity": NAME},
+        "set_entity_state": {"entity": NAME, "state": wanted()},
+    }.items():
+        assert playing.code(service, **request) == FAILED, service
+
+
+@pytest.mark.parametrize("steps", [1, 2, 700])
+def test_steps_come_while_paused(paused: Simulator, steps: int) -> None:
+    assert paused.code("step_simulation", steps=steps) == OK
+    assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(steps)]
+    assert paused.state == PAUSED
+
+
+@pytest.mark.parametrize("state", [PLAYING, STOPPED])
+def test_steps_fail_unless_paused(paused: Simulator, state: int) -> None:
+    assert paused.go_to(state) == OK
+    assert paused.code("step_simulation", steps=1) == FAILED
+    goal = Goal(1)
+    assert paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback).result.result == FAILED
+    assert goal.ends == ["abort"]
+
+
+@pytest.mark.parametrize("steps", [0, 2**64 - 1])
+def test_impossible_numbers_of_steps_fail(paused: Simulator, steps: int) -> None:
+    assert paused.code("step_simulation", steps=steps) == FAILED
+    assert paused.sink.stamps == []
+
+
+class Goal:
+    """A goal of the action, as rclpy hands it over."""
+
+    def __init__(self, steps: int, cancel_after: int | None = None) -> None:
+        self.request = SimpleNamespace(steps=steps)
+        self.ends: list[str] = []
+        self.reports: list[tuple[int, int]] = []
+        self._cancel_after = cancel_after
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        return self._cancel_after is not None and len(self.reports) >= self._cancel_after
+
+    def publish_feedback(self, message: Any) -> None:
+        self.reports.append((message.completed_steps, message.remaining_steps))
+
+    def succeed(self) -> None:
+        self.ends.append("succeed")
+
+    def abort(self) -> None:
+        self.ends.append("abort")
+
+    def canceled(self) -> None:
+        self.ends.append("canceled")
+
+
+def test_the_action_reports_and_succeeds(paused: Simulator) -> None:
+    goal = Goal(600)
+    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    assert (answer.result.result, goal.ends, goal.reports[-1]) == (OK, ["succeed"], (600, 0))
+    assert [completed + remaining for completed, remaining in goal.reports] == [600] * len(goal.reports)
+    assert len(paused.sink.stamps) == 600
+
+
+def test_the_action_can_be_canceled(paused: Simulator) -> None:
+    goal = Goal(10**9, cancel_after=1)
+    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    assert (answer.result.result, goal.ends) == (FAILED, ["canceled"])
+    count = len(paused.sink.stamps)
+    assert f"canceled after {count} of {10**9}" in answer.result.error_message
+    assert paused.state == PAUSED
+    assert paused.code("step_simulation", steps=1) == OK
+    assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(count + 1)]
+
+
+def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
+    goal = Goal(10**9)
+    goal.publish_feedback = lambda message: paused.control.reset(SCENARIO)  # type: ignore[method-assign,assignment]
+    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    assert (answer.result.result, goal.ends) == (FAILED, ["abort"])
+    assert "reset after" in answer.result.error_message
+
+
+@pytest.mark.parametrize(
+    ("pattern", "categories", "code", "found"),
+    [
+        ("", (), OK, [NAME]),
+        ("lie_.*", (), OK, [NAME]),
+        ("rigid", (), OK, [NAME]),
+        ("^robot", (), OK, []),
+        ("", (4,), OK, [NAME]),
+        ("", (0, 4), OK, [NAME]),
+        ("", (1, 2), OK, []),
+        ("^robot", (4,), OK, []),
+        ("(", (), FAILED, []),
+    ],
+)
+def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], code: int, found: list[str]) -> None:
+    answer = paused.ask("get_entities", filters=entity_filters(pattern, categories))
+    assert (answer.result.result, answer.entities) == (code, found)
+
+
+@pytest.mark.parametrize("field", ["tags", "bounds"])
+def test_filters_by_tags_and_bounds_are_unsupported(paused: Simulator, field: str) -> None:
+    filters = entity_filters()
+    if field == "tags":
+        filters.tags.tags = ["x"]
+    else:
+        filters.bounds.points = [object()]
+    assert paused.code("get_entities", filters=filters) == UNSUPPORTED
+
+
+def test_what_the_body_is(paused: Simulator) -> None:
+    answer = paused.ask("get_entity_info", entity=NAME)
+    assert (answer.result.result, answer.info.category.category, answer.info.tags) == (OK, 4, [])
+    moments = np.linalg.eigvalsh([[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
+    assert all(f"{moment:g}" in answer.info.description for moment in moments)
+
+
+@pytest.mark.parametrize("service", ["get_entity_info", "get_entity_state", "set_entity_state"])
+def test_other_entities_are_not_found(paused: Simulator, service: str) -> None:
+    assert paused.code(service, entity="robot", state=wanted()) == NOT_FOUND
+    assert len(paused.sink.segments) == 1
+
+
+def test_twist_and_acceleration_are_in_the_world(paused: Simulator) -> None:
+    """Against the turn from pose to pose, whose logarithm knows nothing of body rates."""
+    states = []
+    for _ in range(3):
+        assert paused.code("step_simulation", steps=1) == OK
+        answer = paused.ask("get_entity_state", entity=NAME)
+        assert (answer.result.result, answer.state.header.frame_id) == (OK, "map")
+        states.append(answer.state)
+    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in states]
+    assert stamps == [EPOCH + k * 10**6 for k in range(3)]
+    first, middle, last = (Rotation.from_quat(quaternion(s)) for s in states)
+    turn = (last * first.inv()).as_rotvec() / 2e-3
+    omega = [xyz(s.twist.angular) for s in states]
+    np.testing.assert_allclose(omega[1], turn, rtol=0, atol=1e-5)
+    assert np.linalg.norm(omega[1] - middle.inv().apply(omega[1])) > 0.1
+    np.testing.assert_allclose(xyz(states[1].acceleration.angular), (omega[2] - omega[0]) / 2e-3, rtol=0, atol=1e-5)
+    for state in states:
+        still = (state.pose.position, state.twist.linear, state.acceleration.linear)
+        assert [xyz(vector).any() for vector in still] == [False] * 3
+
+
+@pytest.mark.parametrize("frame", ["", "map"])
+@pytest.mark.parametrize("state", [PLAYING, PAUSED, STOPPED])
+def test_a_state_is_set_and_the_world_twist_turned_into_the_body(paused: Simulator, frame: str, state: int) -> None:
+    if state != PAUSED:
+        assert paused.go_to(state) == OK
+    attitude, angular = [0.5, 0.5, -0.5, 0.5], [0.3, -0.2, 1.7]
+    before = len(paused.sink.segments)
+    assert paused.code("set_entity_state", entity=NAME, state=wanted(angular, attitude, frame=frame)) == OK
+    assert paused.state == state
+    [segment] = paused.sink.segments[before:]
+    start = segment.scenario.start()
+    np.testing.assert_allclose(start.attitude_xyzw, attitude, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(start.body_rate, Rotation.from_quat(attitude).inv().apply(angular), rtol=0, atol=1e-15)
+    if state != PLAYING:
+        answer = paused.ask("get_entity_state", entity=NAME).state
+        np.testing.assert_allclose(xyz(answer.twist.angular), angular, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        ({"position": (0.0, 1.0, 0.0)}, INVALID_POSE),
+        ({"position": (0.0, np.nan, 0.0)}, INVALID_POSE),
+        ({"attitude": (0.0, 0.0, 0.0, 0.0)}, INVALID_POSE),
+        ({"attitude": (0.0, 0.0, 0.0, 1.1)}, INVALID_POSE),
+        ({"attitude": (0.0, np.nan, 0.0, 1.0)}, INVALID_POSE),
+        ({"linear": (0.0, 0.0, 0.1)}, FAILED),
+        ({"angular": (0.0, np.inf, 0.1)}, FAILED),
+        ({"angular": (1e308, 1e308, 1e308)}, FAILED),
+        ({"frame": "base_link"}, FAILED),
+    ],
+)
+def test_a_state_that_cannot_be_is_refused(paused: Simulator, given: dict[str, Any], code: int) -> None:
+    assert paused.code("set_entity_state", entity=NAME, state=wanted(**given)) == code
+    assert len(paused.sink.segments) == 1
+
+
+def test_only_what_is_asked_for_is_set(paused: Simulator) -> None:
+    """Fields of later releases."""
+    both = {"entity": NAME, "state": wanted([0.0, 0.0, 2.0], position=(1.0, 0.0, 0.0))}
+    assert paused.code("set_entity_state", **both, set_pose=False, set_twist=True) == OK
+    start = paused.sink.segments[-1].scenario.start()
+    np.testing.assert_allclose(start.attitude_xyzw, SCENARIO.initial_attitude_xyzw, rtol=0, atol=1e-15)
+    both["state"] = wanted([0.0, 0.0, 9.0], linear=(1.0, 0.0, 0.0))
+    assert paused.code("set_entity_state", **both, set_pose=True, set_twist=False) == OK
+    again = paused.sink.segments[-1].scenario.start()
+    assert again.attitude_xyzw.tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert again.body_rate.tolist() == start.body_rate.tolist()
+
+
+def test_a_parameter_that_makes_no_scenario_is_answered() -> None:
+    def broken() -> Scenario:
+        return Scenario.from_parameters({"rate": -1.0})
+
+    with running(paused=True) as simulator:
+        services = StandardServices(StandardControl(simulator.control, broken, NAME))
+        for service, request in (
+            (services.reset_simulation, SimpleNamespace(scope=0)),
+            (services.set_simulation_state, SimpleNamespace(state=SimpleNamespace(state=STOPPED))),
+        ):
+            answer = service(request, RESPONSES["reset_simulation"]()).result
+            assert (answer.result, "rate" in answer.error_message) == (FAILED, True)
+        assert simulator.live.state is RunState.PAUSED

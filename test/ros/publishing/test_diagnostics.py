@@ -1,0 +1,88 @@
+"""What diagnostics report of a run whose clock the test holds."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from lie_rigid_body import State
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.ros.timing.sink import Punctuality
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+if find_spec("rclpy"):
+    from builtin_interfaces.msg import Time
+
+    from lie_rigid_body.ros.publishing.diagnostics import LARGEST_DRIFT, Diagnostics
+
+pytestmark = pytest.mark.ros
+
+NS = 1_000_000_000
+SCENARIO = Scenario.from_parameters({"motion": "closed_form", "rate": 50.0})
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
+
+
+@pytest.fixture
+def published() -> list[Any]:
+    return []
+
+
+@pytest.fixture
+def diagnostics(published: list[Any]) -> Diagnostics:
+    now = SimpleNamespace(to_msg=lambda: Time(sec=7))
+    node: Any = SimpleNamespace(
+        create_publisher=lambda kind, topic, qos: SimpleNamespace(publish=published.append),
+        get_clock=lambda: SimpleNamespace(now=lambda: now),
+        get_name=lambda: "top",
+        get_fully_qualified_name=lambda: "/a/top",
+    )
+    made = Diagnostics(node)
+    made.begin_segment(Simulation(SCENARIO, NS).segment)
+    return made
+
+
+def values(report: Any) -> dict[str, str]:
+    return {pair.key: pair.value for pair in report.status[0].values}
+
+
+def test_a_report_a_second(diagnostics: Diagnostics, published: list[Any]) -> None:
+    assert diagnostics.tick(5 * NS, Punctuality()) == NS
+    assert diagnostics.tick(6 * NS - 1, Punctuality(49)) == 1
+    assert published == []
+    assert diagnostics.tick(6 * NS, Punctuality(50, 0, 1_500_000, 2_000_000)) == NS
+    assert diagnostics.tick(8 * NS, Punctuality(250, 3, 0, 9_000_000)) == NS
+    first, second = published
+    assert (first.header.stamp.sec, first.status[0].name, first.status[0].hardware_id) == (
+        7,
+        "/a/top: simulation",
+        "top",
+    )
+    assert (first.status[0].level, second.status[0].level) == (OK, WARN)
+    assert [values(report)["samples per second"] for report in published] == ["50", "100"]
+    assert [values(report)["samples sent"] for report in published] == ["50", "250"]
+    assert [values(report)["missed deadlines in this interval"] for report in published] == ["0", "3"]
+    assert values(first)["lateness of the latest sample (ms)"] == "1.500"
+    assert values(second)["worst lateness so far (ms)"] == "9.000"
+    assert values(second)["missed deadlines so far"] == "3"
+
+
+@pytest.mark.parametrize(("drift", "level"), [(0.0, OK), (0.1, OK), (10.0, ERROR)])
+def test_a_motion_that_drifts_is_an_error(
+    diagnostics: Diagnostics, published: list[Any], drift: float, level: bytes
+) -> None:
+    samples = Simulation(SCENARIO, NS).take(1)
+    faster = (1.0 + drift * LARGEST_DRIFT) * samples.states.body_rate
+    drifted = type(samples)(samples.stamps_ns, State(samples.states.attitude_xyzw, faster))
+    diagnostics.write(BatchEncoder(SCENARIO).encode(Taken(drifted, None, None)))
+    diagnostics.tick(0, Punctuality())
+    diagnostics.tick(NS, Punctuality())
+    [report] = published
+    assert report.status[0].level == level
+    momentum = float(values(report)["momentum drift since the last reset (relative)"])
+    assert momentum == pytest.approx(drift * LARGEST_DRIFT, rel=1e-2, abs=1e-15)
+    energy = float(values(report)["energy drift since the last reset (relative)"])
+    assert energy == pytest.approx(2.0 * drift * LARGEST_DRIFT, rel=1e-2, abs=1e-15)

@@ -1,0 +1,91 @@
+"""What a recording node leaves behind, however it ends."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from broken_bag import stamps_in_whole_chunks
+from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command
+
+from lie_rigid_body.recording.bag_reader import read_bag
+
+pytestmark = pytest.mark.ros
+
+
+def test_kill_leaves_whole_chunks_without_a_gap(tmp_path: Path) -> None:
+    bag = tmp_path / "killed.mcap"
+    # in a namespace of its own, as others go on to see for a while what dies without a word
+    arguments = ("-p", "rate:=200.0", "-p", f"record_path:={bag}", "--ros-args", "-r", "__ns:=/killed")
+    with SimulatorProcess(*arguments) as simulator:
+        eventually(lambda: len(stamps_in_whole_chunks(bag)) > 200, "chunks")
+        safe = stamps_in_whole_chunks(bag)
+        simulator.process.send_signal(signal.SIGKILL)
+        assert simulator.wait() == -signal.SIGKILL
+    stamps = stamps_in_whole_chunks(bag)
+    assert stamps[: len(safe)] == safe
+    assert set(np.diff(stamps).tolist()) == {5_000_000}
+
+
+@pytest.mark.parametrize("rate", ["200.0", "100000.0"])
+def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str) -> None:
+    """At the higher rate, which no machine keeps up with, they come in the middle of catching up."""
+    bag = tmp_path / "whole.mcap"
+    with SimulatorProcess("-p", f"rate:={rate}", "-p", f"record_path:={bag}") as simulator:
+        size = bag.stat().st_size
+        eventually(lambda: bag.stat().st_size > size, "samples")
+        assert simulator.end_impatiently(signal.SIGTERM, signal.SIGINT) == 0
+    recording = read_bag(bag)
+    assert recording.expected_samples == len(recording.poses.stamps_ns) > 0
+    assert set(np.diff(recording.poses.stamps_ns).tolist()) == {round(1e9 / float(rate))}
+    assert any(str(bag) in line and "recorded" in line for line in simulator.said)
+
+
+def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
+    bag = tmp_path / "whole.mcap"
+    arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-9", "-p", f"record_path:={bag}")
+    with SimulatorProcess(*arguments) as simulator:
+        eventually(lambda: bool(stamps_in_whole_chunks(bag)), "the first sample")
+        idle = cpu_seconds(simulator.process.pid)
+        eventually(lambda: cpu_seconds(simulator.process.pid) > idle + 0.3, "work on the second sample")
+        assert simulator.end(signal.SIGINT) == 0
+    assert read_bag(bag).expected_samples == 1
+
+
+def test_full_disk_ends_the_node_with_status_2_and_a_reason(tmp_path: Path) -> None:
+    bag = tmp_path / "full.mcap"
+    limit = 60_000
+
+    def shrink() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    with SimulatorProcess("-p", "rate:=1000.0", "-p", f"record_path:={bag}", preexec=shrink) as simulator:
+        assert simulator.wait() == 2
+    [line] = simulator.complained
+    assert str(bag) in line
+    assert "cannot be written" in line
+    assert bag.stat().st_size <= limit
+
+
+@pytest.mark.parametrize("stdout", ["closed", "without a reader"])
+def test_works_without_stdout(tmp_path: Path, stdout: str) -> None:
+    bag = tmp_path / "whole.mcap"
+    reader, writer = os.pipe()
+    os.close(reader)
+    redirection = ">&-" if stdout == "closed" else ""
+    command = ["sh", "-c", f'exec "$@" {redirection}', "sh", *sim_command("-p", f"record_path:={bag}")]
+    with subprocess.Popen(command, stdout=writer, stderr=subprocess.PIPE, text=True) as process:
+        os.close(writer)
+        try:
+            eventually(lambda: bag.exists() and bag.stat().st_size > 6000, "samples")
+            process.send_signal(signal.SIGTERM)
+            _, complaint = process.communicate(timeout=DEADLINE)
+        finally:
+            process.kill()
+    assert (process.returncode, complaint) == (0, "")
+    assert read_bag(bag).poses.topic == "/pose"

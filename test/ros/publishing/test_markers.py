@@ -1,0 +1,140 @@
+"""The picture of the body: a box with the body's own moments, drawn only while somebody looks."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from lie_rigid_body import RigidBody
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.ros.timing.sink import Punctuality
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+if find_spec("rclpy"):
+    from visualization_msgs.msg import Marker, MarkerArray
+
+    from lie_rigid_body.ros.publishing.markers import LONGEST_SIDE, THINNEST, Markers, box_sides
+
+pytestmark = pytest.mark.ros
+
+NS = 1_000_000_000
+INERTIA = [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]
+MATRIX = np.array([[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
+sides = st.floats(0.05, 1.0)
+
+
+def inertia_of_box(a: float, b: float, c: float) -> np.ndarray:
+    """Principal moments of a uniform box of mass 12, in rising order."""
+    return np.sort([b * b + c * c, a * a + c * c, a * a + b * b])
+
+
+@given(sides, sides, sides)
+def test_the_box_has_the_moments_of_the_body(a: float, b: float, c: float) -> None:
+    body = RigidBody(inertia_of_box(a, b, c))
+    found = box_sides(body)
+    # rising moments: the longest side comes first
+    expected = np.sort([a, b, c])[::-1] / max(a, b, c)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
+
+
+def test_a_flat_body_and_a_rod_can_be_seen() -> None:
+    np.testing.assert_allclose(box_sides(RigidBody([1.0, 1.0, 2.0])), [LONGEST_SIDE, LONGEST_SIDE, THINNEST])
+    np.testing.assert_allclose(box_sides(RigidBody([1e-9, 1.0, 1.0])), [LONGEST_SIDE, THINNEST, THINNEST], rtol=1e-3)
+
+
+class Publisher:
+    """A publisher without a network."""
+
+    def __init__(self) -> None:
+        self.lookers = 0
+        self.published: list[MarkerArray] = []
+
+    def get_subscription_count(self) -> int:
+        return self.lookers
+
+    def publish(self, message: MarkerArray) -> None:
+        self.published.append(message)
+
+
+@pytest.fixture
+def publisher() -> Publisher:
+    return Publisher()
+
+
+@pytest.fixture
+def markers(publisher: Publisher) -> Markers:
+    node: Any = SimpleNamespace(create_publisher=lambda kind, topic, qos: publisher)
+    return Markers(node, 20.0)
+
+
+SCENARIO = Scenario.from_parameters(
+    {
+        "motion": "closed_form",
+        "inertia": INERTIA,
+        "initial_body_rate": [0.7, -1.3, 0.4],
+        "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5],
+        "world_frame": "map",
+    }
+)
+
+
+def feed(markers: Markers, simulation: Simulation, count: int) -> None:
+    taken = simulation.take_until(simulation.clock.stamp_ns(simulation.next_sample + count - 1), 10**6)
+    markers.write(BatchEncoder(SCENARIO).encode(taken))
+
+
+def test_nothing_is_drawn_unless_somebody_looks(markers: Markers, publisher: Publisher) -> None:
+    simulation = Simulation(SCENARIO, NS)
+    markers.begin_segment(simulation.segment)
+    markers.tick(0, Punctuality())
+    feed(markers, simulation, 1)
+    for k in range(10):
+        markers.tick(k * NS, Punctuality())
+    assert publisher.published == []
+    publisher.lookers = 1
+    for steady_ns in range(10 * NS, 11 * NS, NS // 100):
+        wait = markers.tick(steady_ns, Punctuality())
+        assert 0 < wait <= NS // 20
+    assert len(publisher.published) == 20
+
+
+def test_the_picture_is_of_the_latest_state_in_the_world(markers: Markers, publisher: Publisher) -> None:
+    simulation = Simulation(SCENARIO, NS)
+    markers.begin_segment(simulation.segment)
+    publisher.lookers = 1
+    feed(markers, simulation, 50)
+    markers.tick(0, Punctuality())
+    [picture] = publisher.published
+    box, momentum, rate, trail = picture.markers
+    assert [m.type for m in picture.markers] == [Marker.CUBE, Marker.ARROW, Marker.ARROW, Marker.LINE_STRIP]
+    assert {(m.header.frame_id, m.header.stamp.sec, m.header.stamp.nanosec) for m in picture.markers} == {
+        ("map", 1, 490_000_000)
+    }
+    state = SCENARIO.make_motion().at(np.array([490_000_000]))[0]
+    turn = Rotation.from_quat(state.attitude_xyzw)
+    along = turn.apply(state.body_rate)
+    require_parallel(rate.points[1], along)
+    require_parallel(momentum.points[1], turn.apply(MATRIX @ state.body_rate))
+    # the box lies along the principal axes: the inertia of a box of its sides, turned with it, is the body's
+    q = box.pose.orientation
+    axes = (turn.inv() * Rotation.from_quat([q.x, q.y, q.z, q.w])).as_matrix()
+    a, b, c = box.scale.x, box.scale.y, box.scale.z
+    inertia = axes @ np.diag([b * b + c * c, a * a + c * c, a * a + b * b]) @ axes.T
+    np.testing.assert_allclose(inertia / np.trace(inertia), MATRIX / np.trace(MATRIX), rtol=0, atol=1e-12)
+    q = trail.pose.orientation
+    point = trail.points[-1]
+    require_parallel(point, state.body_rate)
+    np.testing.assert_allclose([q.x, q.y, q.z, q.w], state.attitude_xyzw, rtol=0, atol=1e-15)
+
+
+def require_parallel(point: Any, vector: np.ndarray) -> None:
+    found = np.array([point.x, point.y, point.z])
+    np.testing.assert_allclose(found / np.linalg.norm(found), vector / np.linalg.norm(vector), rtol=0, atol=1e-12)

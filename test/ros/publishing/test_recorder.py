@@ -1,0 +1,70 @@
+"""What of a live recording is safe on the disk, at every moment of a run whose clock the test holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from broken_bag import stamps_in_whole_chunks
+from fake_time import NS, ScriptedRun
+
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
+from lie_rigid_body.ros.timing.pace import FOREVER
+from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+LOST_BY_A_CRASH_NS = NS
+
+
+class Crash(Sink):
+    """Reads the file that a crash would leave after each turn of the loop; to come after the recorder."""
+
+    def __init__(self, bag: Path) -> None:
+        self.bag = bag
+        self.lost_ns: list[int] = []
+        self._read: tuple[int, int] = (-1, 0)
+
+    def begin_segment(self, segment: object) -> None: ...
+
+    def write(self, batch: object) -> None: ...
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        if (size := self.bag.stat().st_size) != self._read[0]:
+            stamps = stamps_in_whole_chunks(self.bag)
+            self._read = size, stamps[-1] - NS if stamps else 0
+        self.lost_ns.append(steady_ns - self._read[1])
+        return FOREVER
+
+
+@pytest.mark.parametrize(("rate", "stall_ns"), [(200.0, 0), (30.0, 300_000_000)])
+def test_a_crash_at_any_moment_loses_less_than_a_second(tmp_path: Path, rate: float, stall_ns: int) -> None:
+    bag = tmp_path / "a.mcap"
+    crash = Crash(bag)
+    with BagWriter(bag, stamped_twist=True) as writer:
+        run = ScriptedRun(rate=rate, sinks=[Recorder(writer), crash])
+
+        def stall() -> None:
+            run.time.now += stall_ns
+
+        run.play((NS, stall), (NS + NS // 2, stall), (2 * NS, stall), (3 * NS, lambda: None))
+    assert len(crash.lost_ns) > 2 * rate
+    assert max(crash.lost_ns) < LOST_BY_A_CRASH_NS
+
+
+@pytest.mark.parametrize(("max_step", "wait_ns"), [(1e-3, FLUSH_INTERVAL_NS), (2e-6, 0)])
+def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: float, wait_ns: int) -> None:
+    scenario = Scenario.from_parameters({"rate": 1.0, "max_step": max_step})
+    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
+    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+        recorder = Recorder(bag)
+        recorder.begin_segment(simulation.segment)
+        samples = simulation.take(1)
+        before = bag.path.stat().st_size
+        recorder.write(encoder.encode(Taken(samples, None, None)))
+        recorder.tick(5 * NS, Punctuality())
+        assert (bag.path.stat().st_size > before) == (wait_ns == 0)
+        recorder.tick(5 * NS + wait_ns, Punctuality())
+        assert bag.path.stat().st_size > before

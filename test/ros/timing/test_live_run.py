@@ -1,0 +1,160 @@
+"""The loop without ROS and without waiting: a steady clock that the test holds."""
+
+from __future__ import annotations
+
+from threading import Thread
+
+import numpy as np
+import pytest
+from fake_time import NS, FakeTime, KeepingSink
+
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros.timing.live_run import STEPS_PER_BATCH, LiveRun
+from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Segment, Simulation
+
+
+def run(time: FakeTime, enough: int, **parameters: object) -> KeepingSink:
+    interruption = Interruption()
+    sink = KeepingSink(interruption, enough)
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
+    LiveRun(simulation, [sink], time, interruption, time.steady).run()
+    return sink
+
+
+@pytest.mark.parametrize("rate", [0.1, 100.0, 333.0, 1000.0, 12345.0])
+def test_every_sample_comes_once_and_in_time(rate: float) -> None:
+    sink = run(FakeTime({}), 500, rate=rate)
+    assert sink.stamps[:500] == [NS + round(k * NS / rate) for k in range(500)]
+    assert max(sink.latest) < 2_000_000
+    assert isinstance(sink.events[0], Segment)
+
+
+def test_stall_loses_nothing_and_is_caught_up_in_batches() -> None:
+    sink = run(FakeTime({10: 30 * NS}), 4000)
+    assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
+    batches = [len(event) for event in sink.events if isinstance(event, list)]
+    assert max(batches) == LARGEST_BATCH
+    assert sum(batches[9:25]) > 3000
+    assert max(sink.latest) == pytest.approx(30 * NS, rel=0.01)
+
+
+def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
+    slow, fast = FakeTime({}), FakeTime({})
+    run(slow, 100, rate=50.0)
+    run(fast, 5000, rate=1e5)
+    assert {round(w, 9) for w in slow.waits} == {0.02}
+    assert {round(w, 9) for w in fast.waits} == {0.001}
+
+
+def test_reset_begins_with_the_next_sample() -> None:
+    time = FakeTime({})
+    interruption = Interruption()
+    sink = KeepingSink(interruption, 100)
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}), NS)
+    live = LiveRun(simulation, [sink], time, interruption, time.steady)
+    time.calls[20] = Call(lambda: live.reset(Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})))
+    live.run()
+    _, second = sink.segments
+    assert second.start_ns == NS + 20 * 10_000_000
+    assert sink.events.index(second) == 1 + 20
+    assert sink.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
+    assert sink.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
+    assert second.scenario.initial_body_rate == (0.0, 0.0, 9.0)
+
+
+def test_failed_reset_is_answered_and_changes_nothing() -> None:
+    def fail() -> None:
+        raise InputError("no")
+
+    call: Call[object] = Call(fail)
+    sink = run(FakeTime({}, {20: call}), 100)
+    assert len(sink.segments) == 1
+    assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
+    with pytest.raises(InputError, match="no"):
+        call.result()
+
+
+def test_failed_recording_is_answered_and_ends_the_run() -> None:
+    def fail() -> None:
+        raise BagError("full")
+
+    call: Call[object] = Call(fail)
+    with pytest.raises(BagError, match="full"):
+        run(FakeTime({}, {20: call}), 100)
+    with pytest.raises(BagError, match="full"):
+        call.result()
+
+
+@pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
+def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
+    sink = run(FakeTime({2: 20 * NS}), most + 5, motion="moving_chart", max_step=max_step)
+    assert max(len(event) for event in sink.events if isinstance(event, list)) == most
+    assert most * 0.01 / max_step <= STEPS_PER_BATCH or most == 1
+
+
+def test_call_from_another_thread_is_carried_out_by_the_owner() -> None:
+    mailbox = Mailbox()
+    results: list[object] = []
+    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
+    asking.start()
+    call = mailbox.wait(10.0)
+    assert call is not None
+    call.carry_out()
+    asking.join(10.0)
+    assert results == [42]
+
+
+def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
+    mailbox = Mailbox()
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            mailbox.request(lambda: None)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask)
+    asking.start()
+    while mailbox._calls.empty():
+        pass
+    mailbox.close()
+    asking.join(10.0)
+    ask()
+    assert len(errors) == 2
+
+
+def test_call_that_was_taken_but_not_carried_out_is_refused_at_the_end() -> None:
+    """A signal may come just after the owner has taken a call."""
+    mailbox = Mailbox()
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            mailbox.request(lambda: None)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask, daemon=True)
+    asking.start()
+    assert mailbox.wait(10.0) is not None
+    mailbox.close()
+    asking.join(10.0)
+    assert len(errors) == 1
+
+
+def test_closing_keeps_answers() -> None:
+    mailbox = Mailbox()
+    results: list[object] = []
+    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
+    asking.start()
+    call = mailbox.wait(10.0)
+    assert call is not None
+    call.carry_out()
+    mailbox.close()
+    asking.join(10.0)
+    assert results == [42]

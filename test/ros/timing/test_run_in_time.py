@@ -1,0 +1,314 @@
+"""Simulated time runs, stands still, goes on and changes its speed; it never jumps, and no stamp is lost or doubled."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import pytest
+from fake_time import NS, ScriptedRun
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
+from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
+from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
+from lie_rigid_body.scenario import Scenario
+
+MS = 1_000_000
+PERIOD = 10 * MS
+
+
+def nothing() -> None:
+    """What is done at the end of a script."""
+
+
+def truth(count: int, first: int = 0) -> list[int]:
+    return [NS + k * PERIOD for k in range(first, first + count)]
+
+
+def failure(stepping: object) -> str:
+    assert isinstance(stepping, StepRequest)
+    with pytest.raises(ControlError) as told:
+        stepping.wait(0.0)
+    return str(told.value)
+
+
+@pytest.mark.parametrize("factor", [0.1, 0.5, 1 / 3, 1.0, 2.0, 7.7])
+def test_samples_go_out_when_the_factor_says(factor: float) -> None:
+    run = ScriptedRun(factor=factor)
+    run.play((2 * NS, nothing))
+    due = [math.ceil(k * PERIOD / Fraction(repr(factor))) for k in range(len(run.sink.stamps))]
+    assert run.sink.stamps == truth(len(due))
+    assert run.sink.sent_at == due
+    assert len(due) >= int(200 * factor)
+    assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
+
+
+def test_without_a_limit_nothing_is_waited_for() -> None:
+    run = ScriptedRun(factor=0.0)
+    run.play((500 * MS, nothing))
+    assert run.sink.stamps == truth(len(run.sink.stamps))
+    assert len(run.sink.stamps) > 100 * LARGEST_BATCH
+    assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
+
+
+def test_paused_at_the_start_sends_nothing() -> None:
+    run = ScriptedRun(paused=True, imu_rate=250.0)
+    run.play((100 * NS, nothing))
+    assert run.sink.batches == []
+    assert len(run.sink.segments) == 1
+    assert run.live.state is RunState.PAUSED
+
+
+def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
+    run = ScriptedRun(paused=True, imu_rate=250.0, magnetometer_rate=30.0)
+    seen: list[tuple[list[int], list[int], list[int]]] = []
+
+    def look() -> None:
+        sink = run.sink
+        seen.append((sink.stamps, sink.sensor_stamps(IMU_DATA), sink.sensor_stamps(MAG)))
+
+    steps = [(k * NS, action) for k in range(1, 5) for action in (lambda: run.live.step(1), nothing, look)]
+    answers = run.play(*steps)
+    assert [a.wait(0.0) for a in answers if isinstance(a, StepRequest)] == [True] * 4
+    imu = [NS + 4 * MS * k for k in range(20)]
+    field = [NS + round(k * NS / 30) for k in range(20)]
+    for number, (stamps, imu_stamps, field_stamps) in enumerate(seen):
+        last = NS + number * PERIOD
+        assert stamps == truth(number + 1)
+        assert imu_stamps == [stamp for stamp in imu if stamp <= last]
+        assert field_stamps == [stamp for stamp in field if stamp <= last]
+
+
+@pytest.mark.parametrize("count", [1, 2, LARGEST_BATCH, LARGEST_BATCH + 1, 1000])
+def test_as_many_steps_as_asked_for(count: int) -> None:
+    run = ScriptedRun(paused=True)
+    [stepping, _, again, _] = run.play(
+        (NS, lambda: run.live.step(count)), (2 * NS, nothing), (3 * NS, lambda: run.live.step(1)), (4 * NS, nothing)
+    )
+    assert isinstance(stepping, StepRequest)
+    assert isinstance(again, StepRequest)
+    assert (stepping.completed, stepping.total, stepping.wait(0.0), again.wait(0.0)) == (count, count, True, True)
+    assert run.sink.stamps == truth(count + 1)
+    assert run.live.state is RunState.PAUSED
+
+
+def test_steps_that_are_refused_change_nothing() -> None:
+    run = ScriptedRun()
+    [playing, _, long, second, none, beyond, _] = run.play(
+        (NS + 5 * MS, lambda: run.live.step(1)),
+        (NS + 6 * MS, run.live.pause),
+        (2 * NS, lambda: run.live.step(600)),
+        (2 * NS, lambda: run.live.step(1)),
+        (3 * NS, lambda: run.live.step(0)),
+        (3 * NS, lambda: run.live.step(2**64 - 1)),
+        (4 * NS, nothing),
+    )
+    for refused, word in ((playing, "pause it"), (second, "250 of 600"), (none, "at least 1")):
+        assert isinstance(refused, ControlError)
+        assert word in str(refused)
+    assert isinstance(beyond, ParameterError)
+    assert isinstance(long, StepRequest)
+    assert long.wait(0.0)
+    assert run.sink.stamps == truth(101 + 600)
+
+
+@pytest.mark.parametrize("why", ["paused", "resumed", "reset", "stop", "reset_to"])
+def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
+    run = ScriptedRun(paused=True)
+    actions = {
+        "paused": run.live.pause,
+        "resumed": run.live.resume,
+        "reset": lambda: run.live.reset(run.scenario),
+        "stop": lambda: run.live.stop(run.scenario),
+        "reset_to": lambda: run.live.reset_to(run.scenario.start()),
+    }
+    [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
+    word = {"stop": "paused", "reset_to": "reset"}.get(why, why)
+    assert failure(stepping) == f"{word} after {LARGEST_BATCH} of 1000 steps"
+    assert (run.live.state is RunState.PLAYING) == (why == "resumed")
+    count = len(run.sink.stamps)
+    assert run.sink.stamps == truth(count)
+    assert (count == LARGEST_BATCH) == (why != "resumed")
+
+
+def test_the_end_breaks_off_steps() -> None:
+    run = ScriptedRun(paused=True)
+    [stepping] = run.play((NS, lambda: run.live.step(1000)))
+    assert failure(stepping) == "the node is ending after 250 of 1000 steps"
+
+
+def test_time_goes_on_from_where_it_stood() -> None:
+    run = ScriptedRun()
+    [halted, *_] = run.play((NS + 5 * MS, run.live.pause), (10 * NS, run.live.resume), (11 * NS, nothing))
+    assert halted == 2 * NS + 5 * MS
+    stamps, at = run.sink.stamps, run.sink.sent_at
+    assert stamps == truth(len(stamps))
+    assert at[:101] == [k * PERIOD for k in range(101)]
+    assert at[101:] == [10 * NS + 5 * MS + k * PERIOD for k in range(len(at) - 101)]
+    assert len(at) == 201
+
+
+def test_resuming_twice_and_pausing_twice_is_the_same_as_once() -> None:
+    run = ScriptedRun()
+    pauses = run.play(
+        (NS + 5 * MS, run.live.pause),
+        (2 * NS, run.live.pause),
+        (10 * NS, run.live.resume),
+        (10 * NS + 7 * MS, run.live.resume),
+        (11 * NS, nothing),
+    )[:2]
+    assert pauses == [2 * NS + 5 * MS] * 2
+    assert run.sink.sent_at[101:103] == [10 * NS + 5 * MS, 10 * NS + 15 * MS]
+
+
+@pytest.mark.parametrize(("before", "after"), [(1.0, 2.0), (2.0, 0.5), (0.5, 3.0), (0.0, 1.0)])
+def test_another_factor_acts_from_now_without_a_jump(before: float, after: float) -> None:
+    run, now = ScriptedRun(factor=before), 4 * MS
+    run.play((now, lambda: run.live.change_factor(after)), (now + NS, nothing))
+    stamps, at = run.sink.stamps, run.sink.sent_at
+    assert stamps == truth(len(stamps))
+    later = [k for k, moment in enumerate(at) if moment > now]
+    reached = before * now if before else stamps[later[0] - 1] - NS + PERIOD - 1
+    due = [now + math.ceil((stamps[k] - NS - Fraction(reached)) / Fraction(after)) for k in later]
+    assert [abs(at[k] - moment) <= 1 for k, moment in zip(later, due, strict=True)] == [True] * len(due)
+    assert len(later) >= int(after * NS / PERIOD)
+
+
+def test_a_factor_changed_while_paused_acts_when_time_goes_on() -> None:
+    run = ScriptedRun(rate=1000.0)
+    run.play(
+        (5 * MS + 1, run.live.pause),
+        (NS, lambda: run.live.change_factor(0.01)),
+        (2 * NS, nothing),
+        (2 * NS, run.live.resume),
+        # 50 ms late is in time when samples are 100 ms apart
+        (2 * NS + 950 * MS, lambda: setattr(run.time, "now", run.time.now + 100 * MS)),
+        (4 * NS, nothing),
+    )
+    assert 10 <= len(run.sink.stamps) - 6 <= 20
+    assert run.sink.sent_at[6] > 2 * NS + 99 * MS
+    assert (run.sink.punctuality.missed, run.sink.punctuality.worst_ns) == (0, 50 * MS + 100)
+
+
+def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
+    run = ScriptedRun()
+
+    def stall() -> None:
+        run.time.now += 30 * NS
+
+    [_, halted, *_] = run.play(
+        (NS + 5 * MS, stall), (2 * NS, run.live.pause), (100 * NS, run.live.resume), (101 * NS, nothing)
+    )
+    sent = 101 + LARGEST_BATCH
+    assert halted == NS + sent * PERIOD - 1
+    assert run.sink.stamps == truth(len(run.sink.stamps))
+    assert run.sink.sent_at[sent:] == [100 * NS + 1 + k * PERIOD for k in range(len(run.sink.stamps) - sent)]
+    assert run.sink.latest[-1] == 0
+
+
+@example([(100 * MS, 50 * MS)])  # late by just a period
+@given(st.lists(st.tuples(st.integers(0, 100 * MS), st.integers(0, 80 * MS)), max_size=8))
+@pytest.mark.parametrize(("rate", "factor"), [(100.0, 1.0), (100.0, 2.0), (5000.0, 1.0), (30.0, 0.5)])
+@settings(max_examples=25)
+def test_missed_deadlines_are_those_of_the_definition(
+    rate: float, factor: float, stalls: list[tuple[int, int]]
+) -> None:
+    run, script, at = ScriptedRun(rate=rate, factor=factor), [], 0
+
+    def stall(length: int) -> object:
+        def act() -> None:
+            run.time.now += length
+
+        return act
+
+    for gap, length in stalls:
+        at += gap
+        script.append((at, stall(length)))
+    run.play(*script, (at + 200 * MS, nothing))  # type: ignore[arg-type]
+    lateness = [
+        moment - math.ceil((stamp - NS) / Fraction(repr(factor)))
+        for stamp, moment in zip(run.sink.stamps, run.sink.sent_at, strict=True)
+    ]
+    deadline = max(MS, math.ceil(NS / Fraction(repr(rate)) / Fraction(repr(factor))))
+    punctuality = run.sink.punctuality
+    assert punctuality.sent == len(lateness)
+    assert punctuality.missed == sum(late > deadline for late in lateness)
+    assert punctuality.worst_ns == max(lateness)
+
+
+def test_to_stop_is_to_pause_at_the_start() -> None:
+    run = ScriptedRun()
+    states: list[RunState] = []
+    answers = run.play(
+        (NS + 5 * MS, lambda: run.live.stop(run.scenario)),
+        (2 * NS, lambda: states.append(run.live.state)),
+        (2 * NS, lambda: run.live.step(1)),
+        (3 * NS, run.live.resume),
+        (4 * NS, lambda: states.append(run.live.state)),
+    )
+    _, second = run.sink.segments
+    assert (answers[0], second.start_ns) == (second, truth(1, 101)[0])
+    assert states == [RunState.STOPPED, RunState.PLAYING]
+    assert isinstance(answers[2], ControlError)
+    assert "stopped" in str(answers[2])
+    assert run.sink.stamps == truth(len(run.sink.stamps))
+    # time stands just before the start
+    assert run.sink.sent_at[101] == 3 * NS + 1
+    batch = next(batch for batch in run.sink.batches if batch.samples.stamps_ns[0] == second.start_ns)
+    assert batch.samples.states[0].attitude_xyzw.tolist() == [0.0, 0.0, 0.0, 1.0]
+
+
+def test_the_latest_sample_is_the_next_one_where_a_motion_begins() -> None:
+    run = ScriptedRun(paused=True)
+    wanted = Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [0.0, 0.0, 2.0]})
+    answers = run.play(
+        (NS, lambda: run.live.latest),
+        (2 * NS, lambda: run.live.step(3)),
+        (3 * NS, lambda: run.live.latest),
+        (3 * NS, lambda: run.live.reset(wanted)),
+        (3 * NS, lambda: run.live.latest),
+    )
+    stamps = [answer[0] for answer in answers if isinstance(answer, tuple)]
+    assert stamps == [NS, NS + 2 * PERIOD, NS + 3 * PERIOD]
+    last = answers[-1]
+    assert isinstance(last, tuple)
+    assert last[1].body_rate.tolist() == [0.0, 0.0, 2.0]
+
+
+ACTIONS = ["pause", "resume", "reset", "stop", "step", "steps", "half", "double", "unlimited", "stall"]
+
+
+@given(st.lists(st.tuples(st.integers(0, 20 * MS), st.sampled_from(ACTIONS)), max_size=20))
+@settings(max_examples=60)
+def test_no_stamp_is_lost_or_doubled_whatever_comes(rain: list[tuple[int, str]]) -> None:
+    run, at = ScriptedRun(rate=333.3, imu_rate=1000.0, magnetometer_rate=77.0), 0
+    live = run.live
+    actions = {
+        "pause": live.pause,
+        "resume": live.resume,
+        "reset": lambda: live.reset(run.scenario),
+        "stop": lambda: live.stop(run.scenario),
+        "step": lambda: live.step(1),
+        "steps": lambda: live.step(700),
+        "half": lambda: live.change_factor(0.5),
+        "double": lambda: live.change_factor(2.0),
+        "unlimited": lambda: live.change_factor(0.0) if live.state is not RunState.PLAYING else None,
+        "stall": lambda: setattr(run.time, "now", run.time.now + 3 * NS),
+    }
+    script = []
+    for gap, name in rain:
+        at += gap
+        script.append((at, actions[name]))
+    answers = run.play(*script, (at + 20 * MS, nothing))
+    assert [a for a in answers if isinstance(a, Exception) and not isinstance(a, ControlError)] == []
+    for stamps, rate in (
+        (run.sink.stamps, 333.3),
+        (run.sink.sensor_stamps(IMU_DATA), 1000.0),
+        (run.sink.sensor_stamps(IMU_BIAS), 1000.0),
+        (run.sink.sensor_stamps(MAG), 77.0),
+    ):
+        assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
