@@ -64,6 +64,8 @@ EXTRAS = {
         "setuptools",
         "wheel",
     ],
+    # The last brings MathJax, so that pages need no network.
+    "docs": ["furo", "myst-parser>=4", "sphinx>=8", "sphinx-mathjax-offline"],
     "lint": ["mypy", "ruff", "scipy-stubs", "types-PyYAML", "types-tqdm"],
 }
 

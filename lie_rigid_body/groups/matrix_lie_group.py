@@ -309,7 +309,7 @@ class MatrixLieGroup:
         return self.elements.project(A)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Array:
-        """Independent random elements, shape (*shape, n, n).
+        """Independent random elements, shape `shape` + (n, n).
 
         By Haar measure for SO(n), SU(n), U(1) and their products; for a group from generators, the exponentials of
         standard normal coordinates.
