@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from decimal import Decimal, localcontext
 from functools import cache
 from importlib.metadata import version
@@ -14,16 +13,14 @@ import pytest
 
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
+from peers import registry
+from peers.contender import Contender, step_text
+from peers.measurement import Row, ahead, measure
+from peers.table import MARK, replaced, short_table
+from peers.task import NS, TASKS, Task
+from peers.truth import errors, truth
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-from peers import registry  # noqa: E402
-from peers.contender import Contender, step_text  # noqa: E402
-from peers.measurement import Row, ahead, measure  # noqa: E402
-from peers.table import MARK, replaced, short_table  # noqa: E402
-from peers.task import NS, TASKS, Task  # noqa: E402
-from peers.truth import errors, truth  # noqa: E402
 
 BRIEF = Task("brief", "two attitudes", np.array([NS, 2 * NS]), np.arange(2))
 DENSE = Task("dense", "a second at 1 kHz", np.arange(1, 1001) * (NS // 1000), np.array([131, 344, 475, 688, 901, 999]))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from random_masses import assert_same
 from scipy.integrate import nquad
 from scipy.special import erf
 
 from lie_rigid_body import InputError
 from lie_rigid_body.mechanics import ball, box, moments_of_density, moments_of_points, moments_on_grid
+from random_masses import assert_same
 
 POINTS = np.vstack([np.eye(3), -np.eye(3)])
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from random_masses import assert_same, dimensions, direct_sum, random_points, rotation_of, seeds
 
 from lie_rigid_body import InputError, RigidBody
 from lie_rigid_body.lie import so3
@@ -17,6 +16,7 @@ from lie_rigid_body.mechanics import (
     rotated_second_moment,
     second_moment_about,
 )
+from random_masses import assert_same, dimensions, direct_sum, random_points, rotation_of, seeds
 
 UNIT = np.eye(3)
 
