@@ -61,6 +61,7 @@ def test_sine_and_cosine_of_whole_quarters_are_exact():
     np.testing.assert_array_equal(c, [-1.0, 0.0, 1.0, 0.0, -1.0])
 
 
+@pytest.mark.long
 def test_the_exponential_is_right_to_a_unit_in_the_last_place():
     x = sizes()
     decay, fall = exponential.exponential(x)

@@ -104,6 +104,7 @@ def test_round_off_of_the_best_stepper_is_a_random_walk():
     assert limits.world_momentum(np.array([1e6])).max() < 6e-15
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dmv2", "dmv4", "dmv6"])
 def test_low_orders_err_in_phase_only(method):
     found = certified(run({**FAST, "method": method, "max_step": 5e-5}, 300))

@@ -114,6 +114,7 @@ def assert_begins_at_the_start(motion: GeneralMotion, inertia, rate) -> None:
         assert abs(exact(motion.polhode_clock.start) - turns) <= mpf(2) ** -56
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, NAMES, SIGNS)
 def test_constants_of_ordinary_motions(j1, j3, fan, m1, w2, w3, names, signs):
@@ -133,6 +134,7 @@ def turned(moments, rates, turn) -> tuple[list[list[float]], list[float]]:
     return (0.5 * (tensor + tensor.T)).tolist(), (matrix @ np.array(rates)).tolist()
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, TURNS)
 def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
@@ -161,6 +163,7 @@ def test_moments_that_hardly_differ_with_products_of_inertia(apart: float, close
             assert_rates(motion, inertia, rate, COUPLED_BOUND)
 
 
+@pytest.mark.long
 @settings(max_examples=120, deadline=None)
 @given(st.floats(1.0, 400.0), st.sampled_from([2.5, 8.0, 30.0, 120.0, 400.0]), SIDES, st.floats(2e-3, 1.0), SIGNS)
 def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, side, m1, signs):
@@ -176,6 +179,7 @@ def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, 
         assert_rates(in_decimals(inertia, rate), inertia, rate, DECIMAL_BOUND)
 
 
+@pytest.mark.long
 @settings(max_examples=90, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.1, 8.0), st.sampled_from([0.5, 2.0**-10]), SIDES, RATES, SIGNS)
 def test_either_arithmetic_is_right_on_both_sides_of_each_parameter(j1, j3, fan, switch, side, w2, signs):

@@ -150,6 +150,7 @@ def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: 
         read_bag(cut)
 
 
+@pytest.mark.long
 def test_a_flipped_bit_is_refused_wherever_it_is(make_bag: MakeBag, tmp_path: Path) -> None:
     """Each byte of our files but the two magics is under a checksum."""
     whole, damaged = make_bag(count=1500).read_bytes(), tmp_path / "damaged.mcap"

@@ -176,6 +176,7 @@ def test_at_equal_stamps_the_truth_comes_first() -> None:
     assert len(found) == 2 * 101 + 2 * 201 + 51
 
 
+@pytest.mark.long
 def test_a_bag_recorded_without_ros_holds_the_same_bytes(at_once: list[Message], tmp_path: Path) -> None:
     given = {**BODY, **RATES, **NOISY, "motion": "closed_form", "epoch_ns": EPOCH}
     assignments = [argument for name, value in given.items() for argument in ("-p", f"{name}:={value}")]
