@@ -96,7 +96,8 @@ def test_a_fixed_step_has_its_order(family, order):
     used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
     if family == "MuJoCo, RK4" and int(version("mujoco").split(".")[0]) < 4:
         order = 2  # of a joint that turns; 4 since MuJoCo 4
-    slope = np.polyfit(*np.log(np.array(used)).T, 1)[0]
+    steps, errors_of_them = np.log(np.array(used)).T
+    slope = np.polyfit(steps, errors_of_them, 1)[0]
     assert len(used) >= 3
     assert slope == pytest.approx(order, abs=0.25)
 
@@ -107,8 +108,8 @@ def test_the_closed_form_is_exact():
 
 def test_a_spline_through_exact_attitudes_errs_between_them():
     pairs = of_family("SciPy, RotationSpline", DENSE)
-    used = [(h, e) for h, e in pairs if h >= 0.01]
-    assert np.polyfit(*np.log(np.array(used)).T, 1)[0] > 3.0
+    steps, errors_of_them = np.log(np.array([(h, e) for h, e in pairs if h >= 0.01])).T
+    assert np.polyfit(steps, errors_of_them, 1)[0] > 3.0
 
 
 def test_the_default_moving_chart_is_the_unit():

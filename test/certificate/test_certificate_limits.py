@@ -15,7 +15,7 @@ from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.scenario import Scenario
 
 FAST = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9], "epoch_ns": 1_792_000_000_123_456_789}
-MOTIONS = {
+MOTIONS: dict[str, dict[str, object]] = {
     "closed form": {**FAST, "motion": "closed_form"},
     "dmv20": {**FAST, "max_step": 0.01},
     "dmv8": {**FAST, "method": "dmv8"},

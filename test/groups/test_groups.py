@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -214,7 +215,7 @@ def test_wrong_shapes_and_number_types_are_refused():
         (product, 3, r"product\(\) of 3, which is no MatrixLieGroup: give groups"),
     ):
         with pytest.raises(InputError, match=said):
-            function(argument)
+            function(cast(Any, argument))
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-200, 1e-10, 1.0, 1e10, 1e200])

@@ -123,6 +123,7 @@ def test_constants_of_ordinary_motions(j1, j3, fan, m1, w2, w3, names, signs):
     inertia, rate = placed(moments, rates_for(moments, m1, w2, w3), names, signs)
     motion = ordinary(inertia, rate)
     assume(motion is not None)
+    assert motion is not None
     assert_rates(motion, inertia, rate, RATE_BOUND)
     assert_begins_at_the_start(motion, inertia, rate)
 
@@ -145,6 +146,7 @@ def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
     inertia, rate = turned(moments, rates, turn)
     motion = ordinary(inertia, rate)
     assume(motion is not None)
+    assert motion is not None
     assert_rates(motion, inertia, rate, COUPLED_BOUND)
     slow = in_decimals(inertia, rate)
     np.testing.assert_allclose(all_but_low_parts(motion), all_but_low_parts(slow), rtol=0.0, atol=4e-15)
@@ -170,7 +172,7 @@ def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, 
     fan = ratio * side * math.sqrt(m1)
     assume(fan > 1.001 and j3 > 1.001)
     for ends in ((1.0, j3), (j3, 1.0)):
-        moments = moments_for(*ends, fan)
+        moments = moments_for(ends[0], ends[1], fan)
         inertia, rate = placed(moments, rates_for(moments, m1, 0.3, 1.0), (0, 1, 2), signs)
         motion = ordinary(inertia, rate)
         assert (motion is None) == (ratio * side > 400.0)
@@ -273,7 +275,7 @@ def test_constants_have_the_same_bits_alone_and_together():
 @pytest.mark.parametrize("ends", [(0.7, 1.0), (1.0, 0.7)])
 @pytest.mark.parametrize("fan", [1.0 + 1e-9, 2.2, 9.0])
 def test_states_are_right_after_ten_thousand_million_radians(m1: float, ends: tuple[float, float], fan: float):
-    moments = moments_for(*ends, fan)
+    moments = moments_for(ends[0], ends[1], fan)
     c1 = abs(ends[1] - ends[0]) * ends[1]
     w2 = 0.3 * math.sqrt(c1 / moments[1] / max(abs(moments[1] - ends[0]), 1e-3))
     rate = rates_for(moments, m1, w2, 1.0) if fan > 2.0 else (0.2, 0.7, 1.0)

@@ -49,7 +49,11 @@ class Peer:
             self.node.destroy_subscription(subscription)
 
     def spin_until(self, condition: Callable[[], object], what: str) -> None:
-        eventually(lambda: bool(rclpy.spin_once(self.node, timeout_sec=0.1) or condition()), what)
+        def spun() -> bool:
+            rclpy.spin_once(self.node, timeout_sec=0.1)
+            return bool(condition())
+
+        eventually(spun, what)
 
     def reset(self) -> Trigger.Response:
         return self.answer(Trigger, "/lie_rigid_body/reset", Trigger.Request())
