@@ -39,18 +39,22 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
-README_LINKS = {"](docs/": "](", "](config/": "](../config/", "](LICENSE": "](../LICENSE"}
+PAGES_ABOVE = {"README.md": "readme", "CONTRIBUTING.md": "contributing"}
 
 
-def with_readme(app: Any, page: str, source: list[str]) -> None:
-    """Make the README of the folder above a page of the site, and let other pages link to it there."""
-    readme = Path(app.srcdir).parent / "README.md"
-    if page != "readme":
-        source[0] = source[0].replace("](../README.md", "](readme.md")
-    elif readme.is_file():
-        source[0] = readme.read_text(encoding="utf-8")
-        for above, here in README_LINKS.items():
-            source[0] = source[0].replace(above, here)
+def with_pages_above(app: Any, page: str, source: list[str]) -> None:
+    """Make pages of the folder above pages of the site, and let links to and from them fit."""
+    for file, name in PAGES_ABOVE.items():
+        above = Path(app.srcdir).parent / file
+        if page == name and above.is_file():
+            source[0] = re.sub(r"\]\((?!https?:|#)(docs/)?([^)#]+)", link_from_above, above.read_text(encoding="utf-8"))
+        source[0] = source[0].replace(f"](../{file}", f"]({name}.md")
+
+
+def link_from_above(found: re.Match[str]) -> str:
+    """A link of such a page, as this folder sees it; what is no page of the site is a file to load."""
+    within, target = found.groups()
+    return f"]({target}" if within else f"](../{target}" if target in PAGES_ABOVE else f"](path:../{target}"
 
 
 def with_bars(_app: object, _what: str, _name: str, _object: object, _options: object, lines: list[str]) -> None:
@@ -60,5 +64,5 @@ def with_bars(_app: object, _what: str, _name: str, _object: object, _options: o
 
 def setup(app: Any) -> None:
     """Tell Sphinx what to do when it has read a page or a docstring."""
-    app.connect("source-read", with_readme)
+    app.connect("source-read", with_pages_above)
     app.connect("autodoc-process-docstring", with_bars)
