@@ -14,10 +14,11 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim test test-slow test-oldest lint docs bench clean
+.PHONY: help sim quick test test-slow test-oldest lint docs bench clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
+	@echo "make quick        the loop of editing, within a minute: lint, and of most tests one case"
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
 	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
@@ -28,6 +29,9 @@ help:
 
 sim:
 	@exec scripts/sim.sh $(ARGS)
+
+quick:
+	@exec scripts/quick.sh $(ARGS)
 
 test: lint
 	@exec scripts/test.sh newest $(ARGS)
