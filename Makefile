@@ -14,19 +14,24 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim test test-slow test-oldest lint bench clean
+.PHONY: help sim quick test test-slow test-oldest lint docs bench clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
+	@echo "make quick        the loop of editing, within a minute: lint, and of most tests one case"
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
 	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
 	@echo "make lint         check style and types"
+	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
 	@echo "make bench        run beside other software    ARGS=--save also writes the pictures and tables of docs/"
 	@echo "make clean        remove environments, caches and build folders"
 
 sim:
 	@exec scripts/sim.sh $(ARGS)
+
+quick:
+	@exec scripts/quick.sh $(ARGS)
 
 test: lint
 	@exec scripts/test.sh newest $(ARGS)
@@ -40,10 +45,13 @@ test-oldest:
 lint:
 	@exec scripts/lint.sh
 
+docs:
+	@exec scripts/docs.sh
+
 bench:
 	@exec scripts/bench.sh $(ARGS)
 
 clean:
-	rm -rf .venv .venv-headless .venv-oldest .venv-bench .cache build install log dist *.egg-info
+	rm -rf .venv .venv-headless .venv-oldest .venv-docs .venv-bench .cache build install log dist *.egg-info
 	rm -rf .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -64,7 +64,16 @@ EXTRAS = {
         "setuptools",
         "wheel",
     ],
-    "lint": ["mypy", "ruff", "scipy-stubs", "types-PyYAML", "types-tqdm"],
+    # The last brings MathJax, so that pages need no network.
+    "docs": ["furo", "myst-parser>=4", "sphinx>=8", "sphinx-mathjax-offline"],
+    # Exact, so that a new release breaks nobody's tests. Types are checked with Python 3.12, which scipy-stubs needs.
+    "lint": [
+        "mypy==2.4.1",
+        "ruff==0.17.6",
+        "scipy-stubs==1.18.1.1; python_version >= '3.12'",
+        "types-PyYAML==6.0.12.20261113",
+        "types-tqdm==4.70.0.20261106",
+    ],
 }
 
 # Folders of their own: what lies in config/ itself is a scenario.

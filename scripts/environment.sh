@@ -5,6 +5,7 @@
 #   environment.sh headless  .venv-headless  the same without ROS
 #   environment.sh any       the first of these two that there is a Python for
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
+#   environment.sh docs      .venv-docs      what builds the site
 #   environment.sh bench     .venv-bench     the software that the benchmark compares with; PyBullet where it is built
 #
 # Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
@@ -35,6 +36,9 @@ case $kind in
     oldest)
         python=$(scripts/find-python.sh live) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
+    docs)
+        python=$(scripts/find-python.sh headless) || no_python
+        folder=.venv-docs extras=docs ;;
     bench)
         python=$(scripts/find-python.sh bench 2>/dev/null || scripts/find-python.sh headless) || no_python
         folder=.venv-bench extras=bench never_compiled=pybullet ;;

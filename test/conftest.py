@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from importlib.util import find_spec
 
 import hypothesis
@@ -14,6 +14,7 @@ from ros_domains import own_domain
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000)
+hypothesis.settings.register_profile("quick", derandomize=True, deadline=None, database=None, max_examples=5)
 hypothesis.settings.load_profile("repeatable")
 
 ROS_INSTALLED = find_spec("rclpy") is not None
@@ -22,6 +23,7 @@ ROS_LEFT_OUT = "rclpy is not installed"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="run the tests marked slow as well")
+    parser.addoption("--one-case", action="store_true", help="run the first case of each parametrised test")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -34,12 +36,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in items:
             if item.get_closest_marker("ros"):
                 item.add_marker(pytest.mark.skip(reason=ROS_LEFT_OUT))
-    if config.getoption("--run-slow") or config.getoption("-m"):
-        return
-    slow = [item for item in items if item.get_closest_marker("slow")]
-    if slow:
-        config.hook.pytest_deselected(items=slow)
-        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+    if config.getoption("--one-case"):
+        first = {item.nodeid.partition("[")[0]: item for item in reversed(items)}
+        leave_out(config, items, {*items}.difference(first.values()))
+    if not (config.getoption("--run-slow") or config.getoption("-m")):
+        leave_out(config, items, {item for item in items if item.get_closest_marker("slow")})
+
+
+def leave_out(config: pytest.Config, items: list[pytest.Item], unwanted: Collection[pytest.Item]) -> None:
+    if unwanted:
+        config.hook.pytest_deselected(items=unwanted)
+        items[:] = [item for item in items if item not in unwanted]
 
 
 @pytest.hookimpl(hookwrapper=True, tryfirst=True)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import rooms
+
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.glob("*.md"))
 
@@ -34,3 +36,15 @@ def test_pictures_pages_and_tests_it_names_exist(page):
 
 def test_the_paper_page_has_code():
     assert len(blocks(DOCS / "paper.md")) >= 10
+
+
+def test_the_picture_of_the_rooms_is_that_of_the_imports():
+    drawn = rooms.PICTURE.read_text(encoding="utf-8")
+    assert drawn == rooms.svg(), "draw it anew: python docs/rooms.py"
+
+
+def test_the_reference_has_every_room_for_use_from_python():
+    reference = "".join(page.read_text(encoding="utf-8") for page in sorted((DOCS / "reference").glob("*.rst")))
+    named = set(re.findall(r"automodule:: lie_rigid_body\.(\w+)", reference))
+    folders = {room for room in rooms.arrows() if (rooms.SOURCES / room / "__init__.py").is_file()}
+    assert folders - named == {"", "cli", "ros"}

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
-PACKAGE = "lie_rigid_body"
-SOURCES = Path(__file__).parent.parent / PACKAGE
+from rooms import MODULES, PACKAGE, imports, room
 
 # What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
 # package, and its own __init__ is the room "".
@@ -46,41 +41,6 @@ IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tem
 ROS = {"ament_index_python", "builtin_interfaces", "launch", "launch_ros", "rclpy", "rosidl_runtime_py"}
 ROS_SUFFIXES = ("_msgs", "_srvs", "_interfaces")
 MOTION = f"{PACKAGE}.motion"
-VERSION = f"{PACKAGE}.__version__"
-
-
-def source_modules() -> dict[str, Path]:
-    """Every module of the package by its full name."""
-    found = {}
-    for path in sorted(SOURCES.rglob("*.py")):
-        parts = path.relative_to(SOURCES.parent).with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
-    return found
-
-
-MODULES = source_modules()
-
-
-def imports(source: str, module: str, *, is_package: bool = False) -> Iterator[str]:
-    """Every module that a source imports, wherever in it, by its full name."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                folder = module.split(".")[: -node.level + is_package or None]
-                base = ".".join([*folder, *([base] if base else [])])
-            for alias in node.names:
-                full = f"{base}.{alias.name}"
-                if full != VERSION:
-                    yield full if full in MODULES or (base == PACKAGE and alias.name in MAY_IMPORT) else base
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
-            yield from (a.value for a in node.args if isinstance(a, ast.Constant) and isinstance(a.value, str))
-
-
-def room(module: str) -> str:
-    return module.removeprefix(PACKAGE).removeprefix(".").partition(".")[0]
 
 
 def head(module: str) -> str:

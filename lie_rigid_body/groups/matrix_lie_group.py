@@ -342,7 +342,7 @@ class MatrixLieGroup:
         return self.elements.project(A)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Matrix:
-        """Independent random elements, shape (*shape, n, n).
+        """Independent random elements, shape `shape` + (n, n).
 
         They are distributed by the Haar measure for SO(n), SU(n), U(1) and their products. For a group from generators
         they are exponentials of standard normal coordinates.

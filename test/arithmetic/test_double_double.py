@@ -171,5 +171,7 @@ def test_compiled_code_gives_the_same_bits(monkeypatch):
     monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
     work = Work(every_operation, "void(float64[:,::1], float64[:,::1], float64[:,::1])", 1)
     assert work.compile()
-    work.compiled_for(0)(a, b, compiled)
+    run = work.compiled_for(0)
+    assert run is not None
+    run(a, b, compiled)
     np.testing.assert_array_equal(compiled, plain)

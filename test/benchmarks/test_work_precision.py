@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from decimal import Decimal, localcontext
 from functools import cache
 from importlib.metadata import version
@@ -14,16 +13,14 @@ import pytest
 
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
+from peers import registry
+from peers.contender import Contender, step_text
+from peers.measurement import Row, ahead, measure
+from peers.table import MARK, replaced, short_table
+from peers.task import NS, TASKS, Task
+from peers.truth import errors, truth
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-from peers import registry  # noqa: E402
-from peers.contender import Contender, step_text  # noqa: E402
-from peers.measurement import Row, ahead, measure  # noqa: E402
-from peers.table import MARK, replaced, short_table  # noqa: E402
-from peers.task import NS, TASKS, Task  # noqa: E402
-from peers.truth import errors, truth  # noqa: E402
 
 BRIEF = Task("brief", "two attitudes", np.array([NS, 2 * NS]), np.arange(2))
 DENSE = Task("dense", "a second at 1 kHz", np.arange(1, 1001) * (NS // 1000), np.array([131, 344, 475, 688, 901, 999]))
@@ -99,7 +96,8 @@ def test_a_fixed_step_has_its_order(family, order):
     used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
     if family == "MuJoCo, RK4" and int(version("mujoco").split(".")[0]) < 4:
         order = 2  # of a joint that turns; 4 since MuJoCo 4
-    slope = np.polyfit(*np.log(np.array(used)).T, 1)[0]
+    steps, errors_of_them = np.log(np.array(used)).T
+    slope = np.polyfit(steps, errors_of_them, 1)[0]
     assert len(used) >= 3
     assert slope == pytest.approx(order, abs=0.25)
 
@@ -110,8 +108,8 @@ def test_the_closed_form_is_exact():
 
 def test_a_spline_through_exact_attitudes_errs_between_them():
     pairs = of_family("SciPy, RotationSpline", DENSE)
-    used = [(h, e) for h, e in pairs if h >= 0.01]
-    assert np.polyfit(*np.log(np.array(used)).T, 1)[0] > 3.0
+    steps, errors_of_them = np.log(np.array([(h, e) for h, e in pairs if h >= 0.01])).T
+    assert np.polyfit(steps, errors_of_them, 1)[0] > 3.0
 
 
 def test_the_default_moving_chart_is_the_unit():

@@ -47,6 +47,7 @@ semi_axes = st.tuples(*[st.floats(0.1, 3.0)] * 3)
 rates = st.tuples(*[st.floats(-2.0, 2.0)] * 3).filter(lambda w: np.linalg.norm(w) > 0.1)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 @given(semi_axes, rates, st.sampled_from([*METHODS, "closed_form"]), st.floats(1e-4, 3e-2))
 def test_errors_of_honest_runs_stay_below_their_derived_limits(axes, rate, how, step):

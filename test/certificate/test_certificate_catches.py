@@ -17,7 +17,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
-SCENARIOS = {
+SCENARIOS: dict[str, dict[str, object]] = {
     "default": {},
     "closed form": {"motion": "closed_form", "inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9]},
     "products": {

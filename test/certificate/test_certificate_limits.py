@@ -15,7 +15,7 @@ from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.scenario import Scenario
 
 FAST = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9], "epoch_ns": 1_792_000_000_123_456_789}
-MOTIONS = {
+MOTIONS: dict[str, dict[str, object]] = {
     "closed form": {**FAST, "motion": "closed_form"},
     "dmv20": {**FAST, "max_step": 0.01},
     "dmv8": {**FAST, "method": "dmv8"},
@@ -104,6 +104,7 @@ def test_round_off_of_the_best_stepper_is_a_random_walk():
     assert limits.world_momentum(np.array([1e6])).max() < 6e-15
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dmv2", "dmv4", "dmv6"])
 def test_low_orders_err_in_phase_only(method):
     found = certified(run({**FAST, "method": method, "max_step": 5e-5}, 300))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -55,7 +56,8 @@ def test_bad_places_and_bags(bag, tmp_path, capsys):
 
 def test_it_shows_rate_drifts_and_polhode_with_units(bag):
     figure = draw(recorded_segments(read_bag(bag)))
-    rate, energy, momentum, polhode = figure.axes
+    rate, energy, momentum = figure.axes[:3]
+    polhode: Any = figure.axes[3]
     assert "rad/s" in rate.get_ylabel()
     assert "energy drift" in energy.get_ylabel()
     assert "momentum drift" in momentum.get_ylabel()
@@ -73,7 +75,7 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     bag = write_bag(tmp_path / "bag.mcap", inertia=inertia, initial_body_rate=[0.4, -1.2, 0.7])
     pieces = recorded_segments(read_bag(bag))
     body = pieces[0].segment.scenario.body()
-    polhode = draw(pieces).axes[3]
+    polhode: Any = draw(pieces).axes[3]
     paths = [line for line in polhode.get_lines() if line.get_linewidth() > 2]
     assert paths
     for line in paths:
@@ -103,7 +105,7 @@ def test_many_samples_do_not_hide_each_other(tmp_path):
         for n in (99, 30_000)
     )
     assert few.axes[0].get_lines()[0].get_alpha() is None
-    assert many.axes[0].get_lines()[0].get_alpha() < 1.0
+    assert (many.axes[0].get_lines()[0].get_alpha() or 1.0) < 1.0
 
 
 def segments(tmp_path, *counts: int) -> list:
@@ -141,8 +143,9 @@ def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
     figure = draw(recorded_segments(read_bag(bag)))
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    left = max(axes.get_tightbbox().x1 for axes in figure.axes[:3])
-    assert figure.axes[3].zaxis.get_tightbbox(canvas.get_renderer()).x0 > left + 90.0
+    *others, polhode = cast(Any, figure.axes)
+    left = max(axes.get_tightbbox().x1 for axes in others)
+    assert polhode.zaxis.get_tightbbox(canvas.get_renderer()).x0 > left + 90.0
 
 
 def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):

@@ -87,7 +87,7 @@ def test_later_parameters_win(tmp_path: Path, out: Path) -> None:
     low, high = tmp_path / "low.yaml", tmp_path / "high.yaml"
     low.write_text("/**: {ros__parameters: {rate: 10.0, body_frame: low, world_frame: low, record_path: /no/where}}")
     high.write_text("lie_rigid_body: {ros__parameters: {rate: 20.0, body_frame: high}}")
-    files = ["--params-file", low, "--params-file", high]
+    files = ["--params-file", str(low), "--params-file", str(high)]
     recording = recorded(out, "-p", "rate:=40.0", *files, "--scenario", "slow_dzhanibekov", "--duration", "1")
     scenario = Segment.from_json(recording.scenario_texts[0][1]).scenario
     assert (scenario.rate, scenario.body_frame, scenario.world_frame) == (40.0, "high", "low")

@@ -102,6 +102,12 @@ def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
     assert asked
 
 
+def started(compiler: Compiler | None) -> subprocess.Popen[bytes]:
+    assert compiler is not None
+    assert compiler._process is not None
+    return compiler._process
+
+
 @needs_numba
 def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, tmp_path):
     """From one piece of a sample to the next, and the result is that of Python alone."""
@@ -112,8 +118,9 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
     monkeypatch.setattr(loops, "LONG_WORK", 1)
     loop = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop._compiled is None
-    process = loop._compiler._process
+    not_yet = loop._compiled
+    assert not_yet is None
+    process = started(loop._compiler)
     assert process.wait(60) == 0
     np.testing.assert_array_equal(done(loop, steps), expected)
     assert loop._compiled is not None
@@ -139,8 +146,8 @@ def test_the_compiling_process_ends_with_the_work(tmp_path):
 def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     compiler = Compiler.of(munthe_kaas_loop.advance, SIGNATURE)
+    started(compiler).kill()
     assert compiler is not None
-    compiler._process.kill()
     assert compiler.result() is None
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from sample_groups import COMPACT
@@ -206,7 +208,7 @@ def test_wrong_shapes_and_number_types_are_refused():
         (product, 3, r"product\(\) of 3, which is no MatrixLieGroup: give groups"),
     ):
         with pytest.raises(InputError, match=said):
-            function(argument)
+            function(cast(Any, argument))
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-200, 1e-10, 1.0, 1e10, 1e200])

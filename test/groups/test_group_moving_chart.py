@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -212,6 +214,7 @@ def test_translations_may_be_of_any_length():
     )
 
 
+@pytest.mark.long
 def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     group = MatrixLieGroup.from_generators([np.diag([1j, np.sqrt(2.0) * 1j])], name="torus")
     lagrangian, rate = Lagrangian(group, [[1.0]]), np.array([1.0])
@@ -284,7 +287,8 @@ def test_bad_input_is_refused():
         GroupMovingChart(lagrangian, GroupState(start.element, start.rate * np.nan))
     with pytest.raises(InputError, match="inf off"):
         GroupMovingChart(lagrangian, GroupState(start.element * np.nan, start.rate))
-    for rate, kind in ((start.rate + 0j, "complex128"), (["a"] * 6, "<U1")):
+    rates: tuple[tuple[Any, str], ...] = ((start.rate + 0j, "complex128"), (["a"] * 6, "<U1"))
+    for rate, kind in rates:
         with pytest.raises(InputError, match=rf"rates on SO\(4\) are of type {kind}: give 6 real numbers"):
             GroupMovingChart(lagrangian, GroupState(start.element, rate))
     with pytest.raises(ParameterError, match="rkmk9"):

@@ -102,6 +102,7 @@ def random_body(name):
     return Lagrangian(group, random_metric(np.random.default_rng(52), group.dimension))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", GROUPS)
 def test_the_action_is_extremal(name):
     body = random_body(name)

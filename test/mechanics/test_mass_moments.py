@@ -91,9 +91,9 @@ def test_a_flat_body_far_away_keeps_its_digits():
 @pytest.mark.parametrize(
     ("build", "said"),
     [
-        (lambda: MassMoments(0.0, [0, 0], np.eye(2)), "mass: 0 kg is not positive"),
-        (lambda: MassMoments(1.0, [0, 0], UNIT), "3 dimensions where the body has 2"),
-        (lambda: MassMoments(1.0, [0, 0, 0], np.diag([1, 1, -0.5])), "smallest eigenvalue -0.5 is below 0"),
+        (lambda: MassMoments(0.0, np.zeros(2), np.eye(2)), "mass: 0 kg is not positive"),
+        (lambda: MassMoments(1.0, np.zeros(2), UNIT), "3 dimensions where the body has 2"),
+        (lambda: MassMoments(1.0, np.zeros(3), np.diag([1, 1, -0.5])), "smallest eigenvalue -0.5 is below 0"),
         (lambda: ball(1.0, 1.0) + ball(1.0, 1.0, 4), "4 dimensions where the body has 3"),
         (lambda: ball(1.0, 1.0) - ball(1.0, 1.0), "0 kg would be left"),
         (lambda: ball(2.0, 1.0) - ball(1.0, 3.0), "smallest eigenvalue"),

@@ -150,8 +150,8 @@ def test_our_quadrature_agrees_over_curved_regions(n):
         (lambda: ball(-1.0, 1.0), "mass: -1 kg is not positive"),
         (lambda: ball(1.0, 0.0), "radius: 0 m is not positive"),
         (lambda: ball(1.0, 1.0, 0), "dimension: 0 is below 1"),
-        (lambda: ball(1.0, 1.0, 2.5), r"dimension: 2\.5 is no whole number: give the number of coordinates"),
-        (lambda: ball(1.0, 1.0, "3"), "dimension: '3' is no whole number"),
+        (lambda: ball(1.0, 1.0, 2.5), r"dimension: 2\.5 is no whole number: give the number of coordinates"),  # type: ignore[arg-type]
+        (lambda: ball(1.0, 1.0, "3"), "dimension: '3' is no whole number"),  # type: ignore[arg-type]
         (lambda: ellipsoid(1.0, [1.0, -2.0]), "semi-axes: -2 m"),
         (lambda: ellipsoid(1.0, 1.0), "semi-axes: shape"),
         (lambda: box(0.0, [1.0, 2.0]), "mass: 0 kg"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,15 +31,16 @@ def field_messages(frame: str = "imu_link") -> list[bytes]:
     return MagneticFieldEncoder(frame, 1e-16).encode(STAMPS, FIELDS)
 
 
-def decode_by_schema(message_type: str, payload: bytes) -> SimpleNamespace:
+def decode_by_schema(message_type: str, payload: bytes) -> Any:
     schema = Schema(1, definition(message_type).encode(), "ros2msg", message_type)
     decode = DecoderFactory().decoder_for("cdr", schema)
     assert decode is not None
     return decode(payload)
 
 
-def decode_by_rosbags(message_type: str, payload: bytes) -> SimpleNamespace:
-    return STORE.deserialize_cdr(payload, message_type)
+def decode_by_rosbags(message_type: str, payload: bytes) -> Any:
+    message: Any = STORE.deserialize_cdr(payload, message_type)
+    return message
 
 
 DECODERS = pytest.mark.parametrize("decode", [decode_by_schema, decode_by_rosbags])

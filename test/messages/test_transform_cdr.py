@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
@@ -19,7 +21,8 @@ ATTITUDES = np.array(
 
 
 def require_transform(payload: bytes, k: int, frame: str, child: str) -> None:
-    [transform] = STORE.deserialize_cdr(payload, TYPE).transforms
+    message: Any = STORE.deserialize_cdr(payload, TYPE)
+    [transform] = message.transforms
     stamp, q, t = transform.header.stamp, transform.transform.rotation, transform.transform.translation
     assert stamp.sec * 10**9 + stamp.nanosec == STAMPS[k]
     assert (transform.header.frame_id, transform.child_frame_id) == (frame, child)

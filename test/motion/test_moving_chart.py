@@ -137,6 +137,7 @@ def test_what_is_no_method_is_refused_in_one_line(method):
 @pytest.mark.parametrize("motion", [MovingChart, ClosedForm])
 def test_what_is_no_body_or_no_start_is_refused_in_one_line(motion):
     body, start = RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0])
+    wrong: object
     for wrong in ([1, 2, 3], np.eye(3), start):
         with pytest.raises(InputError, match=r"body .* is not a RigidBody: give") as caught:
             motion(wrong, start)

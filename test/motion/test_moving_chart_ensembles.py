@@ -6,6 +6,7 @@ import tracemalloc
 from collections.abc import Sequence
 from importlib.util import find_spec
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +21,12 @@ from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import integrator as moser_veselov_integrator
+from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import integrator as munthe_kaas_integrator
+from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
 
 TIMES = np.array([0, 0, 1, 77, 123_456_789, 10**9, 1_700_000_000])
-LOOPS = (munthe_kaas_integrator.LOOP, moser_veselov_integrator.LOOP)
+LOOPS = (munthe_kaas_loop.LOOP, moser_veselov_loop.LOOP)
 RUNGE_KUTTA = [name for name, method in METHODS.items() if method.largest_turn > 1.0]
 
 
@@ -160,16 +163,17 @@ def test_too_many_steps_name_the_body():
 
 def test_an_interrupted_motion_has_not_moved(monkeypatch: pytest.MonkeyPatch):
     body, start = many(4)
-    motion, run, calls = MovingChart(body, start), moser_veselov_integrator.LOOP.run, []
+    motion, run = MovingChart(body, start), LOOPS[1].run
+    calls: list[tuple[Any, ...]] = []
 
-    def interrupted(*arguments: object) -> None:
+    def interrupted(*arguments: Any) -> None:
         calls.append(arguments)
         run(*arguments)
         if len(calls) == 3:
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(moser_veselov_integrator.LOOP, "run", interrupted)
+        patch.setattr(LOOPS[1], "run", interrupted)
         with pytest.raises(KeyboardInterrupt):
             motion.at(10**8)
     assert_bits(motion.at([5, 10**8]), MovingChart(body, start).at([5, 10**8]))
@@ -213,7 +217,7 @@ def test_the_memory_limit_is_kept_and_does_not_matter_to_the_bits(bodies: int, t
 
 
 @pytest.mark.parametrize("limit", [1e9, "2 GB", None, True])
-def test_a_memory_limit_that_is_no_number_of_bytes_is_refused(limit: object):
+def test_a_memory_limit_that_is_no_number_of_bytes_is_refused(limit: Any):
     with pytest.raises(InputError, match=r"memory_limit .* give an integer"):
         MovingChart(*many(1)).at(0, memory_limit=limit)
 

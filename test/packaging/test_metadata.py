@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import yaml
+
 import lie_rigid_body
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,6 +24,9 @@ def test_one_name_version_and_license() -> None:
     manifest = [MANIFEST.findtext(tag) for tag in ("name", "version", "license")]
     assert manifest == metadata("--name", "--version", "--license")
     assert manifest[1] == lie_rigid_body.__version__
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert [citation["title"].partition(":")[0], citation["version"], citation["license"]] == manifest
+    assert [citation["authors"][0]["name"], citation["authors"][0]["email"]] == metadata("--author", "--author-email")
 
 
 def test_colcon_recognises_an_ament_python_package() -> None:

@@ -77,7 +77,12 @@ def test_bags_of_other_recorders_are_read(
 def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
     own = make_bag(count=4)
     payloads: list[bytes] = []
-    rewrite(own, tmp_path / "x.mcap", change=lambda n, t, data: payloads.append(data) or data)
+
+    def noted(number: int, topic: str, data: bytes) -> bytes:
+        payloads.append(data)
+        return data
+
+    rewrite(own, tmp_path / "x.mcap", change=noted)
     swapped = {3: payloads[5], 5: payloads[3]}  # messages are scenario, pose, twist, pose, twist, pose …
     path = rewrite(own, tmp_path / "swapped.mcap", change=lambda number, topic, data: swapped.get(number, data))
     assert read_bag(path).poses.stamps_ns.tolist() == [0, 20_000_000, 10_000_000, 30_000_000]
@@ -150,6 +155,7 @@ def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: 
         read_bag(cut)
 
 
+@pytest.mark.long
 def test_a_flipped_bit_is_refused_wherever_it_is(make_bag: MakeBag, tmp_path: Path) -> None:
     """Each byte of our files but the two magics is under a checksum."""
     whole, damaged = make_bag(count=1500).read_bytes(), tmp_path / "damaged.mcap"

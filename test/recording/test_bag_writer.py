@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def test_rosbags_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> N
     path = make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH)
     samples = expected(50, epoch_ns=EPOCH)
     with AnyReader([path]) as reader:
-        messages: dict[str, list[tuple[int, object]]] = {topic: [] for topic in TOPICS}
+        messages: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in TOPICS}
         for connection, time, data in reader.messages():
             messages[connection.topic].append((time, reader.deserialize(data, connection.msgtype)))
     assert [time for time, _ in messages["/pose"]] == [time for time, _ in messages["/twist"]]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -36,12 +37,14 @@ def main(out: str, namespace: str, samples: str, reset_after: str) -> None:
     scenarios: list[str] = []
     reset = node.create_client(Trigger, f"{namespace}/lie_rigid_body/reset")
     assert reset.wait_for_service(DEADLINE)
-    node.create_subscription(
-        String, f"{namespace}/lie_rigid_body/scenario", lambda m: scenarios.append(m.data), latched
-    )
+
+    def keep(message: String) -> None:
+        scenarios.append(message.data)
+
+    node.create_subscription(String, f"{namespace}/lie_rigid_body/scenario", keep, latched)
     node.create_subscription(PoseStamped, f"{namespace}/pose", poses.append, reliable)
     node.create_subscription(TwistStamped, f"{namespace}/twist", twists.append, reliable)
-    answers = []
+    answers: list[Any] = []
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     end = time.monotonic() + DEADLINE

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
@@ -57,7 +58,7 @@ def parameters(module_peer: Peer) -> AsyncParameterClient:
 def test_late_joiner_gets_the_scenario(peer: Peer) -> None:
     for _ in range(2):
         messages = peer.listen(String, "/lie_rigid_body/scenario", LATCHED)
-        peer.spin_until(lambda found=messages: found, "the latched scenario")
+        peer.spin_until(partial(bool, messages), "the latched scenario")
         segment = Segment.from_json(messages[0].data)
         assert segment.scenario.inertia == (1.0, 2.0, 2.5)
         assert abs(segment.scenario.epoch_ns - time.time_ns()) < 600e9

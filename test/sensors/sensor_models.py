@@ -8,7 +8,7 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.sensors import Imu, ImuModel, ImuReadings, Magnetometer, MagnetometerModel, Sensors
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
-START = State([0.1, -0.7, 0.4, 0.3] / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
+START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
 STEP_NS = 10_000_000
 MOTION = ClosedForm(BODY, START)
 

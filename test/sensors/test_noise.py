@@ -108,7 +108,7 @@ def test_deviates_are_white() -> None:
 
 def test_axes_sources_and_seeds_are_independent() -> None:
     columns = [white(source, seed).draw(COUNT) for source in NoiseSource for seed in (0, 1, 2**62)]
-    correlation = np.corrcoef(np.concatenate(columns, axis=1), rowvar=False)
+    correlation = np.atleast_2d(np.corrcoef(np.concatenate(columns, axis=1), rowvar=False))
     assert np.abs(correlation - np.eye(len(correlation))).max() < 1.2 * FIVE_SIGMA  # the largest of 1953 numbers
-    squares = np.corrcoef(np.concatenate(columns, axis=1) ** 2, rowvar=False)
+    squares = np.atleast_2d(np.corrcoef(np.concatenate(columns, axis=1) ** 2, rowvar=False))
     assert np.abs(squares - np.eye(len(squares))).max() < 1.2 * FIVE_SIGMA

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,11 +51,12 @@ def tolerance(rate, period, t_ns: int) -> Fraction:
 def require(rate, start, period, t_ns: int) -> None:
     clock, exact = made(rate, start, period), exact_turns(rate, start, period, t_ns)
     allowed = tolerance(rate, period, t_ns)
-    phase_in_turns = turns(clock.rate, clock.start, seconds(t_ns))
+    phase_in_turns: Any = turns(clock.rate, clock.start, seconds(t_ns))
     [hi], [lo] = phase_in_turns
     assert abs(hi) <= 0.5
     assert apart(Fraction(float(hi)) + Fraction(float(lo)) - exact) <= allowed
-    ([phase], _), [parity] = folded_phase(phase_in_turns, clock.period)
+    folded_and_parity: Any = folded_phase(phase_in_turns, clock.period)
+    ([phase], _), [parity] = folded_and_parity
     folded = Fraction(float(phase)) / Fraction(period)
     assert abs(folded) <= Fraction(1, 4) + allowed
     assert parity in (-1.0, 1.0)
@@ -79,7 +81,8 @@ def test_a_phase_is_right_beside_each_quarter_of_a_turn(quarter: str, side: str,
 def test_a_phase_without_a_period_grows_for_ever(rate: Decimal, start: Decimal, t_ns: int):
     with working_precision(80):
         clock = EndlessClock.of(rate, start)
-    [phase], _ = endless_phase(clock.rate, clock.start, seconds(t_ns))
+    grown_phase: Any = endless_phase(clock.rate, clock.start, seconds(t_ns))
+    [phase], _ = grown_phase
     grown, begun = Fraction(rate) * t_ns / 10**9, Fraction(start)
     assert (
         abs(Fraction(float(phase)) - grown - begun)

@@ -30,6 +30,7 @@ def require_truth(second_moments, rate, attitude, body_turn, t_ns: int, factor: 
         assert rate_error(exact.body_rate, state.body_rate) < RATE_BOUND
 
 
+@pytest.mark.long
 @settings(max_examples=8)
 @given(SECOND_MOMENTS, RATES, TURNS, TURNS, STAMPS, st.sampled_from([1.0, 512.0]))
 def test_any_motion_is_right_at_any_time(second_moments, rate, attitude, body_turn, t_ns: int, factor: float):

@@ -26,6 +26,7 @@ def check(inertia, rate, attitude, sign: int, angles: list[float]) -> None:
         assert rate_error(exact.body_rate, w) < RATE_BOUND, (inertia, rate, t_ns)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("regime", REGIMES)
 def test_each_regime_is_the_solution_of_the_equations_of_motion(regime):
     for i, (inertia, rate) in enumerate(list(regime())[:: 1 if regime in (steady, with_products) else 3]):
@@ -54,6 +55,7 @@ def check_far(inertia, rate, attitude, sign: int) -> None:
 FAR_REGIMES = [regime for regime in REGIMES if regime is not steady]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("regime", FAR_REGIMES)
 def test_each_regime_is_right_after_ten_thousand_million_radians(regime):
     cases = [case for case in regime() if is_quick(*case)]

@@ -115,6 +115,7 @@ def assert_begins_at_the_start(motion: GeneralMotion, inertia, rate) -> None:
         assert abs(exact(motion.phase_clock.start) - turns) <= mpf(2) ** -56
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, NAMES, SIGNS)
 def test_constants_of_regular_motions(j1, j3, fan, m1, w2, w3, names, signs):
@@ -123,6 +124,7 @@ def test_constants_of_regular_motions(j1, j3, fan, m1, w2, w3, names, signs):
     inertia, rate = placed(moments, rates_for(moments, m1, w2, w3), names, signs)
     motion = fast(inertia, rate)
     assume(motion is not None)
+    assert motion is not None
     assert_rates(motion, inertia, rate, RATE_BOUND)
     assert_begins_at_the_start(motion, inertia, rate)
 
@@ -134,6 +136,7 @@ def turned(moments, rates, turn) -> tuple[list[list[float]], list[float]]:
     return (0.5 * (tensor + tensor.T)).tolist(), (matrix @ np.array(rates)).tolist()
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, TURNS)
 def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
@@ -144,6 +147,7 @@ def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
     inertia, rate = turned(moments, rates, turn)
     motion = fast(inertia, rate)
     assume(motion is not None)
+    assert motion is not None
     assert_rates(motion, inertia, rate, COUPLED_BOUND)
     slow = in_decimals(inertia, rate)
     np.testing.assert_allclose(all_but_low_parts(motion), all_but_low_parts(slow), rtol=0.0, atol=4e-15)
@@ -162,13 +166,14 @@ def test_moments_that_hardly_differ_with_products_of_inertia(apart: float, close
             assert_rates(motion, inertia, rate, COUPLED_BOUND)
 
 
+@pytest.mark.long
 @settings(max_examples=120, deadline=None)
 @given(st.floats(1.0, 400.0), st.sampled_from([2.5, 8.0, 30.0, 120.0, 400.0]), SIDES, st.floats(2e-3, 1.0), SIGNS)
 def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, side, m1, signs):
     fan = ratio * side * math.sqrt(m1)
     assume(fan > 1.001 and j3 > 1.001)
     for ends in ((1.0, j3), (j3, 1.0)):
-        moments = moments_for(*ends, fan)
+        moments = moments_for(ends[0], ends[1], fan)
         inertia, rate = placed(moments, rates_for(moments, m1, 0.3, 1.0), (0, 1, 2), signs)
         motion = fast(inertia, rate)
         assert (motion is None) == (ratio * side > 400.0)
@@ -177,6 +182,7 @@ def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, 
         assert_rates(in_decimals(inertia, rate), inertia, rate, DECIMAL_BOUND)
 
 
+@pytest.mark.long
 @settings(max_examples=90, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.1, 8.0), st.sampled_from([0.5, 2.0**-10]), SIDES, RATES, SIGNS)
 def test_either_arithmetic_is_right_on_both_sides_of_each_parameter(j1, j3, fan, switch, side, w2, signs):
@@ -270,7 +276,7 @@ def test_constants_have_the_same_bits_alone_and_together():
 @pytest.mark.parametrize("ends", [(0.7, 1.0), (1.0, 0.7)])
 @pytest.mark.parametrize("fan", [1.0 + 1e-9, 2.2, 9.0])
 def test_states_are_right_after_ten_thousand_million_radians(m1: float, ends: tuple[float, float], fan: float):
-    moments = moments_for(*ends, fan)
+    moments = moments_for(ends[0], ends[1], fan)
     c1 = abs(ends[1] - ends[0]) * ends[1]
     w2 = 0.3 * math.sqrt(c1 / moments[1] / max(abs(moments[1] - ends[0]), 1e-3))
     rate = rates_for(moments, m1, w2, 1.0) if fan > 2.0 else (0.2, 0.7, 1.0)

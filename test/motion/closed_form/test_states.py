@@ -35,7 +35,8 @@ def attitude(numbers: count) -> AttitudeConstants:
 
 
 def general(numbers: count) -> GeneralConstants:
-    return GeneralConstants(*numbered((2, 2, 2, 2, 0), numbers), quotients(numbers), attitude(numbers))
+    clocks: Any = numbered((2, 2, 2, 2, 0), numbers)
+    return GeneralConstants(*clocks, quotients(numbers), attitude(numbers))
 
 
 @pytest.mark.parametrize(

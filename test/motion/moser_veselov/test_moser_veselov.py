@@ -173,6 +173,7 @@ def exact_step(motion: ScaledMotion, momentum: list, x: mpf) -> tuple[list, list
     return [mp.fdot(v, powers) for v in m], [mp.fdot(v, powers) for v in q]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("terms", [1, 3, 5, 10])
 def test_preprocessed_inertia_makes_the_algorithm_exact(terms):
     """ρ₀ρⱼ = (α + βeⱼ) m̄ⱼ at every phase, but for a remainder of the next order in the step."""

@@ -77,10 +77,12 @@ def exponents() -> np.ndarray:
     return growth(LONG_STEP_NS, [1000, 10_000, 100_000] if loop.LOOP.compile() else [100, 1000, 10_000], 8)
 
 
+@pytest.mark.long
 def test_momentum_drifts_along_its_orbit_like_a_random_walk(exponents: np.ndarray):
     assert 0.3 < exponents[1] < 0.7
 
 
+@pytest.mark.long
 def test_the_angle_about_the_momentum_drifts_like_a_random_walk(exponents: np.ndarray):
     assert 0.3 < exponents[0] < 0.7
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from mpmath import mp, mpf
@@ -24,6 +26,11 @@ MOTIONS = {
 }
 STEPS = [LARGEST_TURN, 0.1, 1e-2, 1e-4, 1e-8, 1e-20, 1e-100]
 """rad at the largest rate; below 1e-4 or so the first guess is the root, and Newton's method ends at once."""
+
+
+def constants_of(body: RigidBody, start: State) -> Any:
+    integrator: Any = MovingChart(body, start)._ensemble._integrators[0]
+    return integrator.constants
 
 
 def momentum_step(x: float, constants: list[float]) -> list[mpf]:
@@ -54,7 +61,7 @@ def test_the_step_of_the_momentum_is_the_exact_one(name: str, turn: float):
     """An error is the same in each of 1e8 steps, and adds up: only what the series has beyond x² is in doubles."""
     inertia, rate = MOTIONS[name]
     body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
-    constants = MovingChart(body, start)._ensemble._integrators[0].constants
+    constants = constants_of(body, start)
     with working_precision(DIGITS):
         motion = ScaledMotion.of(body, start)
     with mp.workdps(60 if turn > 1e-30 else 260):
@@ -72,7 +79,7 @@ def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
     """The addition theorems against Taylor series of Euler's equations, at the largest step and at shorter ones."""
     for inertia, rate in MOTIONS.values():
         body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
-        constants = MovingChart(body, start)._ensemble._integrators[0].constants
+        constants = constants_of(body, start)
         with working_precision(DIGITS), mp.workdps(50):
             motion = ScaledMotion.of(body, start)
             e = [mpf(str(v)) for v in motion.inverse_moments]
@@ -99,11 +106,8 @@ def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
 
 
 def test_no_step_is_no_step():
-    constants = (
-        MovingChart(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))
-        ._ensemble._integrators[0]
-        .constants
-    )
-    tiny = np.concatenate(step_constants((1e-300, 0.0), constants))
+    constants = constants_of(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))
+    pairs: Any = step_constants((1e-300, 0.0), constants)
+    tiny = np.concatenate(pairs)
     assert np.isfinite(tiny).all()
     assert np.abs(tiny).max() < 1e-299

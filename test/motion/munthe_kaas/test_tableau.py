@@ -11,7 +11,7 @@ from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
 
 
 def test_classical_nodes():
-    assert CLASSICAL.c == (0, Fraction(1, 2), Fraction(1, 2), 1)
+    assert CLASSICAL.c == (Fraction(0), Fraction(1, 2), Fraction(1, 2), Fraction(1))
 
 
 @pytest.mark.parametrize("tableau", [EULER, MIDPOINT, CLASSICAL])

@@ -81,8 +81,12 @@ def test_the_clock_is_that_of_the_samples(observer: Peer) -> None:
     observer.spin_until(lambda: clocks and poses and imu and field, "all topics")
     for _ in range(4):
         observer.stamp("reset")
-        count = len(poses)
-        observer.spin_until(lambda count=count: len(poses) > count + 5, "more poses")
+        before = len(poses)
+
+        def more(count: int = before + 5) -> bool:
+            return len(poses) > count
+
+        observer.spin_until(more, "more poses")
     stood = observer.stamp("pause")
     rates = {25: poses, 40: imu, 10: field}
     observer.spin_until(lambda: all(stamps_ns(m)[-1] > stood - NS // r for r, m in rates.items()), "the last samples")

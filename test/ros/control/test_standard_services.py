@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from threading import Thread
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -180,12 +180,13 @@ def test_transitions(paused: Simulator, before: int, to: int, code: int, after: 
 def test_quitting_ends_the_run_and_later_calls_are_answered(playing: Simulator) -> None:
     assert playing.go_to(QUITTING) == OK
     assert playing.interruption.requested
-    for service, request in {
+    requests: dict[str, dict[str, object]] = {
         "reset_simulation": {"scope": 0},
         "step_simulation": {"steps": 1},
         "get_entity_state": {"entity": NAME},
         "set_entity_state": {"entity": NAME, "state": wanted()},
-    }.items():
+    }
+    for service, request in requests.items():
         assert playing.code(service, **request) == FAILED, service
 
 
@@ -201,7 +202,8 @@ def test_steps_fail_unless_paused(paused: Simulator, state: int) -> None:
     assert paused.go_to(state) == OK
     assert paused.code("step_simulation", steps=1) == FAILED
     goal = Goal(1)
-    assert paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback).result.result == FAILED
+    answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
+    assert answer.result.result == FAILED
     assert goal.ends == ["abort"]
 
 
@@ -239,7 +241,7 @@ class Goal:
 
 def test_the_action_reports_and_succeeds(paused: Simulator) -> None:
     goal = Goal(600)
-    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends, goal.reports[-1]) == (OK, ["succeed"], (600, 0))
     assert [completed + remaining for completed, remaining in goal.reports] == [600] * len(goal.reports)
     assert len(paused.sink.stamps) == 600
@@ -247,7 +249,7 @@ def test_the_action_reports_and_succeeds(paused: Simulator) -> None:
 
 def test_the_action_can_be_canceled(paused: Simulator) -> None:
     goal = Goal(10**9, cancel_after=1)
-    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends) == (FAILED, ["canceled"])
     count = len(paused.sink.stamps)
     assert f"canceled after {count} of {10**9}" in answer.result.error_message
@@ -259,7 +261,7 @@ def test_the_action_can_be_canceled(paused: Simulator) -> None:
 def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
     goal = Goal(10**9)
     goal.publish_feedback = lambda message: paused.control.reset(SCENARIO)  # type: ignore[method-assign,assignment]
-    answer = paused.services.simulate_steps(goal, RESPONSES["simulate_steps"](), feedback)
+    answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends) == (FAILED, ["abort"])
     assert "reset after" in answer.result.error_message
 

@@ -38,7 +38,12 @@ def test_only_those_that_catch_up_wait(
     publisher: SamplePublisher, monkeypatch: pytest.MonkeyPatch, factor: float, lateness_ns: int, waits: int
 ) -> None:
     waited: list[Publisher] = []
-    monkeypatch.setattr(Publisher, "wait_for_all_acked", lambda self, timeout: waited.append(self) or True)
+
+    def acknowledged(publisher: Publisher, timeout: object) -> bool:
+        waited.append(publisher)
+        return True
+
+    monkeypatch.setattr(Publisher, "wait_for_all_acked", acknowledged)
     scenario = Scenario.from_parameters({"rate": 1000.0, "motion": "closed_form"})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     publisher.set_factor(factor)

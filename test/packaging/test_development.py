@@ -1,0 +1,86 @@
+"""What contributors rely on: pinned linters, workflows, pages, the loop of editing."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
+SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+TARGETS = set(re.findall(r"^([a-z-]+):", MAKEFILE, flags=re.MULTILINE))
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+PINNED = dict(re.findall(r'"([\w-]+)==([\w.]+)', SETUP[SETUP.index('"lint": [') :]))
+
+
+def steps(workflow: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Each step with its job."""
+    jobs = yaml.safe_load(workflow.read_text(encoding="utf-8"))["jobs"].values()
+    return [(job, step) for job in jobs for step in job["steps"]]
+
+
+def test_linters_are_pinned_to_one_version() -> None:
+    assert {"mypy", "ruff", "scipy-stubs", "types-PyYAML", "types-tqdm"} <= set(PINNED)
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"][0]["hooks"]
+    needed = {need for hook in hooks for need in hook.get("additional_dependencies", [])}
+    assert needed == {f"ruff=={PINNED['ruff']}"}
+
+
+def test_every_make_target_is_in_the_help_and_phony() -> None:
+    assert [target for target in TARGETS - {"help"} if f'"make {target} ' not in MAKEFILE] == []
+    assert set(re.findall(r"^\.PHONY: (.*)$", MAKEFILE, flags=re.MULTILINE)[0].split()) == TARGETS
+
+
+def test_every_environment_is_cleaned_away() -> None:
+    environment = (ROOT / "scripts" / "environment.sh").read_text(encoding="utf-8")
+    folders = set(re.findall(r"folder=(\.venv\S*)", environment))
+    assert len(folders) >= 5
+    [removed] = re.findall(r"^\trm -rf (\.venv.*)$", MAKEFILE, flags=re.MULTILINE)
+    assert folders <= set(removed.split())
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda file: file.name)
+def test_workflows_name_targets_that_exist(workflow: Path) -> None:
+    named: set[str] = set()
+    for job, step in steps(workflow):
+        for target in re.findall(r"^make (\$\{\{ matrix\.target \}\}|[\w-]+)", step.get("run", ""), flags=re.MULTILINE):
+            named.update(job["strategy"]["matrix"]["target"] if "matrix" in target else [target])
+    assert {"docs", "test", "test-oldest"} <= named <= TARGETS
+
+
+def test_workflows_test_every_python_from_the_oldest_on() -> None:
+    [oldest] = re.findall(r'python_requires=">=3\.(\d+)"', SETUP)
+    tested = [
+        version
+        for workflow in WORKFLOWS
+        for job, _ in steps(workflow)
+        for version in job.get("strategy", {}).get("matrix", {}).get("python", [])
+    ]
+    assert {f"3.{minor}" for minor in range(int(oldest), 14)} <= set(tested)
+
+
+def test_contributing_names_what_exists() -> None:
+    assert set(re.findall(r"`make ([\w-]+)", CONTRIBUTING)) <= TARGETS
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", CONTRIBUTING):
+        assert (ROOT / target).is_file(), target
+
+
+def test_rosdoc2_builds_our_site() -> None:
+    named = ElementTree.parse(ROOT / "package.xml").getroot().findtext("export/rosdoc2")
+    assert named is not None
+    _, settings = yaml.safe_load_all((ROOT / named).read_text(encoding="utf-8"))
+    [builder] = settings["builders"]
+    assert (ROOT / builder["sphinx"]["sphinx_sourcedir"] / "conf.py").is_file()
+
+
+def test_the_loop_of_editing_leaves_no_room_of_mathematics_or_bags_out() -> None:
+    quick = (ROOT / "scripts" / "quick.sh").read_text(encoding="utf-8")
+    folders = {path.name for path in (ROOT / "test").iterdir() if any(path.glob("test_*.py"))}
+    named = set(re.findall(r"test/(\w+)(?=[ \n])", quick))
+    assert folders - named == {"benchmarks", "cli", "compilation", "examples", "packaging", "ros"}
