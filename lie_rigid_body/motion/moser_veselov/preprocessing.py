@@ -98,8 +98,8 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
 def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], ...]:
     """Taylor coefficients of the motion after the symmetric phase, n₂ = 0, in powers of t².
 
-    Those of Euler's equations and of q̇ = ½ q ⊗ ω, of which each line is one component. An even function of t has the
-    coefficients of its derivative divided by 2n, an odd one by 2n + 1.
+    Each line is one component of Euler's equations or of q̇ = ½ q ⊗ ω, compared power by power: the coefficient n of an
+    even function of t is that of its derivative divided by 2n, of an odd one divided by 2n + 1.
     """
     f1, f2, f3, m1, m3 = motion.f1, motion.f2, motion.f3, motion.m1, motion.m3
     zero = f1 - f1
