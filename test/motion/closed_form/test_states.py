@@ -35,8 +35,8 @@ def attitude(numbers: count) -> AttitudeConstants:
 
 
 def general(numbers: count) -> GeneralConstants:
-    clocks: Any = numbered((2, 2, 2, 2, 0), numbers)
-    return GeneralConstants(*clocks, quotients(numbers), attitude(numbers))
+    rate, start, half_turn, period, drift = numbered((2, 2, 2, 2, 0), numbers)
+    return GeneralConstants(rate, start, half_turn, period, drift, quotients(numbers), attitude(numbers))
 
 
 @pytest.mark.parametrize(
