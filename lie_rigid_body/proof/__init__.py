@@ -13,13 +13,18 @@ import importlib
 
 from lie_rigid_body.errors import LieRigidBodyError
 
+
+class FlintMissingError(LieRigidBodyError, ImportError):
+    """python-flint is not installed."""
+
+
 try:
     importlib.import_module("flint.pyflint")
 except ImportError:
-    raise LieRigidBodyError(
+    raise FlintMissingError(
         "a proof needs python-flint, which is not installed: pip install 'python-flint>=0.9'"
     ) from None
 
-from lie_rigid_body.proof.enclosure import Enclosure, enclose, enclose_by_taylor
+from lie_rigid_body.proof.enclosure import Enclosure, enclose, enclose_by_taylor  # noqa: E402
 
-__all__ = ["Enclosure", "enclose", "enclose_by_taylor"]
+__all__ = ["Enclosure", "FlintMissingError", "enclose", "enclose_by_taylor"]

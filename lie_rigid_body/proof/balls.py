@@ -8,11 +8,14 @@ arithmetic, IEEE Trans. Comput. 66 (2017), 1281-1292.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from flint import arb, fmpq
+
+LARGEST: Final = float(sys.float_info.max)
 
 Balls: TypeAlias = tuple[arb, ...]
 """A vector (3 balls) or a quaternion (4 balls, scalar last)."""
@@ -118,11 +121,10 @@ def _fraction(exact_ball: arb) -> Fraction:
 
 def _rounded(value: Fraction, *, upward: bool) -> float:
     """The nearest double on one side of a rational number."""
-    try:
-        nearest = float(value)
-    except OverflowError:
-        nearest = math.inf if value > 0 else -math.inf
-        return nearest if upward == (value > 0) else math.copysign(math.nextafter(math.inf, 0.0), value)
+    if abs(value) > LARGEST:
+        beyond, last = (math.inf, LARGEST) if value > 0 else (-math.inf, -LARGEST)
+        return beyond if upward == (value > 0) else last
+    nearest = float(value)
     if upward and Fraction(nearest) < value:
         return math.nextafter(nearest, math.inf)
     if not upward and Fraction(nearest) > value:
