@@ -16,6 +16,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.proof import enclose, enclose_by_taylor
 from lie_rigid_body.proof.balls import at_least, at_most
 from lie_rigid_body.proof.start import Kind, Start
+from lie_rigid_body.proof.taylor import taylor_state
 from reference import truth_cases
 
 THIN = 1e-20
@@ -42,6 +43,18 @@ def test_they_meet_after_thirty_radians():
 def test_they_meet_before_the_start_and_at_it(t_ns):
     drawn = motion("tensor", 5)
     assert enclose(*drawn, t_ns).overlaps(enclose_by_taylor(*drawn, t_ns))
+
+
+@pytest.mark.parametrize("bits", [3, 12, 30])
+def test_what_a_short_series_leaves_out_is_enclosed(bits):
+    drawn = motion("generic", 3)
+    t_ns = drawn.stamp(2.0)
+    with ctx.workprec(256):
+        attitude, rate = taylor_state(Start.of(*drawn), t_ns, bits)
+        exact = enclose(*drawn, t_ns)
+        assert all(x.contains(y) for x, y in zip(attitude, exact.attitude_xyzw, strict=True))
+        assert all(x.contains(y) for x, y in zip(rate, exact.body_rate, strict=True))
+    assert at_most(attitude[0].rad()) < 300.0 * 2.0**-bits
 
 
 def test_a_nanosecond_tells_them_apart():
