@@ -42,6 +42,12 @@ REQUIRES = [
 ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
 # PyBullet has to be compiled elsewhere, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
+PYTHON_FLINT = "python-flint>=0.9"
+# For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
+FLINT_WHEELS_EXIST = (
+    "; platform_python_implementation == 'CPython' and python_version < '3.15' and "
+    "(sys_platform != 'linux' or platform_machine in 'x86_64 aarch64')"
+)
 EXTRAS = {
     "bench": ["mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
     "ros": [
@@ -50,6 +56,8 @@ EXTRAS = {
     ],
     # Long integrations run compiled, to the same bits. It comes after each release of Python and NumPy with some delay.
     "fast": ["numba>=0.58"],
+    # check --prove: the true motion in balls that are proved to hold it
+    "proof": [PYTHON_FLINT],
     "test": [
         "ahrs",
         "allantools",
@@ -60,6 +68,7 @@ EXTRAS = {
         "mpmath",
         "pytest>=7.4",
         "pytest-xdist",
+        f"{PYTHON_FLINT}{FLINT_WHEELS_EXIST}",
         "rosbags",
         "setuptools",
         "wheel",

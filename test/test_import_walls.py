@@ -26,7 +26,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
     "recording": SCENARIO | {"simulation", "messages"},
-    "certificate": BAG,
+    "proof": set(),
+    "certificate": BAG | {"proof"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
     "cli": EDGE,
@@ -35,7 +36,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "__main__": {"console"},
 }
 FOR_ALL = {"errors", "arrays"}
-PURE = {"arithmetic", "groups", "lie", "mechanics", "motion"}
+PURE = {"arithmetic", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
 ROS = {"ament_index_python", "builtin_interfaces", "launch", "launch_ros", "rclpy", "rosidl_runtime_py"}
@@ -128,6 +129,10 @@ def test_every_module_keeps_to_its_room(module: str) -> None:
         ("sensors.imu", "from lie_rigid_body.scenario import Scenario", "rooms"),
         ("recording.writer", "from lie_rigid_body import certificate", "rooms"),
         ("__main__", "from lie_rigid_body.cli.record import main", "rooms"),
+        ("proof.enclosure", "from lie_rigid_body.motion import ClosedForm", "rooms"),
+        ("proof.balls", "from lie_rigid_body.arithmetic import double_double", "rooms"),
+        ("proof.start", "from lie_rigid_body.mechanics import State", "rooms"),
+        ("motion.closed_form.theta", "from lie_rigid_body.proof import enclose", "rooms"),
         ("cli.record", "import rclpy", "ros"),
         ("messages.layout", "from geometry_msgs.msg import PoseStamped", "ros"),
         ("messages.layout", "try:\n    import std_srvs.srv\nexcept ImportError:\n    pass", "ros"),
@@ -180,6 +185,7 @@ def test_breach_is_found(module: str, source: str, wall: str) -> None:
         ("simulation", "from lie_rigid_body.scenario import Scenario\nimport time"),
         ("recording.writer", "from lie_rigid_body.simulation import simulate\nimport mcap.writer\nimport os"),
         ("cli.record", "from lie_rigid_body import __version__\nfrom lie_rigid_body.recording.writer import Writer"),
+        ("certificate.proved", "from lie_rigid_body.proof import enclose"),
         ("ros.sim", "import rclpy\nfrom geometry_msgs.msg import PoseStamped"),
     ],
 )

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError, ParameterError
+
+if TYPE_CHECKING:
+    from lie_rigid_body.certificate import Certificate
+    from lie_rigid_body.certificate.proved import Proof
+    from lie_rigid_body.recording.bag_reader import Recording
 
 BROKEN: Final = 1
 
@@ -19,15 +25,33 @@ def main(argv: Sequence[str] | None = None) -> int:
     inertia = None if given.inertia is None else _inertia(given.inertia)
 
     from lie_rigid_body.certificate import certify
-    from lie_rigid_body.cli import certificate_text
+    from lie_rigid_body.certificate.proved import require_count
+    from lie_rigid_body.cli import certificate_text, proof_text
     from lie_rigid_body.recording.bag_reader import read_bag
 
-    certificate = certify(read_bag(given.bag), inertia)
+    if given.prove is not None:
+        require_count(given.prove)
+    recording = read_bag(given.bag)
+    certificate = certify(recording, inertia)
+    proof = None if given.prove is None else _proof(recording, certificate, given.prove, inertia)
     if given.json:
-        console.say(json.dumps(certificate_text.as_json(given.bag, certificate), indent=2, ensure_ascii=False))
+        content = certificate_text.as_json(given.bag, certificate)
+        content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
+        console.say(json.dumps(content, indent=2, ensure_ascii=False))
     else:
         console.say(certificate_text.as_table(given.bag, certificate))
-    return console.SUCCESS if certificate.passed else BROKEN
+        if proof is not None:
+            console.say(proof_text.as_sentence(proof))
+    return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else BROKEN
+
+
+def _proof(recording: Recording, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
+    from tqdm import tqdm
+
+    from lie_rigid_body.certificate.proved import Proof, prove
+
+    samples = prove(recording, certificate, count, inertia)
+    return Proof(tuple(tqdm(samples, unit=" samples", file=sys.stderr, disable=None, leave=False)))
 
 
 def _parser() -> console.Parser:
@@ -38,6 +62,13 @@ def _parser() -> console.Parser:
         "--inertia",
         metavar="a,b,c",
         help="3 principal moments or 6 tensor entries to use in place of the declared ones",
+    )
+    parser.add_argument(
+        "--prove",
+        metavar="N",
+        type=int,
+        help="enclose the true motion at N samples spread over the bag, and at the worst ones, in ball arithmetic "
+        "(needs python-flint)",
     )
     return parser
 

@@ -13,7 +13,8 @@ LOADED = "import json, sys; json.dump(sorted({name.partition('.')[0] for name in
 EVERY_MODULE = """
 import importlib, pkgutil, lie_rigid_body
 for module in pkgutil.walk_packages(lie_rigid_body.__path__, 'lie_rigid_body.'):
-    if not module.name.startswith('lie_rigid_body.ros') and not module.name.endswith('__main__'):
+    left_out = ('lie_rigid_body.ros', 'lie_rigid_body.proof')  # need rclpy and python-flint
+    if not module.name.startswith(left_out) and not module.name.endswith('__main__'):
         importlib.import_module(module.name)
 """
 NOT_NEEDED_FOR_HELP = {"numba", "llvmlite", "numpy", "scipy", "matplotlib"}

@@ -1,0 +1,148 @@
+"""Recorded attitudes held against enclosures of the true motion, which owe nothing to the closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate
+from lie_rigid_body.certificate.segments import RecordedSegment, cut, seconds_since_start
+from lie_rigid_body.certificate.tolerance import tolerance
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.bag_reader import Recording
+
+MOST_SAMPLES: Final = 10_000
+"""As many samples take half a minute."""
+
+
+@dataclass(frozen=True)
+class ProvedSample:
+    """What is proved of one sample.
+
+    Parameters
+    ----------
+    segment : int
+        Number of its segment, from 1.
+    sample : int
+    stamp_ns : int
+    time_s : float
+        Since the segment's start, s.
+    at_least, at_most : float
+        Bounds of the angle between the recorded attitude and the true one, rad.
+    rate_at_most : float
+        Bound of the distance of the recorded body rate from the true one, rad/s.
+    limit : float
+        Of the attitude at this sample, as the certificate has it, rad.
+    """
+
+    segment: int
+    sample: int
+    stamp_ns: int
+    time_s: float
+    at_least: float
+    at_most: float
+    rate_at_most: float
+    limit: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the true error may be within the limit."""
+        return self.at_least <= self.limit
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What is proved of the samples of a bag that were enclosed."""
+
+    samples: tuple[ProvedSample, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no sample is proved to be beyond its limit."""
+        return all(sample.holds for sample in self.samples)
+
+    @property
+    def worst(self) -> ProvedSample | None:
+        """The sample farthest beyond its limit, or if there is none the one with the largest bound."""
+        broken = [sample for sample in self.samples if not sample.holds]
+        if broken:
+            return max(broken, key=lambda sample: sample.at_least / sample.limit)
+        return max(self.samples, key=lambda sample: sample.at_most, default=None)
+
+
+def require_count(count: int) -> None:
+    """Refuse a number of samples that cannot be asked for, and any where python-flint is missing.
+
+    Raises
+    ------
+    InputError
+        If the number is out of range.
+    LieRigidBodyError
+        If python-flint is not installed.
+    """
+    if not 1 <= count <= MOST_SAMPLES:
+        raise InputError(f"--prove {count}: not a number of samples: give 1 to {MOST_SAMPLES}")
+    import lie_rigid_body.proof  # noqa: F401
+
+
+def prove(
+    recording: Recording, certificate: Certificate, count: int, inertia: Sequence[float] | None = None
+) -> Iterator[ProvedSample]:
+    """Enclose samples spread evenly over a recording, its ends among them, and the worst sample of each segment.
+
+    Parameters
+    ----------
+    recording : Recording
+    certificate : Certificate
+        Of the recording, with the same inertia.
+    count : int
+        How many samples to spread, of all segments together.
+    inertia : sequence of float, optional
+        To be used in place of the declared one, kg m².
+
+    Yields
+    ------
+    ProvedSample
+        In the order of the recording.
+    """
+    pieces = cut(recording, inertia) if certificate.segments else []
+    first = 0
+    total = sum(len(piece.samples) for piece in pieces)
+    spread = np.unique(np.rint(np.linspace(0, total - 1, count)).astype(np.int64))
+    for number, (piece, judged) in enumerate(zip(pieces, certificate.segments, strict=True), 1):
+        own = spread[(spread >= first) & (spread < first + len(piece.samples))] - first
+        yield from _prove_segment(number, piece, np.union1d(own, _worst(piece, judged)))
+        first += len(piece.samples)
+
+
+def _worst(piece: RecordedSegment, judged: SegmentCertificate) -> np.ndarray:
+    """Where the sample farthest from the closed form is."""
+    return np.flatnonzero(piece.samples == judged.law("closed form").sample)
+
+
+def _prove_segment(number: int, piece: RecordedSegment, chosen: np.ndarray) -> Iterator[ProvedSample]:
+    from lie_rigid_body.proof import enclose
+
+    scenario = piece.segment.scenario
+    t = seconds_since_start(piece.segment, piece.stamps_ns)
+    limits = tolerance(scenario, float(t.max(initial=0.0))).attitude(t)
+    for i in map(int, chosen):
+        stamp_ns = int(piece.stamps_ns[i])
+        truth = enclose(
+            scenario.inertia,
+            scenario.initial_attitude_xyzw,
+            scenario.initial_body_rate,
+            stamp_ns - piece.segment.start_ns,
+        )
+        yield ProvedSample(
+            number,
+            int(piece.samples[i]),
+            stamp_ns,
+            float(t[i]),
+            *truth.attitude_error(piece.states.attitude_xyzw[i]),
+            truth.rate_error(piece.states.body_rate[i])[1],
+            float(limits[i]),
+        )

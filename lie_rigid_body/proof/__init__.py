@@ -1,0 +1,30 @@
+"""Enclosures of the true motion: balls of real numbers that are proved to hold it, by Arb's ball arithmetic.
+
+A motion is known exactly by its inertia, initial attitude and initial body rate, each a double and so a rational
+number. `enclose` holds its state at any later nanosecond, by the exact solution evaluated in balls
+(`exact_solution`); `enclose_by_taylor` does the same by the equations of motion themselves, through Taylor series
+with a proved remainder (`taylor`). The two share nothing but the arithmetic and the start. ``docs/certificate.md``
+tells the argument.
+
+The room needs python-flint, and shares no code with the motions that it judges.
+"""
+
+import importlib
+
+from lie_rigid_body.errors import LieRigidBodyError
+
+
+class FlintMissingError(LieRigidBodyError, ImportError):
+    """python-flint is not installed."""
+
+
+try:
+    importlib.import_module("flint.pyflint")
+except ImportError:
+    raise FlintMissingError(
+        "a proof needs python-flint, which is not installed: pip install 'python-flint>=0.9'"
+    ) from None
+
+from lie_rigid_body.proof.enclosure import Enclosure, enclose, enclose_by_taylor  # noqa: E402
+
+__all__ = ["Enclosure", "FlintMissingError", "enclose", "enclose_by_taylor"]

@@ -1,0 +1,132 @@
+"""Vectors and quaternions of balls, and the way from balls back to doubles, rounded outward.
+
+A ball is an `flint.arb`: a midpoint and a radius. An operation on balls gives a ball that holds every result of the
+same operation on numbers of them: F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval
+arithmetic, IEEE Trans. Comput. 66 (2017), 1281-1292.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Final, TypeAlias
+
+from flint import arb, fmpq
+
+LARGEST: Final = float(sys.float_info.max)
+
+Balls: TypeAlias = tuple[arb, ...]
+"""A vector (3 balls) or a quaternion (4 balls, scalar last)."""
+
+
+class UndecidedError(ArithmeticError):
+    """Balls are too wide to tell what a formula depends on."""
+
+
+def dot(a: Balls, b: Balls) -> arb:
+    """Scalar product."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
+
+
+def norm(a: Balls) -> arb:
+    """Euclidean norm. A sum of squares is not negative, though the ball of a number near 0 says it may be."""
+    return dot(a, a).nonnegative_part().sqrt()
+
+
+def scaled(factor: arb, a: Balls) -> Balls:
+    """Every component times a factor."""
+    return tuple(factor * x for x in a)
+
+
+def added(a: Balls, b: Balls) -> Balls:
+    """Sum by components."""
+    return tuple(x + y for x, y in zip(a, b, strict=True))
+
+
+def cross(a: Balls, b: Balls) -> Balls:
+    """Vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def product(p: Balls, q: Balls) -> Balls:
+    """Hamilton's product of quaternions x y z w."""
+    vector = added(added(scaled(p[3], q[:3]), scaled(q[3], p[:3])), cross(p[:3], q[:3]))
+    return (*vector, p[3] * q[3] - dot(p[:3], q[:3]))
+
+
+def conjugate(q: Balls) -> Balls:
+    """The inverse of a unit quaternion."""
+    return (-q[0], -q[1], -q[2], q[3])
+
+
+def rotation(vector: Balls) -> Balls:
+    """The unit quaternion of a rotation vector, exp(vector/2)."""
+    angle = norm(vector)
+    if angle == 0:
+        return (arb(0), arb(0), arb(0), arb(1))
+    return (*scaled((angle / 2).sin() / angle, vector), (angle / 2).cos())
+
+
+def rotated(q: Balls, vector: Balls) -> Balls:
+    """A vector turned by a unit quaternion."""
+    return product(product(q, (*vector, arb(0))), conjugate(q))[:3]
+
+
+def sign(ball: arb) -> int:
+    """1 or −1, of every number of a ball.
+
+    Raises
+    ------
+    UndecidedError
+        If the ball holds 0: the precision is too low.
+    """
+    if ball > 0:
+        return 1
+    if ball < 0:
+        return -1
+    raise UndecidedError
+
+
+def exact(values: Sequence[fmpq]) -> Balls:
+    """Rational numbers as balls of the present precision."""
+    return tuple(arb(value) for value in values)
+
+
+def widest(a: Balls) -> arb:
+    """The largest radius of the components, times two; not finite where a component is not."""
+    width = max((x.rad() for x in a), key=lambda radius: radius.upper())
+    return 2 * width if all(x.is_finite() for x in a) else arb("inf")
+
+
+def at_most(ball: arb) -> float:
+    """The least double that no number of a ball exceeds; infinite where the ball is not finite."""
+    if not ball.is_finite():
+        return math.inf
+    return _rounded(_fraction(ball.upper()), upward=True)
+
+
+def at_least(ball: arb) -> float:
+    """The largest double that every number of a ball reaches; minus infinity where the ball is not finite."""
+    if not ball.is_finite():
+        return -math.inf
+    return _rounded(_fraction(ball.lower()), upward=False)
+
+
+def _fraction(exact_ball: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _rounded(value: Fraction, *, upward: bool) -> float:
+    """The nearest double on one side of a rational number."""
+    if abs(value) > LARGEST:
+        beyond, last = (math.inf, LARGEST) if value > 0 else (-math.inf, -LARGEST)
+        return beyond if upward == (value > 0) else last
+    nearest = float(value)
+    if upward and Fraction(nearest) < value:
+        return math.nextafter(nearest, math.inf)
+    if not upward and Fraction(nearest) > value:
+        return math.nextafter(nearest, -math.inf)
+    return nearest

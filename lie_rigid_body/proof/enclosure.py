@@ -1,0 +1,168 @@
+"""The enclosure of a true state, as thin as asked for, and what it proves of a recorded one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from flint import arb, ctx
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.proof.balls import Balls, UndecidedError, at_least, at_most, conjugate, norm, product, widest
+from lie_rigid_body.proof.exact_solution import exact_state
+from lie_rigid_body.proof.start import Start
+from lie_rigid_body.proof.taylor import taylor_state
+
+WIDTH: Final = 2.0**-80
+"""8e-25: how wide an `Enclosure` is at most, unless asked otherwise."""
+
+_FIRST_BITS: Final = 128
+_MOST_BITS: Final = 1 << 16
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """Balls that hold the true state at one time.
+
+    Parameters
+    ----------
+    attitude_xyzw : tuple of 4 flint.arb
+        Rotation taking body vectors to world vectors, of unit norm and continuous from the start.
+    body_rate : tuple of 3 flint.arb
+        rad/s, body frame.
+    bits : int
+        The precision it took.
+    """
+
+    attitude_xyzw: Balls
+    body_rate: Balls
+    bits: int
+
+    @property
+    def width(self) -> float:
+        """The largest width of a component of the attitude, and of the rate relative to its norm, rounded up."""
+        return max(at_most(widest(self.attitude_xyzw)), _relative_width(self.body_rate))
+
+    def attitude_error(self, attitude_xyzw: ArrayLike) -> tuple[float, float]:
+        """Bounds of the angle between a given attitude and the true one.
+
+        Parameters
+        ----------
+        attitude_xyzw : array_like, shape (4,)
+            Taken as exact; its norm and sign do not matter.
+
+        Returns
+        -------
+        at_least, at_most : float
+            rad, rounded outward; infinite where the quaternion is zero or not finite.
+        """
+        with ctx.workprec(self.bits):
+            given = _balls(attitude_xyzw, 4)
+            between = product(conjugate(self.attitude_xyzw), given)
+            # one of the half angle's sine and cosine may be 0; of a zero quaternion both are
+            sine, cosine = norm(between[:3]), abs(between[3])
+            angle = 2 * (sine / cosine).atan() if cosine > sine else arb.pi() - 2 * (cosine / sine).atan()
+            return _bounds(angle)
+
+    def rate_error(self, body_rate: ArrayLike) -> tuple[float, float]:
+        """Bounds of the distance of a given body rate from the true one.
+
+        Parameters
+        ----------
+        body_rate : array_like, shape (3,)
+            Taken as exact.
+
+        Returns
+        -------
+        at_least, at_most : float
+            rad/s, rounded outward; infinite where the rate is not finite.
+        """
+        with ctx.workprec(self.bits):
+            given = _balls(body_rate, 3)
+            return _bounds(norm(tuple(x - y for x, y in zip(given, self.body_rate, strict=True))))
+
+    def overlaps(self, other: Enclosure) -> bool:
+        """Whether the two may hold the same state: enclosures of one state always do."""
+        mine, theirs = (*self.attitude_xyzw, *self.body_rate), (*other.attitude_xyzw, *other.body_rate)
+        return all(x.overlaps(y) for x, y in zip(mine, theirs, strict=True))
+
+
+def enclose(
+    inertia: ArrayLike, attitude_xyzw: ArrayLike, body_rate: ArrayLike, t_ns: int, *, width: float = WIDTH
+) -> Enclosure:
+    """The true state at a time, by the exact solution.
+
+    Parameters
+    ----------
+    inertia : array_like, shape (3,), (6,) or (3, 3)
+        Principal moments, ``ixx ixy ixz iyy iyz izz`` or the tensor in the body frame, kg m². Taken as exact.
+    attitude_xyzw : array_like, shape (4,)
+        At the start, world from body. Taken as exact, and normalised exactly.
+    body_rate : array_like, shape (3,)
+        At the start, rad/s, body frame. Taken as exact.
+    t_ns : int
+        Nanoseconds since the start.
+    width : float
+        See `Enclosure.width`.
+
+    Returns
+    -------
+    Enclosure
+
+    Raises
+    ------
+    InputError
+        If the start is not that of a rigid body.
+    LieRigidBodyError
+        If 65 536 bits are too few.
+    """
+    start = Start.of(inertia, attitude_xyzw, body_rate)
+    return _thin(lambda bits: exact_state(start, t_ns), width)
+
+
+def enclose_by_taylor(
+    inertia: ArrayLike, attitude_xyzw: ArrayLike, body_rate: ArrayLike, t_ns: int, *, width: float = WIDTH
+) -> Enclosure:
+    """The true state at a time, by the equations of motion, with the arguments of `enclose`.
+
+    It takes some 30 ms for each radian of p t/I₁, with p the norm of the momentum and I₁ the smallest moment.
+    """
+    start = Start.of(inertia, attitude_xyzw, body_rate)
+    return _thin(lambda bits: taylor_state(start, t_ns, bits), width)
+
+
+def _thin(state: Callable[[int], tuple[Balls, Balls]], width: float) -> Enclosure:
+    """The first enclosure that is thin enough, with twice the bits each time."""
+    if not 0.0 < width < 1.0:
+        raise InputError(f"width: {width!r} is not between 0 and 1")
+    bits = _FIRST_BITS
+    while bits <= _MOST_BITS:
+        with ctx.workprec(bits), suppress(UndecidedError):
+            found = Enclosure(*state(bits), bits)
+            if found.width <= width:
+                return found
+        bits *= 2
+    raise LieRigidBodyError(f"{_MOST_BITS} bits are too few to enclose this motion: ask for a shorter time")
+
+
+def _relative_width(rate: Balls) -> float:
+    width = widest(rate)
+    return 0.0 if width == 0 else at_most(width / norm(rate))
+
+
+def _balls(values: ArrayLike, size: int) -> Balls:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (size,):
+        raise InputError(f"shape {array.shape} is not ({size},)")
+    return tuple(arb(x) for x in array.tolist())
+
+
+def _bounds(distance: arb) -> tuple[float, float]:
+    if not distance.is_finite():
+        return math.inf, math.inf
+    return max(0.0, at_least(distance)), at_most(distance)

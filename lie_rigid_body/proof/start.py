@@ -1,0 +1,177 @@
+"""The start of a motion as rational numbers, in which every question of its kind has an exact answer.
+
+With momentum p = M ω, twice the kinetic energy 2H = ω·p and the principal moments I₁ ≤ I₂ ≤ I₃ a motion is, in this
+order,
+
+- steady where p × ω = 0: the body rate stays as it is;
+- that of a symmetric top where two moments are equal, which the discriminant of the characteristic polynomial of M
+  tells;
+- on the separatrix where 2H M − p² 1 is singular; of its eigenvalues 2H Iⱼ − p² only the middle one can then vanish,
+  since the others are −Σ Iⱼ(Iⱼ−I₁)ωⱼ² and Σ Iⱼ(I₃−Iⱼ)ωⱼ²;
+- else it circulates about the axis of the smallest moment where det(2H M − p² 1) < 0, and of the largest where it is
+  > 0.
+
+L. D. Landau, E. M. Lifshitz, Mechanics, 3rd ed., §37.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpz
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.errors import InputError
+
+Rationals = tuple[fmpq, ...]
+
+
+class Kind(enum.Enum):
+    """What a motion is, of the kinds whose solutions have different formulas."""
+
+    STEADY = "steady"
+    SYMMETRIC = "symmetric top"
+    SEPARATRIX = "on the separatrix"
+    ABOUT_SMALLEST = "circulates about the axis of the smallest moment"
+    ABOUT_LARGEST = "circulates about the axis of the largest moment"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Inertia and initial state of a motion, exactly.
+
+    Parameters
+    ----------
+    inertia : fmpq_mat, shape (3, 3)
+        M, kg m², body frame.
+    attitude_xyzw : tuple of 4 fmpq
+        Of any norm but 0: its direction is the attitude.
+    rate : tuple of 3 fmpq
+        ω, rad/s, body frame.
+    """
+
+    inertia: fmpq_mat
+    attitude_xyzw: Rationals
+    rate: Rationals
+
+    @classmethod
+    def of(cls, inertia: ArrayLike, attitude_xyzw: ArrayLike, body_rate: ArrayLike) -> Start:
+        """The start that arrays of doubles say.
+
+        Parameters
+        ----------
+        inertia : array_like, shape (3,), (6,) or (3, 3)
+            Principal moments, ``ixx ixy ixz iyy iyz izz`` or the tensor, kg m².
+        attitude_xyzw : array_like, shape (4,)
+        body_rate : array_like, shape (3,)
+            rad/s, body frame.
+
+        Raises
+        ------
+        InputError
+            If a shape is another, a number is not finite, the tensor is not symmetric and positive definite, or the
+            quaternion is zero.
+        """
+        attitude = _rationals("attitude_xyzw", attitude_xyzw, (4,))
+        if not any(attitude):
+            raise InputError("attitude_xyzw: a zero quaternion is no attitude: give one of unit norm")
+        return cls(_tensor(inertia), attitude, _rationals("body_rate", body_rate, (3,)))
+
+    @property
+    def momentum(self) -> Rationals:
+        """Angular momentum p = M ω, body frame, kg m²/s."""
+        return times(self.inertia, self.rate)
+
+    @property
+    def momentum_squared(self) -> fmpq:
+        """Its square p·p."""
+        return _dot(self.momentum, self.momentum)
+
+    @property
+    def twice_energy(self) -> fmpq:
+        """Twice the kinetic energy, 2H = ω·p, J."""
+        return _dot(self.rate, self.momentum)
+
+    @property
+    def repeated_moment(self) -> fmpq | None:
+        """The principal moment that two axes share, if any: rational, as a double root of a rational cubic."""
+        trace, minors, determinant = self.invariants
+        if 18 * trace * minors * determinant + (trace * minors) ** 2 != (
+            4 * trace**3 * determinant + 4 * minors**3 + 27 * determinant**2
+        ):
+            return None
+        if trace**2 == 3 * minors:
+            return trace / 3
+        return (trace * minors - 9 * determinant) / (2 * (trace**2 - 3 * minors))
+
+    @property
+    def invariants(self) -> tuple[fmpq, fmpq, fmpq]:
+        """Coefficients T, S, D of det(x 1 − M) = x³ − T x² + S x − D."""
+        M = self.inertia
+        minors = sum((M[i, i] * M[j, j] - M[i, j] ** 2 for i, j in ((0, 1), (0, 2), (1, 2))), fmpq(0))
+        return M[0, 0] + M[1, 1] + M[2, 2], minors, M.det()
+
+    @property
+    def kind(self) -> Kind:
+        """Which formulas solve this motion."""
+        p, w = self.momentum, self.rate
+        if all(p[i] * w[j] == p[j] * w[i] for i, j in ((0, 1), (0, 2), (1, 2))):
+            return Kind.STEADY
+        if self.repeated_moment is not None:
+            return Kind.SYMMETRIC
+        squared = self.momentum_squared
+        shifted = self.inertia * self.twice_energy
+        for i in range(3):
+            shifted[i, i] -= squared
+        side = shifted.det()
+        if side == 0:
+            return Kind.SEPARATRIX
+        return Kind.ABOUT_SMALLEST if side < 0 else Kind.ABOUT_LARGEST
+
+
+def times(matrix: fmpq_mat, vector: Rationals) -> Rationals:
+    """Matrix times vector."""
+    return tuple(_dot(tuple(matrix[i, j] for j in range(3)), vector) for i in range(3))
+
+
+def _dot(a: Rationals, b: Rationals) -> fmpq:
+    return sum((x * y for x, y in zip(a, b, strict=True)), fmpq(0))
+
+
+def _tensor(inertia: ArrayLike) -> fmpq_mat:
+    shape = np.shape(inertia)
+    entries = _rationals("inertia", inertia, *(allowed for allowed in ((3,), (6,), (3, 3)) if allowed == shape))
+    if len(entries) == 3:
+        xx, yy, zz = entries
+        entries = (xx, fmpq(0), fmpq(0), fmpq(0), yy, fmpq(0), fmpq(0), fmpq(0), zz)
+    elif len(entries) == 6:
+        xx, xy, xz, yy, yz, zz = entries
+        entries = (xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    tensor = fmpq_mat(3, 3, list(entries))
+    if tensor != tensor.transpose():
+        raise InputError("inertia: the tensor is not symmetric: give equal entries across the diagonal")
+    plane = tensor[0, 0] * tensor[1, 1] - tensor[0, 1] ** 2
+    if not (tensor[0, 0] > 0 and plane > 0 and tensor.det() > 0):
+        raise InputError("inertia: the tensor is not positive definite: every principal moment must be above 0 kg m²")
+    return tensor
+
+
+def _rationals(name: str, value: ArrayLike, *shapes: tuple[int, ...]) -> Rationals:
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape not in shapes or not np.isfinite(array).all():
+        raise InputError(f"{name}: {array.tolist()!s:.80} is not finite numbers of the right shape")
+    return tuple(_rational(number) for number in array.ravel().tolist())
+
+
+def _rational(number: float) -> fmpq:
+    mantissa, exponent = math.frexp(number)
+    whole, shift = fmpz(int(mantissa * 2.0**53)), exponent - 53
+    return fmpq(whole) * fmpq(2) ** shift
+
+
+def seconds(t_ns: int) -> fmpq:
+    """Nanoseconds as seconds, exactly."""
+    return fmpq(t_ns, 10**9)

@@ -1,0 +1,62 @@
+"""The closed form and the default stepper against proved enclosures, which owe nothing to the package's arithmetic."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint", reason="python-flint is not installed")
+
+from regimes import REGIMES, motion
+
+from lie_rigid_body import ClosedForm, MovingChart
+from lie_rigid_body.certificate.tolerance import CLOSED_FORM, tolerance
+from lie_rigid_body.proof import enclose
+from lie_rigid_body.scenario import Scenario
+
+RATE_BOUND = 1e-15
+FAR = [1e1, 1e3, 1e6, 1e10]
+"""Turns, rad, of a body that is fast enough to make them within 285 years."""
+LONGEST_NS = 9 * 10**18
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_the_closed_form_is_proved(regime):
+    for seed in range(6):
+        drawn = motion(regime, seed)
+        stamps = np.array([min(drawn.stamp(radians * (1.0 - 0.1 * seed)), LONGEST_NS) for radians in FAR])
+        states = ClosedForm(drawn.body, drawn.start).at(stamps)
+        size = float(np.linalg.norm(drawn.rate))
+        for t_ns, attitude, rate in zip(stamps, states.attitude_xyzw, states.body_rate, strict=True):
+            truth = enclose(*drawn, int(t_ns))
+            assert truth.attitude_error(attitude)[1] < CLOSED_FORM
+            assert truth.rate_error(rate)[1] < RATE_BOUND * max(size, float(np.linalg.norm(rate)))
+
+
+@pytest.mark.parametrize(
+    ("steps", "regime"),
+    [
+        *((1_000, regime) for regime in REGIMES),
+        *((10_000, regime) for regime in ("generic", "near_separatrix", "nearly_symmetric_tensor")),
+        *(pytest.param(100_000, regime, marks=pytest.mark.slow) for regime in REGIMES),
+    ],
+)
+def test_the_default_stepper_is_proved_to_keep_its_certificate(steps, regime):
+    drawn = motion(regime, steps)
+    matrix = drawn.body.inertia
+    parameters = {
+        "inertia": drawn.inertia if drawn.inertia.ndim == 1 else matrix[np.triu_indices(3)],
+        "initial_attitude_xyzw": drawn.attitude_xyzw,
+        "initial_body_rate": drawn.rate,
+        "max_step": 0.01,
+        "rate": 10.0,
+    }
+    scenario = Scenario.from_parameters({name: np.asarray(value).tolist() for name, value in parameters.items()})
+    stamps = np.linspace(0, steps / 1000, 4).astype(np.int64)[1:] * 10**10
+    states = MovingChart(scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step).at(
+        stamps
+    )
+    t = stamps * 1e-9
+    limits = tolerance(scenario, float(t[-1])).attitude(t)
+    for t_ns, attitude, limit in zip(stamps, states.attitude_xyzw, limits, strict=True):
+        assert enclose(*drawn, int(t_ns)).attitude_error(attitude)[1] <= limit
