@@ -1,0 +1,194 @@
+"""Why an estimate is off: conventions, constant turns and a shift of time, named where they explain the error.
+
+The rule. Each combination of causes is fitted to the run, and judged by the median of the angles that it leaves. A cause
+is named only if it at least halves that median, beside the other causes that are named; of combinations which leave
+about the same the one with fewer and simpler causes is taken. The median, so that the convergence of a filter counts
+little; a half, because a constant fitted to a pure drift halves the error just not. A cause with a fitted
+constant must also keep its word: with the constant fitted to one half of the run the other half must be explained as
+well. Errors below `NEGLIGIBLE` are not explained at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.alignment import (
+    HEADING,
+    LAG,
+    MOUNTING,
+    Comparison,
+    Convention,
+    Misalignment,
+    columns,
+    fit,
+    separable,
+)
+from lie_rigid_body.evaluation.search import CONVENTIONS, spread, starts, written
+
+NEGLIGIBLE: Final = float(np.radians(1e-3))
+"""A median error below this, rad, needs no explanation, and no cause makes it smaller."""
+
+FEWEST_SAMPLES: Final = 8
+"""From fewer samples nothing is concluded."""
+
+SAMPLES: Final = 600
+LAG_SAMPLES: Final = 20_000
+WORSE: Final = 0.25
+"""A convention whose best point of the grid costs so much more than the best one's is not fitted."""
+
+SAME: Final = 1.25
+"""Explanations whose medians differ by a smaller factor are as good as each other."""
+
+FREE: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A combination of causes, fitted to a run.
+
+    Attributes
+    ----------
+    convention : Convention
+    free : frozenset of str
+        Which constants were fitted.
+    misalignment : Misalignment
+    median : float
+        Of the angles that are left, rad.
+    """
+
+    convention: Convention
+    free: frozenset[str]
+    misalignment: Misalignment
+    median: float
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """The names of its causes, in the order in which they are undone."""
+        of_convention = {
+            "scalar_first": self.convention.scalar_first,
+            "inverted": self.convention.inverted,
+            "ned_world": self.convention.ned_world,
+        }
+        named = [name for name, holds in of_convention.items() if holds]
+        return (*named, *(name for name in (HEADING, MOUNTING, LAG) if name in self.free))
+
+    @property
+    def cost(self) -> float:
+        """Number of halvings of the median that it must have earned; the lowest cost explains best."""
+        simplicity = 0.05 * len(columns(self.free)) + 0.02 * self.convention.frd_body
+        return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
+
+    def without(self, cause: str) -> tuple[frozenset[str], Convention]:
+        """Free constants and convention of the same causes but one."""
+        return self.free - {cause}, Convention(
+            self.convention.scalar_first and cause != "scalar_first",
+            self.convention.inverted and cause != "inverted",
+            self.convention.ned_world and cause != "ned_world",
+            self.convention.frd_body and cause != "ned_world",
+        )
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The best explanation, the others that were tried, and the lag.
+
+    Attributes
+    ----------
+    explanation : Explanation
+    tried : tuple of Explanation
+    lag_s : float or None
+        The shift of time that explains most of the error, beside the misalignment; positive if the estimate is late.
+        None if the motion does not tell it.
+    """
+
+    explanation: Explanation
+    tried: tuple[Explanation, ...]
+    lag_s: float | None
+
+    def instead_of(self, cause: str) -> tuple[str, ...]:
+        """Other causes that would explain as much in the place of one."""
+        best = self.explanation
+        rest = set(best.causes) - {cause}
+        found = {}
+        for other in self.tried:
+            new = set(other.causes) - rest - {cause}
+            if rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes):
+                if max(other.median, NEGLIGIBLE) <= SAME * max(best.median, NEGLIGIBLE):
+                    found[new.pop()] = other
+        return tuple(found)
+
+
+def diagnose(comparison: Comparison) -> Diagnosis:
+    """Explain what an estimate is off by.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of samples whose true time, shifted by the longest lag either way, is within the truth's times.
+
+    Returns
+    -------
+    Diagnosis
+    """
+    few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
+    plain = Explanation(Convention(), frozenset(), Misalignment(), float(np.median(few.angles(Misalignment()))))
+    tried = (plain,)
+    if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
+        tried = tuple(sorted(_explanations(few), key=lambda e: e.cost))
+    best = next((e for e in tried if _keeps_its_word(few, e, tried)), plain)
+    return Diagnosis(best, tried, _lag(comparison, best))
+
+
+def _explanations(comparison: Comparison) -> Iterator[Explanation]:
+    by_all = {convention: starts(written(comparison, convention), FREE[-1])[0] for convention in CONVENTIONS}
+    limit = min(by_all.values()) + WORSE
+    for convention in CONVENTIONS:
+        if by_all[convention] <= limit or convention == Convention():
+            for free in FREE:
+                yield explain(comparison, convention, free)
+
+
+def explain(comparison: Comparison, convention: Convention, free: frozenset[str]) -> Explanation:
+    """A combination of causes fitted to a run."""
+    ours = written(comparison, convention)
+    found = fit(ours, free, starts(ours, free)[1])
+    return Explanation(convention, free, found, float(np.median(ours.angles(found))))
+
+
+def _keeps_its_word(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
+    """Whether constants fitted to one half of a run explain the other half, each of them by a factor of two."""
+    if not explanation.free:
+        return True
+    ours = written(comparison, explanation.convention)
+    middle = len(ours.stamps_ns) // 2
+    halves = ours.part(slice(None, middle)), ours.part(slice(middle, None))
+    angles = [
+        other.angles(fit(half, explanation.free, explanation.misalignment))
+        for half, other in (halves, halves[::-1])
+    ]
+    kept = max(float(np.median(np.concatenate(angles))), NEGLIGIBLE)
+    simpler = {(e.free, e.convention): e.median for e in tried}
+    return all(2.0 * kept <= simpler.get(explanation.without(cause), np.inf) for cause in explanation.free)
+
+
+def _lag(comparison: Comparison, explanation: Explanation) -> float | None:
+    """The lag beside heading and mounting where the motion tells them apart, else beside what was found."""
+    ours = written(comparison, explanation.convention)
+    ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
+    if len(ours.stamps_ns) < FEWEST_SAMPLES:
+        return None
+    for free in (FREE[-1], explanation.free | {LAG}):
+        if separable(ours, free, explanation.misalignment):
+            return fit(ours, free, explanation.misalignment).lag_s
+    return None
+
+
+def left_over(comparison: Comparison, misalignment: Misalignment) -> Array:
+    """The angles that are left when a misalignment is undone, rad."""
+    return comparison.angles(misalignment)
