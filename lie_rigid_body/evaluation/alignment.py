@@ -123,24 +123,15 @@ class Comparison:
         """The times before a lag."""
         return self.stamps_ns - round(lag_s * 1e9)
 
-    def residual(self, misalignment: Misalignment) -> Array:
-        """Rotation vector from the predicted to the given estimate on the body's axes, shape (N, 3), rad."""
-        predicted = misalignment.predict(self.truth.at(self.true_stamps(misalignment.lag_s)))
-        return quaternion.log(quaternion.multiply(quaternion.conjugate(predicted), self.estimate_xyzw))
+    def true_states(self, lag_s: float) -> tuple[Array, Array]:
+        """True attitudes, shape (N, 4), and body rates, rad/s, shape (N, 3), of the times before a lag."""
+        return self.truth.states(self.true_stamps(lag_s))
 
     def angles(self, misalignment: Misalignment) -> Array:
-        """Norm of the residual where the truth is known, shape (≤ N,), rad."""
-        known = self.truth.covers(self.true_stamps(misalignment.lag_s))
-        return _norms(self.part(np.flatnonzero(known)).residual(misalignment))
-
-    def derivative(self, misalignment: Misalignment) -> Array:
-        """Derivative of the prediction, on the body's axes, by heading, mounting and lag, shape (N, 3, 5)."""
+        """Angles between predicted and given estimates where the truth is known, shape (≤ N,), rad."""
         stamps = self.true_stamps(misalignment.lag_s)
-        mounting = quaternion.conjugate(misalignment.mounting)
-        vertical = quaternion.rotate(quaternion.conjugate(misalignment.predict(self.truth.at(stamps))), UP)
-        turning = -quaternion.rotate(mounting, self.truth.body_rate(stamps))
-        identity = np.broadcast_to(np.eye(3), (len(stamps), 3, 3))
-        return np.concatenate([vertical[..., np.newaxis], identity, turning[..., np.newaxis]], axis=-1)
+        known = np.flatnonzero(self.truth.covers(stamps))
+        return _norms(_residual(misalignment, self.truth.at(stamps[known]), self.estimate_xyzw[known]))
 
 
 def columns(free: frozenset[str]) -> list[int]:
@@ -148,7 +139,13 @@ def columns(free: frozenset[str]) -> list[int]:
     return [*([0] if HEADING in free else []), *([1, 2, 3] if MOUNTING in free else []), *([4] if LAG in free else [])]
 
 
-def fit(comparison: Comparison, free: frozenset[str], start: Misalignment, steps: int = 20) -> Misalignment:
+def fit(
+    comparison: Comparison,
+    free: frozenset[str],
+    start: Misalignment,
+    steps: int = 25,
+    smallest_step: float = 1e-10,
+) -> Misalignment:
     """The misalignment of least Huber cost near a start.
 
     Parameters
@@ -159,27 +156,34 @@ def fit(comparison: Comparison, free: frozenset[str], start: Misalignment, steps
     start : Misalignment
     steps : int
         At most so many steps of Gauss–Newton.
+    smallest_step : float
+        The fit ends at a step below this, rad and s.
 
     Returns
     -------
     Misalignment
+        The last, or if the fit has not ended the best of all steps.
     """
     chosen, now = columns(free), start
     if not chosen:
         return start
     best, best_cost = start, np.inf
+    truth, rate = comparison.true_states(now.lag_s)
     for _ in range(steps):
-        residual = comparison.residual(now)
+        residual = _residual(now, truth, comparison.estimate_xyzw)
         size = _norms(residual)
         if np.mean(size) < best_cost:
             best, best_cost = now, float(np.mean(size))
-        normal, slope = _normal_equations(comparison.derivative(now)[..., chosen], residual, _huber_weights(size))
+        J = _derivative(now, truth, rate)[..., chosen]
+        normal, slope = _normal_equations(J, residual, _huber_weights(size))
         step = np.zeros(5)
         # least squares of least norm: what the motion does not tell apart stays where it was
         step[chosen] = np.linalg.lstsq(normal, slope, rcond=1e-10)[0]
         now = now.moved(step).bounded(comparison.longest_lag_s)
-        if np.all(np.abs(step) < SMALLEST_STEP):
+        if np.all(np.abs(step) < smallest_step):
             return now
+        if LAG in free:
+            truth, rate = comparison.true_states(now.lag_s)
     return best
 
 
@@ -189,13 +193,27 @@ def separable(comparison: Comparison, free: frozenset[str], misalignment: Misali
     The variance of a lag that is fitted alone grows by a factor when other parameters are fitted with it, the variance
     inflation factor of a regression. Up to `LARGEST_INFLATION` they are told apart.
     """
-    J = comparison.derivative(misalignment)[..., columns(free | {LAG})]
+    J = _derivative(misalignment, *comparison.true_states(misalignment.lag_s))[..., columns(free | {LAG})]
     normal, _ = _normal_equations(J, np.zeros(J.shape[:2]), np.ones(len(J)))
-    alone = normal[-1, -1]
+    alone = float(normal[-1, -1])
     if not alone > SLOWEST_RATE**2 * len(J):
         return False
     shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
     return bool(alone <= LARGEST_INFLATION * (alone - shared))
+
+
+def _residual(misalignment: Misalignment, truth: Array, estimate: Array) -> Array:
+    """Rotation vector from the predicted to the given estimate on the body's axes, shape (N, 3), rad."""
+    predicted = misalignment.predict(truth)
+    return quaternion.log(quaternion.multiply(quaternion.conjugate(predicted), estimate))
+
+
+def _derivative(misalignment: Misalignment, truth: Array, rate: Array) -> Array:
+    """Derivative of the prediction, on the body's axes, by heading, mounting and lag, shape (N, 3, 5)."""
+    vertical = quaternion.rotate(quaternion.conjugate(misalignment.predict(truth)), UP)
+    turning = -quaternion.rotate(quaternion.conjugate(misalignment.mounting), rate)
+    identity = np.broadcast_to(np.eye(3), (len(truth), 3, 3))
+    return np.concatenate([vertical[..., np.newaxis], identity, turning[..., np.newaxis]], axis=-1)
 
 
 def _normal_equations(J: Array, residual: Array, weights: Array) -> tuple[Array, Array]:
@@ -213,7 +231,6 @@ def _norms(vectors: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
 
 
-SMALLEST_STEP: Final = 1e-10
 LARGEST_INFLATION: Final = 10.0
 SLOWEST_RATE: Final = 1e-6
 """A body that turns more slowly, rad/s, tells nothing about time."""

@@ -98,9 +98,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     low, high = chi2.ppf(tails, d).tolist()
     mean_low, mean_high = (chi2.ppf(tails, len(e) * d) / len(e)).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
-    return Consistency(
-        values, d, float(np.mean(values)), (mean_low, mean_high), (low, high), inside, probability
-    )
+    return Consistency(values, d, float(np.mean(values)), (mean_low, mean_high), (low, high), inside, probability)
 
 
 def attitude_nees(

@@ -1,23 +1,21 @@
 """Why an estimate is off: conventions, constant turns and a shift of time, named where they explain the error.
 
-The rule. Each combination of causes is fitted to the run, and judged by the median of the angles that it leaves. A cause
-is named only if it at least halves that median, beside the other causes that are named; of combinations which leave
-about the same the one with fewer and simpler causes is taken. The median, so that the convergence of a filter counts
-little; a half, because a constant fitted to a pure drift halves the error just not. A cause with a fitted
-constant must also keep its word: with the constant fitted to one half of the run the other half must be explained as
-well. Errors below `NEGLIGIBLE` are not explained at all.
+Each combination of causes is fitted to the run and judged by the median of the angles that it leaves. A cause is named
+only if it at least halves that median, given the other causes that are named; of combinations that leave about the
+same, the one with fewer and simpler causes is taken. The median is used so that the convergence of a filter counts
+little. A cause with a fitted constant must also be constant: fitted to one half of the run, it must halve the median
+over the other half. A drift or a random walk fails that. A median below `NEGLIGIBLE` is not explained at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import (
     HEADING,
     LAG,
@@ -29,7 +27,7 @@ from lie_rigid_body.evaluation.alignment import (
     fit,
     separable,
 )
-from lie_rigid_body.evaluation.search import CONVENTIONS, spread, starts, written
+from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
 """A median error below this, rad, needs no explanation, and no cause makes it smaller."""
@@ -37,7 +35,7 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 FEWEST_SAMPLES: Final = 8
 """From fewer samples nothing is concluded."""
 
-SAMPLES: Final = 600
+SAMPLES: Final = 400
 LAG_SAMPLES: Final = 20_000
 WORSE: Final = 0.25
 """A convention whose best point of the grid costs so much more than the best one's is not fitted."""
@@ -46,6 +44,7 @@ SAME: Final = 1.25
 """Explanations whose medians differ by a smaller factor are as good as each other."""
 
 FREE: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
+ALL: Final = FREE[-1]
 
 
 @dataclass(frozen=True)
@@ -115,12 +114,12 @@ class Diagnosis:
         """Other causes that would explain as much in the place of one."""
         best = self.explanation
         rest = set(best.causes) - {cause}
-        found = {}
+        found: dict[str, Explanation] = {}
         for other in self.tried:
             new = set(other.causes) - rest - {cause}
-            if rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes):
-                if max(other.median, NEGLIGIBLE) <= SAME * max(best.median, NEGLIGIBLE):
-                    found[new.pop()] = other
+            swapped = rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes)
+            if swapped and max(other.median, NEGLIGIBLE) <= SAME * max(best.median, NEGLIGIBLE):
+                found[new.pop()] = other
         return tuple(found)
 
 
@@ -138,30 +137,40 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     """
     few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
     plain = Explanation(Convention(), frozenset(), Misalignment(), float(np.median(few.angles(Misalignment()))))
-    tried = (plain,)
+    tried: tuple[Explanation, ...] = (plain,)
     if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
-        tried = tuple(sorted(_explanations(few), key=lambda e: e.cost))
-    best = next((e for e in tried if _keeps_its_word(few, e, tried)), plain)
+        tried = tuple(sorted(_explanations(few, plain), key=lambda e: e.cost))
+    best = next((e for e in tried if _is_constant(few, e, tried)), plain)
     return Diagnosis(best, tried, _lag(comparison, best))
 
 
-def _explanations(comparison: Comparison) -> Iterator[Explanation]:
-    by_all = {convention: starts(written(comparison, convention), FREE[-1])[0] for convention in CONVENTIONS}
-    limit = min(by_all.values()) + WORSE
-    for convention in CONVENTIONS:
-        if by_all[convention] <= limit or convention == Convention():
-            for free in FREE:
-                yield explain(comparison, convention, free)
+def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
+    """The explanations that may be the best, or as good."""
+    grid = Grid.of(comparison)
+    points = {convention: grid.best(convention, ALL) for convention in CONVENTIONS}
+    limit = min(cost for cost, _ in points.values()) + WORSE
+    near = [convention for convention in CONVENTIONS if points[convention][0] <= limit]
+    full = [explain(comparison, convention, ALL, points[convention][1]) for convention in near]
+    lowest = min([plain, *full], key=lambda e: e.cost).cost
+    yield plain
+    yield from full
+    for most in sorted(full, key=lambda e: e.median):
+        for free in FREE[:-1]:
+            # fewer constants cannot explain more, up to the difference between a median and what is minimised
+            if replace(most, free=free, median=most.median / SAME).cost < lowest + 0.5:
+                found = explain(comparison, most.convention, free, grid.best(most.convention, free)[1])
+                lowest = min(lowest, found.cost)
+                yield found
 
 
-def explain(comparison: Comparison, convention: Convention, free: frozenset[str]) -> Explanation:
+def explain(comparison: Comparison, convention: Convention, free: frozenset[str], start: Misalignment) -> Explanation:
     """A combination of causes fitted to a run."""
     ours = written(comparison, convention)
-    found = fit(ours, free, starts(ours, free)[1])
+    found = fit(ours, free, start, steps=12, smallest_step=1e-7)
     return Explanation(convention, free, found, float(np.median(ours.angles(found))))
 
 
-def _keeps_its_word(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
+def _is_constant(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
     """Whether constants fitted to one half of a run explain the other half, each of them by a factor of two."""
     if not explanation.free:
         return True
@@ -169,7 +178,7 @@ def _keeps_its_word(comparison: Comparison, explanation: Explanation, tried: tup
     middle = len(ours.stamps_ns) // 2
     halves = ours.part(slice(None, middle)), ours.part(slice(middle, None))
     angles = [
-        other.angles(fit(half, explanation.free, explanation.misalignment))
+        other.angles(fit(half, explanation.free, explanation.misalignment, smallest_step=1e-7))
         for half, other in (halves, halves[::-1])
     ]
     kept = max(float(np.median(np.concatenate(angles))), NEGLIGIBLE)
@@ -183,12 +192,7 @@ def _lag(comparison: Comparison, explanation: Explanation) -> float | None:
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
     if len(ours.stamps_ns) < FEWEST_SAMPLES:
         return None
-    for free in (FREE[-1], explanation.free | {LAG}):
+    for free in (ALL, explanation.free | {LAG}):
         if separable(ours, free, explanation.misalignment):
             return fit(ours, free, explanation.misalignment).lag_s
     return None
-
-
-def left_over(comparison: Comparison, misalignment: Misalignment) -> Array:
-    """The angles that are left when a misalignment is undone, rad."""
-    return comparison.angles(misalignment)

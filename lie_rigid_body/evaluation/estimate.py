@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.lie import quaternion
@@ -96,9 +96,10 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     back = np.flatnonzero(np.diff(stamps) < 0)
     if back.size:
         k = int(back[0])
+        jump_s = (stamps[k] - stamps[k + 1]) / 1e9
         raise InputError(
-            f"{name}: out of order in {back.size} places, first at sample {k + 1}, {(stamps[k] - stamps[k + 1]) / 1e9:g} s "
-            "before the one ahead of it: sort by stamp, or evaluate the parts before and after a reset apart"
+            f"{name}: out of order in {back.size} places, first at sample {k + 1}, {jump_s:g} s before "
+            "the one ahead of it: sort by stamp, or evaluate the parts before and after a reset apart"
         )
     return stamps
 
@@ -108,7 +109,7 @@ def period_ns(stamps_ns: Integers) -> int:
     return int(np.median(np.diff(stamps_ns))) if len(stamps_ns) > 1 else 0
 
 
-def _doubles(stamps: Integers, new: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> Remark | None:
+def _doubles(stamps: Integers, new: Booleans) -> Remark | None:
     count = int(np.count_nonzero(~new))
     if not count:
         return None

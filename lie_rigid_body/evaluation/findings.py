@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Convention, Misalignment, fit
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
-from lie_rigid_body.evaluation.search import spread, starts, written
+from lie_rigid_body.evaluation.search import Grid, spread, written
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 
@@ -81,7 +81,8 @@ def _rms_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalign
     )
     few = ours.part(np.flatnonzero(inside))
     few = few.part(spread(len(few.stamps_ns), FITTED))
-    fitted = fit(few, explanation.free, starts(few, explanation.free)[1])
+    start = Grid.of(few).best(Convention(), explanation.free)[1]
+    fitted = fit(few, explanation.free, start)
     return fitted, float(np.degrees(rms(ours.angles(fitted))))
 
 
@@ -118,10 +119,11 @@ def _heading(fitted: Misalignment) -> str:
 
 
 def _mounting(fitted: Misalignment) -> str:
-    vector = quaternion.log(np.array(fitted.mounting))
+    mounting = np.array(fitted.mounting) * (1.0 if fitted.mounting[3] >= 0.0 else -1.0)
+    vector = quaternion.log(mounting)
     angle = float(np.sqrt(vector @ vector))
     axis = ", ".join(f"{v:.3g}" for v in (vector / angle if angle else vector) + 0.0)
-    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(np.array(fitted.mounting)) + 0.0)
+    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
     return (
         f"The body axes of the estimate are turned by {np.degrees(angle):.4g}° about ({axis}) of the body: tell the "
         f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.alignment import Comparison
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
@@ -40,7 +40,7 @@ class Score:
     time_to_converge_s : float or None
         From the first sample until the total error stays below `converged_deg`; None if it never does.
     converged_deg : float
-        As given, or the largest total error in the second half of the run.
+        As given, or twice the 95th percentile of the total error in the second half of the run.
     lag_s : float or None
         Positive if the estimate is late. None if the motion does not tell it.
     findings : tuple of Finding
@@ -230,11 +230,12 @@ def _interpolation(truth: Truth, total: Statistics) -> tuple[Remark, ...]:
     return (Remark("gaps", message),)
 
 
-def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> Array:
+def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Array:
     """The covariances of the samples that were compared."""
     if covariance.ndim != 3:
         return covariance
     stamps = np.asarray(stamps_ns)
     if len(covariance) != len(stamps):
         raise InputError(f"covariance: {len(covariance)} of them do not go with {len(stamps)} estimates")
-    return covariance[np.concatenate([[True], np.diff(stamps) > 0])][known]
+    first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
+    return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)

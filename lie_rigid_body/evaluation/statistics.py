@@ -68,12 +68,21 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
 
 
 def settling_limit(t_s: Array, errors: Array) -> float:
-    """The default limit of `time_to_converge`: the largest error in the second half of the run.
+    """The default limit of `time_to_converge`: twice the 95th percentile of the second half of the run.
 
-    With it the time tells when the error became what it then stayed for at least as long. An error that still falls
-    has half of the run's duration.
+    Noise alone seldom exceeds it, so the time tells when the error came down to what it is later.
+
+    Parameters
+    ----------
+    t_s, errors : ndarray, shape (N,)
+        Times in s and errors in degrees.
+
+    Returns
+    -------
+    float
+        Degrees, at least `SMALLEST_LIMIT`.
     """
-    return float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max())
+    return max(2.0 * float(np.percentile(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])], 95.0)), SMALLEST_LIMIT)
 
 
 def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
@@ -94,3 +103,7 @@ def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
     above = np.flatnonzero(errors > limit)
     first = int(above[-1]) + 1 if above.size else 0
     return float(t_s[first] - t_s[0]) if first < len(errors) else None
+
+
+SMALLEST_LIMIT = 1e-3
+"""Degrees; an error below it is no matter of convergence."""

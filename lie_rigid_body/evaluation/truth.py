@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.estimate import GAP, period_ns, read_stamps
@@ -34,16 +34,17 @@ class Truth(ABC):
     def at(self, stamps_ns: Integers) -> Array:
         """Unit quaternions world-from-body, scalar last, shape (..., 4), at stamps of any shape within its times."""
 
-    def covers(self, stamps_ns: Integers) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether the truth is known at each stamp."""
         return np.asarray((stamps_ns >= self.first_ns) & (stamps_ns <= self.last_ns))
 
-    def body_rate(self, stamps_ns: Integers) -> Array:
-        """Angular velocity in the body frame, rad/s, shape (..., 3), by a central difference over 0.2 ms."""
+    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms."""
         before = np.maximum(stamps_ns - DIFFERENCE_NS, self.first_ns)
         after = np.minimum(stamps_ns + DIFFERENCE_NS, self.last_ns)
-        turn = quaternion.log(quaternion.multiply(quaternion.conjugate(self.at(before)), self.at(after)))
-        return np.asarray(turn / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis])
+        earlier, now, later = self.at(np.stack([before, stamps_ns, after]))
+        turn = quaternion.log(quaternion.multiply(quaternion.conjugate(earlier), later))
+        return now, turn / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
 
 
 class ExactTruth(Truth):
@@ -64,6 +65,7 @@ class ExactTruth(Truth):
         self.first_ns, self.last_ns, self.uncertainty = int(first_ns), int(last_ns), 0.0
 
     def at(self, stamps_ns: Integers) -> Array:
+        """The function's values, asked once and in order of time."""
         stamps, place = np.unique(stamps_ns, return_inverse=True)
         return np.asarray(self._attitude(stamps)[place.reshape(np.shape(stamps_ns))])
 
@@ -101,7 +103,8 @@ class SampledTruth(Truth):
         self.first_ns, self.last_ns = int(self._stamps[0]), int(self._stamps[-1])
         self.uncertainty = self._largest_miss() / 4.0
 
-    def covers(self, stamps_ns: Integers) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def covers(self, stamps_ns: Integers) -> Booleans:
+        """Whether a stamp is a sample's own, or between two that are joined."""
         inside = super().covers(stamps_ns)
         if len(self._stamps) < 2:
             return inside
@@ -110,6 +113,7 @@ class SampledTruth(Truth):
         return np.asarray(inside & (joined | np.isin(stamps_ns, self._stamps)))
 
     def at(self, stamps_ns: Integers) -> Array:
+        """The samples, and the geodesics between them."""
         if len(self._stamps) < 2:
             return np.broadcast_to(self._attitude[0], (*np.shape(stamps_ns), 4))
         i = self._interval(stamps_ns)
