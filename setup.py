@@ -55,6 +55,7 @@ EXTRAS = {
         "allantools",
         "colcon-core",
         "colcon-ros",
+        "evo",
         "hypothesis",
         "mcap-ros2-support",
         "mpmath",

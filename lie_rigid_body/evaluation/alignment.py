@@ -5,8 +5,8 @@ The model is
     q_estimate(t) = C[ exp(ψ e_z) ⊗ q_truth(t − τ) ⊗ q_mounting ]
 
 with a heading offset ψ, a constant rotation of the body q_mounting, a lag τ and a discrete convention C. Its residuals
-are the rotation vectors between both sides after C is undone. They are fitted by Gauss–Newton with Huber weights, so
-that the convergence of a filter from a bad start does not pull the constants.
+are the rotation vectors between both sides after C is undone. They are fitted by Gauss–Newton with the weights of
+Geman and McClure, so that the convergence of a filter from a bad start hardly pulls the constants.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def fit(
     steps: int = 25,
     smallest_step: float = 1e-10,
 ) -> Misalignment:
-    """The misalignment of least Huber cost near a start.
+    """The misalignment of least robust cost near a start.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def fit(
         if np.mean(size) < best_cost:
             best, best_cost = now, float(np.mean(size))
         J = _derivative(now, truth, rate)[..., chosen]
-        normal, slope = _normal_equations(J, residual, _huber_weights(size))
+        normal, slope = _normal_equations(J, residual, _weights(size))
         step = np.zeros(5)
         # least squares of least norm: what the motion does not tell apart stays where it was
         step[chosen] = np.linalg.lstsq(normal, slope, rcond=1e-10)[0]
@@ -221,10 +221,10 @@ def _normal_equations(J: Array, residual: Array, weights: Array) -> tuple[Array,
     return np.einsum("nia,nib->ab", weighted, J), np.einsum("nia,ni->a", weighted, residual)
 
 
-def _huber_weights(norms: Array) -> Array:
-    """Weights by which residuals beyond twice their median count linearly."""
-    knee = 2.0 * float(np.median(norms))
-    return knee / np.maximum(norms, knee) if knee else np.ones_like(norms)
+def _weights(norms: Array) -> Array:
+    """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians: far residuals hardly count."""
+    scale = 3.0 * float(np.median(norms))
+    return 1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms)
 
 
 def _norms(vectors: Array) -> Array:

@@ -40,7 +40,7 @@ class Score:
     time_to_converge_s : float or None
         From the first sample until the total error stays below `converged_deg`; None if it never does.
     converged_deg : float
-        As given, or twice the 95th percentile of the total error in the second half of the run.
+        As given, or one and a half times the largest total error in the second half of the run.
     lag_s : float or None
         Positive if the estimate is late. None if the motion does not tell it.
     findings : tuple of Finding

@@ -68,9 +68,9 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
 
 
 def settling_limit(t_s: Array, errors: Array) -> float:
-    """The default limit of `time_to_converge`: twice the 95th percentile of the second half of the run.
+    """The default limit of `time_to_converge`: one and a half times the largest error of the second half of the run.
 
-    Noise alone seldom exceeds it, so the time tells when the error came down to what it is later.
+    Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def settling_limit(t_s: Array, errors: Array) -> float:
     float
         Degrees, at least `SMALLEST_LIMIT`.
     """
-    return max(2.0 * float(np.percentile(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])], 95.0)), SMALLEST_LIMIT)
+    return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), SMALLEST_LIMIT)
 
 
 def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
