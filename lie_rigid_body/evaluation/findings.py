@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Convention, Misalignment, fit
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
 from lie_rigid_body.evaluation.search import Grid, spread, written
@@ -54,11 +55,14 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
     tuple of Finding
     """
     found = []
-    before = float(np.degrees(rms(comparison.angles(Misalignment()))))
+    before = np.degrees(comparison.angles(Misalignment()))
     for cause, partial in _undone(diagnosis.explanation):
-        fitted, after = _rms_deg(comparison, partial)
-        message = f"{_sentence(cause, comparison, diagnosis, fitted)} ({before:.3g}° rms become {after:.3g}°)"
-        found.append(Finding(_code(cause, fitted), f"{message}{_doubt(diagnosis, cause)}.", after))
+        fitted, after = _left_deg(comparison, partial)
+        message = (
+            f"{_sentence(cause, comparison, diagnosis, fitted)} (median error {np.median(before):.3g}° before and "
+            f"{np.median(after):.3g}° after, rms {rms(before):.3g}° and {rms(after):.3g}°){_doubt(diagnosis, cause)}."
+        )
+        found.append(Finding(_code(cause, fitted), message, rms(after)))
         before = after
     return tuple(found)
 
@@ -74,7 +78,7 @@ def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
         yield cause, partial
 
 
-def _rms_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalignment, float]:
+def _left_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalignment, Array]:
     ours = written(comparison, explanation.convention)
     inside = ours.truth.covers(ours.true_stamps(ours.longest_lag_s)) & ours.truth.covers(
         ours.true_stamps(-ours.longest_lag_s)
@@ -83,7 +87,7 @@ def _rms_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalign
     few = few.part(spread(len(few.stamps_ns), FITTED))
     start = Grid.of(few).best(Convention(), explanation.free)[1]
     fitted = fit(few, explanation.free, start)
-    return fitted, float(np.degrees(rms(ours.angles(fitted))))
+    return fitted, np.degrees(ours.angles(fitted))
 
 
 def _code(cause: str, fitted: Misalignment) -> str:

@@ -17,7 +17,7 @@ from lie_rigid_body.evaluation.diagnosis import diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.statistics import Statistics, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
 
 LONGEST_LAG_S: Final = 1.0
@@ -150,10 +150,15 @@ def evaluate(
     error = attitude_error(estimate.attitude_xyzw, true)
     total, heading, inclination = (np.degrees(angle) for angle in error)
     t_s = seconds(estimate.stamps_ns)
+    uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
     limit = settling_limit(t_s, total) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
     lag_s, found = _diagnosis(estimate, truth, longest_lag_s)
-    remarks = (*estimate.remarks, *_absence(estimate.stamps_ns, len(known), truth), *_interpolation(truth, statistics))
+    remarks = (
+        *estimate.remarks,
+        *_absence(estimate.stamps_ns, len(known), truth),
+        *_interpolation(uncertainty, statistics),
+    )
     consistency = None
     if covariance is not None:
         P = _at_samples(np.asarray(covariance), stamps_ns, known)
@@ -170,7 +175,7 @@ def evaluate(
         findings=(*(Finding(r.code, r.message, statistics.rms) for r in remarks), *found),
         broken=(limits or Limits()).broken(t_s, total),
         outside=int(np.count_nonzero(~known)),
-        truth_uncertainty_deg=float(np.degrees(truth.uncertainty)),
+        truth_uncertainty_deg=uncertainty,
         consistency=consistency,
     )
 
@@ -219,9 +224,8 @@ def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def _interpolation(truth: Truth, total: Statistics) -> tuple[Remark, ...]:
-    uncertainty = float(np.degrees(truth.uncertainty))
-    if not uncertainty > 0.25 * total.rms:
+def _interpolation(uncertainty: float, total: Statistics) -> tuple[Remark, ...]:
+    if not uncertainty > max(0.25 * total.rms, SMALLEST_LIMIT):
         return ()
     message = (
         f"Samples of the truth are so far apart that it is uncertain by {uncertainty:.2g}° between them, beside an "

@@ -22,17 +22,18 @@ class Truth(ABC):
     ----------
     first_ns, last_ns : int
         The times between which it is known.
-    uncertainty : float
-        Bound of the error of the truth itself, rad: of interpolation, 0 for an exact one.
     """
 
     first_ns: int
     last_ns: int
-    uncertainty: float
 
     @abstractmethod
     def at(self, stamps_ns: Integers) -> Array:
         """Unit quaternions world-from-body, scalar last, shape (..., 4), at stamps of any shape within its times."""
+
+    def uncertainty_at(self, stamps_ns: Integers) -> float:
+        """Bound of the truth's own error at some stamps, rad: that of interpolation; 0 if there is none."""
+        return 0.0
 
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether the truth is known at each stamp."""
@@ -62,7 +63,7 @@ class ExactTruth(Truth):
         if last_ns < first_ns:
             raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns")
         self._attitude = attitude_xyzw
-        self.first_ns, self.last_ns, self.uncertainty = int(first_ns), int(last_ns), 0.0
+        self.first_ns, self.last_ns = int(first_ns), int(last_ns)
 
     def at(self, stamps_ns: Integers) -> Array:
         """The function's values, asked once and in order of time."""
@@ -111,6 +112,10 @@ class SampledTruth(Truth):
         i = self._interval(stamps_ns)
         joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
         return np.asarray(inside & (joined | np.isin(stamps_ns, self._stamps)))
+
+    def uncertainty_at(self, stamps_ns: Integers) -> float:
+        """`uncertainty`, or 0 if every stamp is a sample's own."""
+        return 0.0 if np.isin(stamps_ns, self._stamps).all() else self.uncertainty
 
     def at(self, stamps_ns: Integers) -> Array:
         """The samples, and the geodesics between them."""

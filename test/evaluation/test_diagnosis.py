@@ -41,7 +41,7 @@ def test_a_fault_is_named_with_what_is_left(motion, fault):
     score = evaluate(STAMPS, FAULTS[fault](noisy(motion)), truth_of(motion))
     assert codes(score) == [fault]
     assert score.findings[0].rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
-    assert f"{score.total_deg.rms:.3g}° rms become" in score.findings[0].message
+    assert f"(median error {score.total_deg.median:.3g}° before" in score.findings[0].message
 
 
 @motions

@@ -19,6 +19,7 @@ def test_samples_are_given_back_to_the_bit(motion):
     samples = attitude(motion)
     truth = SampledTruth(STAMPS, samples)
     assert truth.covers(STAMPS).all()
+    assert truth.uncertainty_at(STAMPS) == 0.0 < truth.uncertainty == truth.uncertainty_at(STAMPS[1:] - 1)
     np.testing.assert_array_equal(truth.at(STAMPS), quaternion.normalize(samples))
 
 
