@@ -63,6 +63,7 @@ EXTRAS = {
         "allantools",
         "colcon-core",
         "colcon-ros",
+        "evo",
         "hypothesis",
         "mcap-ros2-support",
         "mpmath",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
+    from lie_rigid_body.evaluation import attitude_error
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
     from lie_rigid_body.scenario import Scenario
@@ -24,6 +25,7 @@ __all__ = [
     "Scenario",
     "State",
     "__version__",
+    "attitude_error",
 ]
 
 # Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
@@ -37,6 +39,7 @@ _HOMES = {
     "RigidBody": "lie_rigid_body.mechanics",
     "Scenario": "lie_rigid_body.scenario",
     "State": "lie_rigid_body.mechanics",
+    "attitude_error": "lie_rigid_body.evaluation",
 }
 
 

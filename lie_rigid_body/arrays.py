@@ -12,3 +12,6 @@ Array: TypeAlias = NDArray[np.float64]
 
 Integers: TypeAlias = NDArray[np.int64]
 """Whole numbers of 64 bits: times in nanoseconds, counts, indices."""
+
+Booleans: TypeAlias = NDArray[np.bool_]
+"""Truth values."""

@@ -28,15 +28,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "recording": SCENARIO | {"simulation", "messages"},
     "proof": set(),
     "certificate": BAG | {"proof"},
+    "evaluation": {"lie"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
     "cli": EDGE,
     "ros": EDGE,
-    "": SCENARIO | {"simulation"},
+    "": SCENARIO | {"simulation", "evaluation"},
     "__main__": {"console"},
 }
 FOR_ALL = {"errors", "arrays"}
-PURE = {"arithmetic", "groups", "lie", "mechanics", "motion", "proof"}
+PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
 ROS = {"ament_index_python", "builtin_interfaces", "launch", "launch_ros", "rclpy", "rosidl_runtime_py"}
@@ -137,6 +138,7 @@ def test_every_module_keeps_to_its_room(module: str) -> None:
         ("messages.layout", "from geometry_msgs.msg import PoseStamped", "ros"),
         ("messages.layout", "try:\n    import std_srvs.srv\nexcept ImportError:\n    pass", "ros"),
         ("simulation", "from rclpy.node import Node", "ros"),
+        ("evaluation.truth", "from lie_rigid_body.motion import ClosedForm", "rooms"),
         ("mechanics.state", "import os.path", "mathematics"),
         ("lie.so3", "from time import monotonic", "mathematics"),
         ("motion.moving_chart", "import numpy.random", "mathematics"),

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate
-from lie_rigid_body.certificate.segments import RecordedSegment, cut, seconds_since_start
+from lie_rigid_body.certificate.segments import RecordedSegment, recorded_segments, seconds_since_start
 from lie_rigid_body.certificate.tolerance import tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Recording
@@ -108,7 +108,7 @@ def prove(
     ProvedSample
         In the order of the recording.
     """
-    pieces = cut(recording, inertia) if certificate.segments else []
+    pieces = recorded_segments(recording, inertia) if certificate.segments else []
     first = 0
     total = sum(len(piece.samples) for piece in pieces)
     spread = np.unique(np.rint(np.linspace(0, total - 1, count)).astype(np.int64))

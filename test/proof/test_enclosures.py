@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("flint", reason="python-flint is not installed")
 
 from flint import arb, ctx, fmpq
-from regimes import REGIMES, motion
+from motions_of_each_regime import REGIMES, motion
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.proof import enclose, enclose_by_taylor

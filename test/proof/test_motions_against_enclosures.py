@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("flint", reason="python-flint is not installed")
 
-from regimes import REGIMES, motion
+from motions_of_each_regime import REGIMES, motion
 
 from lie_rigid_body import ClosedForm, MovingChart
 from lie_rigid_body.certificate.tolerance import CLOSED_FORM, tolerance

@@ -1,0 +1,31 @@
+"""What an attitude estimate is worth: its errors, and why it has them.
+
+`attitude_error` defines the error. `evaluate` associates an estimate with the truth by stamps, makes the statistics,
+looks for the lag and for mistaken conventions, and gives a `Score`. `nees` holds errors against covariances.
+"""
+
+from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees, nees
+from lie_rigid_body.evaluation.findings import Finding
+from lie_rigid_body.evaluation.limits import Limits
+from lie_rigid_body.evaluation.scoring import Score, evaluate
+from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
+from lie_rigid_body.evaluation.truth import ExactTruth, SampledTruth, Truth
+
+__all__ = [
+    "AttitudeError",
+    "Consistency",
+    "ExactTruth",
+    "Finding",
+    "Limits",
+    "SampledTruth",
+    "Score",
+    "Statistics",
+    "Truth",
+    "attitude_error",
+    "attitude_nees",
+    "bias_error",
+    "evaluate",
+    "nees",
+    "time_to_converge",
+]

@@ -1,0 +1,161 @@
+"""Whether errors are as large as an estimator says: the normalised estimation error squared (NEES).
+
+For an error e of dimension d and its covariance P the NEES is eᵀ P⁻¹ e. If the error is Gaussian with that covariance
+it has a χ² distribution with d degrees of freedom, and the sum over N independent samples has N d (Y. Bar-Shalom,
+X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import chi2
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """The NEES of a run against its χ² bounds.
+
+    Attributes
+    ----------
+    nees : ndarray, shape (N,)
+        One number a sample.
+    dimension : int
+        Degrees of freedom d of one sample; the expected NEES.
+    mean : float
+    mean_bounds : tuple of float
+        Between which the mean lies with the given probability if samples are independent. Errors of a filter are
+        correlated in time, so the true interval is wider: a mean far outside tells, one just outside does not.
+    bounds : tuple of float
+        Between which a single NEES lies with that probability.
+    share_inside : float
+        Share of samples between `bounds`.
+    probability : float
+    """
+
+    nees: Array
+    dimension: int
+    mean: float
+    mean_bounds: tuple[float, float]
+    bounds: tuple[float, float]
+    share_inside: float
+    probability: float
+
+    @property
+    def verdict(self) -> str:
+        """``consistent``, ``overconfident`` (errors larger than the covariance says) or ``conservative``."""
+        low, high = self.mean_bounds
+        return "overconfident" if self.mean > high else "conservative" if self.mean < low else "consistent"
+
+    def to_json(self) -> dict[str, float | str | list[float]]:
+        """Mean, bounds, share inside and verdict by name."""
+        return {
+            "mean": self.mean,
+            "expected": float(self.dimension),
+            "mean_bounds": list(self.mean_bounds),
+            "bounds": list(self.bounds),
+            "share_inside": self.share_inside,
+            "probability": self.probability,
+            "verdict": self.verdict,
+        }
+
+
+def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) -> Consistency:
+    """The NEES of errors whose covariances an estimator gave.
+
+    Parameters
+    ----------
+    errors : array_like, shape (N, d)
+    covariance : array_like, shape (N, d, d) or (d, d)
+        In the squared unit of the errors, on the same axes.
+    probability : float
+        Of the bounds, two-sided.
+
+    Returns
+    -------
+    Consistency
+
+    Raises
+    ------
+    InputError
+        If a shape is wrong, a number not finite, or a covariance not symmetric and positive definite.
+    """
+    e = np.asarray(errors, dtype=np.float64)
+    if e.ndim != 2:
+        raise InputError(f"errors: shape {e.shape} is not (N, d)")
+    d = e.shape[1]
+    e, P = numbers("errors", e, d), numbers("covariance", covariance, d, d)
+    if P.shape not in {(d, d), (len(e), d, d)}:
+        raise InputError(f"covariance: shape {P.shape} does not go with {len(e)} errors of dimension {d}")
+    values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    tails = np.array([0.5 - 0.5 * probability, 0.5 + 0.5 * probability])
+    low, high = chi2.ppf(tails, d).tolist()
+    mean_low, mean_high = (chi2.ppf(tails, len(e) * d) / len(e)).tolist()
+    inside = float(np.mean((values >= low) & (values <= high)))
+    return Consistency(values, d, float(np.mean(values)), (mean_low, mean_high), (low, high), inside, probability)
+
+
+def attitude_nees(
+    estimate_xyzw: ArrayLike,
+    truth_xyzw: ArrayLike,
+    covariance: ArrayLike,
+    axes: str = "world",
+    probability: float = 0.95,
+) -> Consistency:
+    """The NEES of attitude estimates.
+
+    Parameters
+    ----------
+    estimate_xyzw, truth_xyzw : array_like, shape (N, 4)
+        World-from-body, scalar last.
+    covariance : array_like, shape (..., 3, 3) or (..., 6, 6)
+        Of small rotations about x, y, z, rad². Of a pose, 6 × 6, the block of the rotation, the last three, is taken.
+    axes : str
+        ``"world"``: about the axes of the header's frame, as geometry_msgs/PoseWithCovariance says; ``"body"``: about
+        the axes of the body, as most error-state filters have it.
+    probability : float
+        Of the bounds.
+
+    Returns
+    -------
+    Consistency
+
+    Raises
+    ------
+    InputError
+        As `nees`; if a covariance is not given (first number −1) or unknown (all 0), as sensor_msgs/Imu says; or if
+        `axes` is neither of the two.
+    """
+    errors = {"world": world_error, "body": body_error}
+    if axes not in errors:
+        raise InputError(f"axes {axes!r}: give 'world' or 'body'")
+    estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
+    return nees(errors[axes](estimate, truth), rotation_block(covariance), probability)
+
+
+def rotation_block(covariance: ArrayLike) -> Array:
+    """The 3 × 3 covariance of the rotation, of a covariance of a rotation or of a pose."""
+    P = np.asarray(covariance, dtype=np.float64)
+    P = P[..., 3:, 3:] if P.shape[-2:] == (6, 6) else P
+    P = numbers("covariance", P, 3, 3)
+    if np.any(P[..., 0, 0] == -1.0) or not P.any(axis=(-2, -1)).all():
+        raise InputError("covariance: -1 or all 0 says that the estimator does not know it: leave it out")
+    return P
+
+
+def _factor(P: Array) -> Array:
+    """Lower Cholesky factor, on axes scaled to unit variance to lose no digits."""
+    scale = np.sqrt(np.abs(np.diagonal(P, axis1=-2, axis2=-1)))
+    if not np.all(scale > 0.0) or not np.allclose(P, np.swapaxes(P, -1, -2), rtol=1e-6, atol=0.0):
+        raise InputError("covariance: not symmetric with positive variances: NEES needs its inverse")
+    try:
+        factor = np.linalg.cholesky(P / (scale[..., :, np.newaxis] * scale[..., np.newaxis, :]))
+    except np.linalg.LinAlgError:
+        raise InputError("covariance: not positive definite: NEES needs its inverse") from None
+    return np.asarray(scale[..., :, np.newaxis] * factor)

@@ -1,0 +1,206 @@
+"""Why an estimate is off: conventions, constant turns and a shift of time, named where they explain the error.
+
+Each combination of causes is fitted to the run and judged by the median of the angles that it leaves. A cause is named
+only if it at least halves that median, given the other causes that are named; of combinations that leave about the
+same, the one with fewer and simpler causes is taken. The median is used so that the convergence of a filter counts
+little. A cause with a fitted constant must also be constant: fitted to three quarters of the run, it must halve the
+median of the fourth, whichever that is. Drifts fail that, and so do 97 of 100 random walks. A median below `NEGLIGIBLE`
+is not explained at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.evaluation.alignment import (
+    HEADING,
+    LAG,
+    MOUNTING,
+    Comparison,
+    Convention,
+    Misalignment,
+    columns,
+    fit,
+    separable,
+)
+from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
+
+NEGLIGIBLE: Final = float(np.radians(1e-3))
+"""A median error below this, rad, needs no explanation, and no cause makes it smaller."""
+
+FEWEST_SAMPLES: Final = 12
+"""From fewer samples nothing is concluded."""
+
+SAMPLES: Final = 400
+LAG_SAMPLES: Final = 20_000
+WORSE: Final = 0.25
+"""A convention whose best point of the grid costs so much more than the best one's is not fitted."""
+
+SAME: Final = 1.25
+"""Explanations whose medians differ by a smaller factor are as good as each other."""
+
+FREE: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
+ALL: Final = FREE[-1]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A combination of causes, fitted to a run.
+
+    Attributes
+    ----------
+    convention : Convention
+    free : frozenset of str
+        Which constants were fitted.
+    misalignment : Misalignment
+    median : float
+        Of the angles that are left, rad.
+    """
+
+    convention: Convention
+    free: frozenset[str]
+    misalignment: Misalignment
+    median: float
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """The names of its causes, in the order in which they are undone."""
+        of_convention = {
+            "scalar_first": self.convention.scalar_first,
+            "inverted": self.convention.inverted,
+            "ned_world": self.convention.ned_world,
+        }
+        named = [name for name, holds in of_convention.items() if holds]
+        return (*named, *(name for name in (HEADING, MOUNTING, LAG) if name in self.free))
+
+    @property
+    def cost(self) -> float:
+        """Number of halvings of the median that it must have earned; the lowest cost explains best."""
+        simplicity = 0.05 * len(columns(self.free)) + 0.02 * self.convention.frd_body
+        return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
+
+    def without(self, cause: str) -> tuple[frozenset[str], Convention]:
+        """Free constants and convention of the same causes but one."""
+        return self.free - {cause}, Convention(
+            self.convention.scalar_first and cause != "scalar_first",
+            self.convention.inverted and cause != "inverted",
+            self.convention.ned_world and cause != "ned_world",
+            self.convention.frd_body and cause != "ned_world",
+        )
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The best explanation, the others that were tried, and the lag.
+
+    Attributes
+    ----------
+    explanation : Explanation
+    tried : tuple of Explanation
+    lag_s : float or None
+        The shift of time that explains most of the error, beside the misalignment; positive if the estimate is late.
+        None if the motion does not tell it.
+    """
+
+    explanation: Explanation
+    tried: tuple[Explanation, ...]
+    lag_s: float | None
+
+    def instead_of(self, cause: str) -> tuple[str, ...]:
+        """Other causes that would explain as much in the place of one."""
+        best = self.explanation
+        rest = set(best.causes) - {cause}
+        found: dict[str, Explanation] = {}
+        for other in self.tried:
+            new = set(other.causes) - rest - {cause}
+            swapped = rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes)
+            if swapped and max(other.median, NEGLIGIBLE) <= SAME * max(best.median, NEGLIGIBLE):
+                found[new.pop()] = other
+        return tuple(found)
+
+
+def diagnose(comparison: Comparison) -> Diagnosis:
+    """Explain what an estimate is off by.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of samples whose true time, shifted by the longest lag either way, is within the truth's times.
+
+    Returns
+    -------
+    Diagnosis
+    """
+    few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
+    plain = Explanation(Convention(), frozenset(), Misalignment(), _median(few, Convention(), Misalignment()))
+    tried: tuple[Explanation, ...] = (plain,)
+    if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
+        tried = tuple(sorted(_explanations(few, plain), key=lambda e: e.cost))
+    best = next((e for e in tried if _is_constant(few, e, tried)), plain)
+    return Diagnosis(best, tried, _lag(comparison, best))
+
+
+def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
+    """The explanations that may be the best, or as good."""
+    grid = Grid.of(comparison)
+    points = {convention: grid.best(convention, ALL) for convention in CONVENTIONS}
+    limit = min(cost for cost, _ in points.values()) + WORSE
+    near = [convention for convention in CONVENTIONS if points[convention][0] <= limit]
+    full = [explain(comparison, convention, ALL, points[convention][1]) for convention in near]
+    lowest = min([plain, *full], key=lambda e: e.cost).cost
+    yield plain
+    yield from full
+    for most in sorted(full, key=lambda e: e.median):
+        for free in FREE[:-1]:
+            # fewer constants cannot explain more, up to the difference between a median and what is minimised
+            if replace(most, free=free, median=most.median / SAME).cost < lowest + 0.5:
+                found = explain(comparison, most.convention, free, grid.best(most.convention, free)[1])
+                lowest = min(lowest, found.cost)
+                yield found
+
+
+def explain(comparison: Comparison, convention: Convention, free: frozenset[str], start: Misalignment) -> Explanation:
+    """A combination of causes fitted to a run."""
+    found = fit(written(comparison, convention), free, start, steps=12, smallest_step=1e-7)
+    return Explanation(convention, free, found, _median(comparison, convention, found))
+
+
+def _is_constant(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
+    """Whether constants fitted to three quarters of a run halve the median of the fourth, each of them and in each."""
+    if not explanation.free:
+        return True
+    every = np.arange(len(comparison.stamps_ns))
+    known = {(e.free, e.convention): e for e in tried}
+    simpler = [known[key] for key in map(explanation.without, explanation.free) if key in known]
+    for quarter in np.array_split(every, 4):
+        others = written(comparison, explanation.convention).part(np.setdiff1d(every, quarter))
+        fitted = fit(others, explanation.free, explanation.misalignment, smallest_step=1e-7)
+        left = max(_median(comparison.part(quarter), explanation.convention, fitted), NEGLIGIBLE)
+        for e in simpler:
+            before = _median(comparison.part(quarter), e.convention, e.misalignment)
+            # a filter that is worse off at first still converges: that quarter says nothing
+            if before < 2.0 * left and not (quarter[0] == 0 and before >= e.median):
+                return False
+    return True
+
+
+def _median(comparison: Comparison, convention: Convention, misalignment: Misalignment) -> float:
+    left = written(comparison, convention).angles(misalignment)
+    return float(np.median(left)) if left.size else np.inf
+
+
+def _lag(comparison: Comparison, explanation: Explanation) -> float | None:
+    """The lag beside heading and mounting where the motion tells them apart, else beside what was found."""
+    ours = written(comparison, explanation.convention)
+    ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
+    if len(ours.stamps_ns) < FEWEST_SAMPLES:
+        return None
+    for free in (ALL, explanation.free | {LAG}):
+        if separable(ours, free, explanation.misalignment) or free == explanation.free:
+            return fit(ours, free, explanation.misalignment).lag_s
+    return None

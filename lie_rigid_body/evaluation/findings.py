@@ -1,0 +1,153 @@
+"""Findings: each cause of a diagnosis in one sentence, with numbers and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Convention, Misalignment, fit
+from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
+from lie_rigid_body.evaluation.search import Grid, spread, written
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.lie import quaternion
+
+FITTED = 2000
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is wrong about an estimate.
+
+    Attributes
+    ----------
+    code : str
+        ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
+        ``gaps`` or ``not_unit``.
+    message : str
+        One sentence with numbers, and what to do.
+    rms_deg_after : float
+        RMS of the total error that is left when this cause and those before it are undone, degrees.
+    """
+
+    code: str
+    message: str
+    rms_deg_after: float
+
+    def to_json(self) -> dict[str, str | float]:
+        """The three entries by name."""
+        return asdict(self)
+
+
+def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
+    """The causes of a diagnosis as findings, in the order in which they are undone.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of all samples.
+    diagnosis : Diagnosis
+
+    Returns
+    -------
+    tuple of Finding
+    """
+    found = []
+    before = np.degrees(comparison.angles(Misalignment()))
+    for cause, partial in _undone(diagnosis.explanation):
+        fitted, after = _left_deg(comparison, partial)
+        message = (
+            f"{_sentence(cause, comparison, diagnosis, fitted)} (median error {np.median(before):.3g}° before and "
+            f"{np.median(after):.3g}° after, rms {rms(before):.3g}° and {rms(after):.3g}°){_doubt(diagnosis, cause)}."
+        )
+        found.append(Finding(_code(cause, fitted), message, rms(after)))
+        before = after
+    return tuple(found)
+
+
+def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
+    """Each cause with the explanation by it and those before it."""
+    causes = best.causes
+    for k, cause in enumerate(causes, 1):
+        partial = best
+        for later in causes[k:]:
+            free, convention = partial.without(later)
+            partial = Explanation(convention, free, best.misalignment, best.median)
+        yield cause, partial
+
+
+def _left_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalignment, Array]:
+    ours = written(comparison, explanation.convention)
+    inside = ours.truth.covers(ours.true_stamps(ours.longest_lag_s)) & ours.truth.covers(
+        ours.true_stamps(-ours.longest_lag_s)
+    )
+    few = ours.part(np.flatnonzero(inside))
+    few = few.part(spread(len(few.stamps_ns), FITTED))
+    start = Grid.of(few).best(Convention(), explanation.free)[1]
+    fitted = fit(few, explanation.free, start)
+    return fitted, np.degrees(ours.angles(fitted))
+
+
+def _code(cause: str, fitted: Misalignment) -> str:
+    if cause == LAG:
+        return "lagging" if fitted.lag_s > 0.0 else "leading"
+    return cause
+
+
+def _sentence(cause: str, comparison: Comparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
+    if cause == "scalar_first":
+        return "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"
+    if cause == "inverted":
+        return "The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"
+    if cause == "ned_world":
+        body = " and its body forward-right-down" if diagnosis.explanation.convention.frd_body else ""
+        return (
+            f"The world of the estimate is north-east-down{body}: turn it to z up by (√½, √½, 0, 0) from the left"
+            f"{', and by (1, 0, 0, 0) from the right' if body else ''}"
+        )
+    if cause == HEADING:
+        return _heading(fitted)
+    if cause == MOUNTING:
+        return _mounting(fitted)
+    return _lag(comparison, diagnosis.lag_s if diagnosis.lag_s is not None else fitted.lag_s)
+
+
+def _heading(fitted: Misalignment) -> str:
+    angle = float(np.degrees(np.remainder(fitted.heading + np.pi, 2.0 * np.pi) - np.pi))
+    return (
+        f"The world of the estimate is turned by {angle:+.4g}° about the vertical: turn the estimate by {-angle:+.4g}° "
+        "from the left, or tell the filter its magnetic declination or what its x axis is"
+    )
+
+
+def _mounting(fitted: Misalignment) -> str:
+    mounting = np.array(fitted.mounting) * (1.0 if fitted.mounting[3] >= 0.0 else -1.0)
+    vector = quaternion.log(mounting)
+    angle = float(np.sqrt(vector @ vector))
+    axis = ", ".join(f"{v:.3g}" for v in (vector / angle if angle else vector) + 0.0)
+    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
+    return (
+        f"The body axes of the estimate are turned by {np.degrees(angle):.4g}° about ({axis}) of the body: tell the "
+        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right"
+    )
+
+
+def _lag(comparison: Comparison, lag_s: float) -> str:
+    period = float(np.median(np.diff(comparison.stamps_ns))) / 1e9
+    late = lag_s > 0.0
+    remedy = (
+        "stamp it with the time of the readings it is made of"
+        if late
+        else "stamp it with the end of the last gyro step it contains"
+    )
+    return (
+        f"The estimate is {'late' if late else 'ahead'} by {abs(lag_s):.4g} s, {abs(lag_s) / period:.3g} of its "
+        f"samples: {remedy}"
+    )
+
+
+def _doubt(diagnosis: Diagnosis, cause: str) -> str:
+    others = [name.replace("_", " ") for name in diagnosis.instead_of(cause)]
+    return f"; this motion does not tell it from {' or '.join(others)}" if others else ""

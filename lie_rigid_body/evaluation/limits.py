@@ -1,0 +1,97 @@
+"""Limits that a score must keep, as written on a command line: ``1deg``, ``10s:2deg``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.statistics import rms
+
+ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
+TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
+NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits to the total error.
+
+    Attributes
+    ----------
+    max_rms_deg : float or None
+        Largest RMS over the whole run, degrees.
+    max_after : tuple of (float, float)
+        Pairs of a time in s since the first sample, and the largest error from then on, degrees.
+    """
+
+    max_rms_deg: float | None = None
+    max_after: tuple[tuple[float, float], ...] = ()
+
+    @classmethod
+    def parse(cls, max_rms: str | None = None, max_after: str | tuple[str, ...] = ()) -> Limits:
+        """From text: ``max_rms="1deg"``, ``max_after="10s:2deg"`` or several of them.
+
+        Raises
+        ------
+        InputError
+            If a text is not an angle, or not a time, a colon and an angle.
+        """
+        pairs = (max_after,) if isinstance(max_after, str) else max_after
+        return cls(None if max_rms is None else angle_deg(max_rms), tuple(_after(pair) for pair in pairs))
+
+    def broken(self, t_s: Array, total_deg: Array) -> tuple[str, ...]:
+        """One sentence for each limit that a run breaks.
+
+        Parameters
+        ----------
+        t_s : ndarray, shape (N,)
+            Time since the first sample, s.
+        total_deg : ndarray, shape (N,)
+            Total error, degrees.
+        """
+        sentences = []
+        root = rms(total_deg)
+        if self.max_rms_deg is not None and root > self.max_rms_deg:
+            sentences.append(f"the error is {root:.4g}° rms, above the limit of {self.max_rms_deg:g}°")
+        for start, limit in self.max_after:
+            late = total_deg[t_s >= start]
+            if not late.size:
+                sentences.append(f"the estimate ends at {t_s[-1]:g} s, before the limit after {start:g} s begins")
+            elif late.max() > limit:
+                when = t_s[t_s >= start][np.argmax(late)]
+                sentences.append(
+                    f"the error is {late.max():.4g}° at {when:g} s, above the limit of {limit:g}° after {start:g} s"
+                )
+        return tuple(sentences)
+
+
+def angle_deg(text: str) -> float:
+    """Degrees of a text like ``1deg``, ``0.02rad`` or ``5 mrad``."""
+    return _quantity(text, ANGLES, "an angle such as 1deg")
+
+
+def time_s(text: str) -> float:
+    """Seconds of a text like ``10s``, ``500ms`` or ``1min``."""
+    return _quantity(text, TIMES, "a time such as 10s")
+
+
+def _after(text: str) -> tuple[float, float]:
+    time, colon, angle = text.partition(":")
+    if not colon:
+        raise InputError(f"{text!r} is not a time and an angle: give for example 10s:2deg")
+    return time_s(time), angle_deg(angle)
+
+
+def _quantity(text: str, units: dict[str, float], wanted: str) -> float:
+    match = NUMBER.fullmatch(text)
+    if not match or match[2] not in units:
+        raise InputError(f"{text!r} is not {wanted}: give a number and one of {', '.join(units)}")
+    value = float(match[1]) * units[match[2]]
+    if not np.isfinite(value):
+        raise InputError(f"{text!r} is too large: give {wanted}")
+    return value

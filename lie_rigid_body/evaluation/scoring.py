@@ -1,0 +1,245 @@
+"""The score of an attitude estimate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
+from lie_rigid_body.evaluation.diagnosis import diagnose
+from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
+from lie_rigid_body.evaluation.findings import Finding, findings
+from lie_rigid_body.evaluation.limits import Limits
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.truth import Truth
+
+LONGEST_LAG_S: Final = 1.0
+ABSENT: Final = 0.05
+"""A filter may begin late or end early by this share of the truth's times before it is remarked."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """What an estimate is worth.
+
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+        Of the estimates that were compared.
+    error : AttitudeError
+        Their errors, rad, shape (N,) each.
+    total_deg, heading_deg, inclination_deg : Statistics
+        Of these errors, degrees.
+    time_to_converge_s : float or None
+        From the first sample until the total error stays below `converged_deg`; None if it never does.
+    converged_deg : float
+        As given, or one and a half times the largest total error in the second half of the run.
+    lag_s : float or None
+        Positive if the estimate is late. None if the motion does not tell it.
+    findings : tuple of Finding
+    broken : tuple of str
+        One sentence for each limit that is broken.
+    outside : int
+        Estimates that were left out because the truth is not known at their stamps.
+    truth_uncertainty_deg : float
+        Bound of the error of the truth by interpolation, degrees.
+    consistency : Consistency or None
+        Where a covariance was given.
+    """
+
+    stamps_ns: Integers
+    error: AttitudeError
+    total_deg: Statistics
+    heading_deg: Statistics
+    inclination_deg: Statistics
+    time_to_converge_s: float | None
+    converged_deg: float
+    lag_s: float | None
+    findings: tuple[Finding, ...]
+    broken: tuple[str, ...]
+    outside: int
+    truth_uncertainty_deg: float
+    consistency: Consistency | None = None
+
+    @property
+    def samples(self) -> int:
+        """How many estimates were compared."""
+        return len(self.stamps_ns)
+
+    @property
+    def t_s(self) -> Array:
+        """Times of the samples since the first, s, shape (N,)."""
+        return seconds(self.stamps_ns)
+
+    @property
+    def passed(self) -> bool:
+        """Whether no limit is broken."""
+        return not self.broken
+
+    def to_json(self) -> dict[str, object]:
+        """The score as numbers, texts, lists and dictionaries, without its series."""
+        return {
+            "samples": self.samples,
+            "outside": self.outside,
+            "total_deg": self.total_deg.to_json(),
+            "heading_deg": self.heading_deg.to_json(),
+            "inclination_deg": self.inclination_deg.to_json(),
+            "time_to_converge_s": self.time_to_converge_s,
+            "converged_deg": self.converged_deg,
+            "lag_s": self.lag_s,
+            "truth_uncertainty_deg": self.truth_uncertainty_deg,
+            "nees": self.consistency.to_json() if self.consistency else None,
+            "findings": [finding.to_json() for finding in self.findings],
+            "broken": list(self.broken),
+            "passed": self.passed,
+        }
+
+
+def evaluate(
+    stamps_ns: ArrayLike,
+    attitude_xyzw: ArrayLike,
+    truth: Truth,
+    *,
+    limits: Limits | None = None,
+    covariance: ArrayLike | None = None,
+    covariance_axes: str = "world",
+    converged_deg: float | None = None,
+    longest_lag_s: float = LONGEST_LAG_S,
+) -> Score:
+    """Score and diagnose an attitude estimate against the truth at its stamps.
+
+    Parameters
+    ----------
+    stamps_ns : array_like of int, shape (N,)
+        Stamps of the estimate, ns, on the clock of the truth, never decreasing.
+    attitude_xyzw : array_like, shape (N, 4)
+        The estimate, taken to be world-from-body, scalar last.
+    truth : Truth
+    limits : Limits, optional
+    covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
+        The estimator's own; see `attitude_nees`.
+    covariance_axes : str
+        ``"world"`` or ``"body"``.
+    converged_deg : float, optional
+        Total error below which the estimate counts as converged, degrees.
+    longest_lag_s : float
+        Longest lag that is looked for, s; at most a quarter of the run.
+
+    Returns
+    -------
+    Score
+
+    Raises
+    ------
+    InputError
+        If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth.
+    """
+    whole = Estimate.read(stamps_ns, attitude_xyzw)
+    known = truth.covers(whole.stamps_ns)
+    if not known.any():
+        raise InputError(_apart(whole.stamps_ns, truth))
+    estimate = Estimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
+    true = truth.at(estimate.stamps_ns)
+    error = attitude_error(estimate.attitude_xyzw, true)
+    total, heading, inclination = (np.degrees(angle) for angle in error)
+    t_s = seconds(estimate.stamps_ns)
+    uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
+    limit = settling_limit(t_s, total) if converged_deg is None else converged_deg
+    statistics = Statistics.of(total)
+    lag_s, found = _diagnosis(estimate, truth, longest_lag_s)
+    remarks = (
+        *estimate.remarks,
+        *_absence(estimate.stamps_ns, len(known), truth),
+        *_interpolation(uncertainty, statistics),
+    )
+    consistency = None
+    if covariance is not None:
+        P = _at_samples(np.asarray(covariance), stamps_ns, known)
+        consistency = attitude_nees(estimate.attitude_xyzw, true, P, covariance_axes)
+    return Score(
+        stamps_ns=estimate.stamps_ns,
+        error=error,
+        total_deg=statistics,
+        heading_deg=Statistics.of(heading),
+        inclination_deg=Statistics.of(inclination),
+        time_to_converge_s=time_to_converge(t_s, total, limit),
+        converged_deg=limit,
+        lag_s=lag_s,
+        findings=(*(Finding(r.code, r.message, statistics.rms) for r in remarks), *found),
+        broken=(limits or Limits()).broken(t_s, total),
+        outside=int(np.count_nonzero(~known)),
+        truth_uncertainty_deg=uncertainty,
+        consistency=consistency,
+    )
+
+
+def seconds(stamps_ns: Integers) -> Array:
+    """Time since the first stamp, s."""
+    return np.asarray((stamps_ns - stamps_ns[0]) / 1e9)
+
+
+def _diagnosis(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[float | None, tuple[Finding, ...]]:
+    stamps = estimate.stamps_ns
+    longest = min(longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
+    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest)
+    # every lag is judged by the same samples: those that have a truth whatever the lag is
+    shift = round(longest * 1e9)
+    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
+    if not inner.size:
+        return None, ()
+    diagnosis = diagnose(comparison.part(inner))
+    return diagnosis.lag_s, findings(comparison, diagnosis)
+
+
+def _apart(stamps: Integers, truth: Truth) -> str:
+    return (
+        f"estimate: none of its {len(stamps)} stamps, from {stamps[0] / 1e9:.9g} s to {stamps[-1] / 1e9:.9g} s, is "
+        f"within the truth, from {truth.first_ns / 1e9:.9g} s to {truth.last_ns / 1e9:.9g} s: "
+        "stamp it by the clock of the truth, in ns"
+    )
+
+
+def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
+    """What of the truth's times an estimate leaves out at either end, and what of it lies beyond them."""
+    remarks = []
+    duration, least = truth.last_ns - truth.first_ns, GAP * period_ns(stamps)
+    absent = int(stamps[0]) - truth.first_ns, truth.last_ns - int(stamps[-1])
+    for missing, what in zip(absent, ("begins {:g} s after the truth", "ends {:g} s before the truth"), strict=True):
+        if missing > max(ABSENT * duration, least):
+            message = f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
+            remarks.append(Remark("gaps", message))
+    if given - len(stamps) > ABSENT * given:
+        message = (
+            f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
+            "compare with the truth of the same run."
+        )
+        remarks.append(Remark("gaps", message))
+    return tuple(remarks)
+
+
+def _interpolation(uncertainty: float, total: Statistics) -> tuple[Remark, ...]:
+    if not uncertainty > max(0.25 * total.rms, SMALLEST_LIMIT):
+        return ()
+    message = (
+        f"Samples of the truth are so far apart that it is uncertain by {uncertainty:.2g}° between them, beside an "
+        f"error of {total.rms:.2g}° rms: give the truth at a higher rate, or its scenario."
+    )
+    return (Remark("gaps", message),)
+
+
+def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Array:
+    """The covariances of the samples that were compared."""
+    if covariance.ndim != 3:
+        return covariance
+    stamps = np.asarray(stamps_ns)
+    if len(covariance) != len(stamps):
+        raise InputError(f"covariance: {len(covariance)} of them do not go with {len(stamps)} estimates")
+    first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
+    return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)

@@ -1,0 +1,103 @@
+"""Where a fit begins: the best of a grid of conventions, headings and lags."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Comparison, Convention, Misalignment
+from lie_rigid_body.lie import quaternion
+
+WORLDS: Final[tuple[dict[str, bool], ...]] = ({}, {"ned_world": True}, {"ned_world": True, "frd_body": True})
+CONVENTIONS: Final = tuple(
+    Convention(scalar_first=first, inverted=inverse, **world)
+    for first, inverse, world in product((False, True), (False, True), WORLDS)
+)
+"""Every convention that an estimate is tried in; the first is that of this package."""
+
+HEADINGS: Final = np.linspace(-np.pi, np.pi, 18, endpoint=False)
+LAG_TURN: Final = 0.5
+"""Turn of the body from one lag of the grid to the next, rad: a fit converges from half of that."""
+MOST_LAGS: Final = 61
+UNTURNED: Final = np.array([0.0, 0.0, 0.0, 1.0])
+SAMPLES: Final = 120
+"""How many samples a point of the grid is judged by."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Some samples of an estimate with the truth at each lag of a grid.
+
+    Attributes
+    ----------
+    estimate_xyzw : ndarray, shape (n, 4)
+        As given.
+    lags_s : ndarray, shape (L,)
+        From the longest negative to the longest positive.
+    truth_xyzw : ndarray, shape (L, n, 4)
+    """
+
+    estimate_xyzw: Array
+    lags_s: Array
+    truth_xyzw: Array
+
+    @classmethod
+    def of(cls, comparison: Comparison) -> Grid:
+        """For the lags that a comparison allows, no farther apart than the motion asks for."""
+        few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
+        rate = few.true_states(0.0)[1]
+        fastest = float(np.sqrt(np.max(np.sum(rate**2, axis=-1))))
+        half = min(max(int(np.ceil(few.longest_lag_s * fastest / LAG_TURN)), 1), MOST_LAGS // 2)
+        lags = np.linspace(-few.longest_lag_s, few.longest_lag_s, 2 * half + 1)
+        return cls(few.estimate_xyzw, lags, few.truth.at(np.stack([few.true_stamps(lag) for lag in lags])))
+
+    def best(self, convention: Convention, free: frozenset[str]) -> tuple[float, Misalignment]:
+        """The best point of the grid for a convention and some free constants.
+
+        The mounting is not on the grid: for each heading and lag the best one is the eigenvector of the largest
+        eigenvalue of Σ q qᵀ (F. L. Markley and others, Averaging Quaternions, J. Guidance, Control, and Dynamics 30
+        (2007) 1193, eq. 13).
+
+        Parameters
+        ----------
+        convention : Convention
+        free : frozenset of str
+
+        Returns
+        -------
+        cost : float
+            Mean of the sines of half of the remaining angles.
+        start : Misalignment
+        """
+        middle = len(self.lags_s) // 2
+        chosen = slice(None) if LAG in free else slice(middle, middle + 1)
+        headings = HEADINGS if HEADING in free else np.zeros(1)
+        back = quaternion.exp(-headings[:, np.newaxis] * UP)[:, np.newaxis]
+        turned = quaternion.multiply(back, convention.undo(self.estimate_xyzw))
+        # (lags, headings, samples, 4): what is left on the body's axes
+        left = quaternion.multiply(quaternion.conjugate(self.truth_xyzw[chosen])[:, np.newaxis], turned)
+        mounting = _mean(left) if MOUNTING in free else np.broadcast_to(UNTURNED, (*left.shape[:2], 4))
+        cosine = np.einsum("lhna,lha->lhn", left, mounting)
+        cost = np.mean(np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), axis=-1)
+        i, j = np.unravel_index(np.argmin(cost), cost.shape)
+        x, y, z, w = mounting[i, j].tolist()
+        return float(cost[i, j]), Misalignment(float(headings[j]), (x, y, z, w), float(self.lags_s[chosen][i]))
+
+
+def spread(count: int, most: int) -> Integers:
+    """At most so many indices, evenly spread over all."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def written(comparison: Comparison, convention: Convention) -> Comparison:
+    """The comparison with its estimates taken to be written in another convention."""
+    return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))
+
+
+def _mean(quaternions: Array) -> Array:
+    outer = np.einsum("lhna,lhnb->lhab", quaternions, quaternions)
+    return np.asarray(np.linalg.eigh(outer)[1][..., -1])

@@ -1,0 +1,109 @@
+"""Statistics of an error over a run, and when the error had settled."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.attitude_error import numbers
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics of a non-negative error, in the unit of the error.
+
+    Attributes
+    ----------
+    rms, median, p95, max, final : float
+        Root mean square, median, 95th percentile (linear between samples), largest and last value.
+    """
+
+    rms: float
+    median: float
+    p95: float
+    max: float
+    final: float
+
+    @classmethod
+    def of(cls, errors: Array) -> Statistics:
+        """Of errors in order of time, shape (N,) with N ≥ 1, all finite."""
+        median, p95 = np.percentile(errors, [50.0, 95.0])
+        return cls(rms(errors), float(median), float(p95), float(errors.max()), float(errors[-1]))
+
+    def to_json(self) -> dict[str, float]:
+        """The five numbers by name."""
+        return asdict(self)
+
+
+def rms(errors: Array) -> float:
+    """Root mean square; scaled by the largest value, so that tiny errors do not underflow."""
+    largest = float(np.abs(errors).max(initial=0.0))
+    return largest * float(np.sqrt(np.mean((errors / largest) ** 2))) if largest else 0.0
+
+
+def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
+    """Statistics of the norm of a bias estimate's error.
+
+    Parameters
+    ----------
+    estimate, truth : array_like, shape (N, 3)
+        Bias estimates and true biases of the same instants, in the same unit: rad/s of a gyro, m/s² of an
+        accelerometer.
+
+    Returns
+    -------
+    Statistics
+        In that unit.
+
+    Raises
+    ------
+    InputError
+        If a shape is wrong or a number is not finite.
+    """
+    error = numbers("estimate", estimate, 3) - numbers("truth", truth, 3)
+    return Statistics.of(np.sqrt(np.sum(error**2, axis=-1)).reshape(-1))
+
+
+def settling_limit(t_s: Array, errors: Array) -> float:
+    """The default limit of `time_to_converge`: one and a half times the largest error of the second half of the run.
+
+    Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later.
+
+    Parameters
+    ----------
+    t_s, errors : ndarray, shape (N,)
+        Times in s and errors in degrees.
+
+    Returns
+    -------
+    float
+        Degrees, at least `SMALLEST_LIMIT`.
+    """
+    return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), SMALLEST_LIMIT)
+
+
+def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
+    """Time from the first sample to the first one from which on the error never exceeds a limit.
+
+    Parameters
+    ----------
+    t_s, errors : ndarray, shape (N,)
+        Times in s, increasing, and errors.
+    limit : float
+        In the unit of the errors.
+
+    Returns
+    -------
+    float or None
+        Seconds; None if the last error is above the limit.
+    """
+    above = np.flatnonzero(errors > limit)
+    first = int(above[-1]) + 1 if above.size else 0
+    return float(t_s[first] - t_s[0]) if first < len(errors) else None
+
+
+SMALLEST_LIMIT = 1e-3
+"""Degrees; an error below it is no matter of convergence."""

@@ -1,0 +1,148 @@
+"""The true attitude at any time: exact, as a function of time, or from samples."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.estimate import GAP, period_ns, read_stamps
+from lie_rigid_body.lie import quaternion
+
+
+class Truth(ABC):
+    """The true attitude between two times.
+
+    Attributes
+    ----------
+    first_ns, last_ns : int
+        The times between which it is known.
+    """
+
+    first_ns: int
+    last_ns: int
+
+    @abstractmethod
+    def at(self, stamps_ns: Integers) -> Array:
+        """Unit quaternions world-from-body, scalar last, shape (..., 4), at stamps of any shape within its times."""
+
+    def uncertainty_at(self, stamps_ns: Integers) -> float:
+        """Bound of the truth's own error at some stamps, rad: that of interpolation; 0 if there is none."""
+        return 0.0
+
+    def covers(self, stamps_ns: Integers) -> Booleans:
+        """Whether the truth is known at each stamp."""
+        return np.asarray((stamps_ns >= self.first_ns) & (stamps_ns <= self.last_ns))
+
+    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms."""
+        before = np.maximum(stamps_ns - DIFFERENCE_NS, self.first_ns)
+        after = np.minimum(stamps_ns + DIFFERENCE_NS, self.last_ns)
+        earlier, now, later = self.at(np.stack([before, stamps_ns, after]))
+        turn = quaternion.log(quaternion.multiply(quaternion.conjugate(earlier), later))
+        return now, turn / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
+
+
+class ExactTruth(Truth):
+    """A motion that is known at every instant.
+
+    Parameters
+    ----------
+    attitude_xyzw : callable
+        Takes stamps in ns, shape (N,), never decreasing, and gives quaternions of shape (N, 4).
+    first_ns, last_ns : int
+        The times between which it may be asked.
+    """
+
+    def __init__(self, attitude_xyzw: Callable[[Integers], Array], first_ns: int, last_ns: int) -> None:
+        if last_ns < first_ns:
+            raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns")
+        self._attitude = attitude_xyzw
+        self.first_ns, self.last_ns = int(first_ns), int(last_ns)
+
+    def at(self, stamps_ns: Integers) -> Array:
+        """The function's values, asked once and in order of time."""
+        stamps, place = np.unique(stamps_ns, return_inverse=True)
+        return np.asarray(self._attitude(stamps)[place.reshape(np.shape(stamps_ns))])
+
+
+class SampledTruth(Truth):
+    """Samples of the true attitude, on the geodesic from one to the next (slerp) between their stamps.
+
+    At a sample's own stamp it is that sample to the bit. Between samples h apart the geodesic misses the motion by at
+    most |ω̇| h²/8. `uncertainty` measures this: each sample is left out and interpolated from its two neighbours, 2h
+    apart, and misses them by four times as much. Nothing is interpolated across a gap.
+
+    Parameters
+    ----------
+    stamps_ns : array_like of int, shape (N,)
+        Increasing.
+    attitude_xyzw : array_like, shape (N, 4)
+        World-from-body, scalar last.
+    longest_gap_ns : int, optional
+        Neighbours farther apart are not joined. By default 2.5 times the median period.
+
+    Raises
+    ------
+    InputError
+        If stamps are not increasing, or a quaternion is not finite or zero.
+    """
+
+    def __init__(self, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike, longest_gap_ns: int | None = None) -> None:
+        self._stamps = read_stamps("truth", stamps_ns)
+        self._attitude = unit("truth", attitude_xyzw)
+        if self._attitude.shape != (len(self._stamps), 4):
+            raise InputError(f"truth: {len(self._stamps)} stamps do not go with shape {self._attitude.shape}")
+        if np.any(np.diff(self._stamps) == 0):
+            raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
+        self._longest_gap = GAP * period_ns(self._stamps) if longest_gap_ns is None else longest_gap_ns
+        self.first_ns, self.last_ns = int(self._stamps[0]), int(self._stamps[-1])
+        self.uncertainty = self._largest_miss() / 4.0
+
+    def covers(self, stamps_ns: Integers) -> Booleans:
+        """Whether a stamp is a sample's own, or between two that are joined."""
+        inside = super().covers(stamps_ns)
+        if len(self._stamps) < 2:
+            return inside
+        i = self._interval(stamps_ns)
+        joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
+        return np.asarray(inside & (joined | np.isin(stamps_ns, self._stamps)))
+
+    def uncertainty_at(self, stamps_ns: Integers) -> float:
+        """`uncertainty`, or 0 if every stamp is a sample's own."""
+        return 0.0 if np.isin(stamps_ns, self._stamps).all() else self.uncertainty
+
+    def at(self, stamps_ns: Integers) -> Array:
+        """The samples, and the geodesics between them."""
+        if len(self._stamps) < 2:
+            return np.broadcast_to(self._attitude[0], (*np.shape(stamps_ns), 4))
+        i = self._interval(stamps_ns)
+        fraction = (stamps_ns - self._stamps[i]) / (self._stamps[i + 1] - self._stamps[i])
+        between = geodesic(self._attitude[i], self._attitude[i + 1], fraction)
+        return np.where((fraction == 1.0)[..., np.newaxis], self._attitude[i + 1], between)
+
+    def _interval(self, stamps_ns: Integers) -> Integers:
+        return np.clip(np.searchsorted(self._stamps, stamps_ns, side="right") - 1, 0, len(self._stamps) - 2)
+
+    def _largest_miss(self) -> float:
+        t, q = self._stamps, self._attitude
+        near = t[2:] - t[:-2] <= 2 * self._longest_gap
+        if not near.any():
+            return 0.0
+        middle = geodesic(q[:-2], q[2:], (t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))
+        miss = quaternion.log(quaternion.multiply(quaternion.conjugate(middle), q[1:-1]))
+        return float(np.sqrt(np.sum(miss[near] ** 2, axis=-1)).max())
+
+
+def geodesic(start: Array, end: Array, fraction: Array) -> Array:
+    """The attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
+    turn = quaternion.log(quaternion.multiply(quaternion.conjugate(start), end))
+    return quaternion.multiply(start, quaternion.exp(turn * fraction[..., np.newaxis]))
+
+
+DIFFERENCE_NS = 100_000

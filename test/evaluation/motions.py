@@ -1,0 +1,36 @@
+"""Motions, their exact truth, and noise, that an estimate is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.evaluation import ExactTruth
+from lie_rigid_body.lie import quaternion
+
+START = [0.1, -0.3, 0.2, np.sqrt(1.0 - 0.14)]
+MOTIONS = {
+    "dzhanibekov": ClosedForm(RigidBody([1.0, 2.0, 3.0]), State(START, [0.01, 1.0, 0.01])),
+    "precession": ClosedForm(RigidBody([1.0, 1.0, 0.5]), State(START, [0.6, 0.0, 1.5])),
+    "slow_tumble": ClosedForm(RigidBody([0.04, 0.05, 0.06]), State(START, [0.2, 0.3, -0.15])),
+    "fast_tumble": ClosedForm(RigidBody([1.0, 2.0, 2.5]), State(START, [3.0, 2.0, -4.0])),
+}
+PERIOD_NS = 20_000_000
+STAMPS = np.arange(1501) * PERIOD_NS
+
+
+def truth_of(motion: str) -> ExactTruth:
+    return ExactTruth(lambda t_ns: MOTIONS[motion].at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
+
+
+def attitude(motion: str, lag_s: float = 0.0) -> np.ndarray:
+    return MOTIONS[motion].at(STAMPS - round(lag_s * 1e9)).attitude_xyzw
+
+
+def turns(size_deg: float, seed: int, count: int = len(STAMPS)) -> np.ndarray:
+    """Small random rotations, Gaussian, of a standard deviation on each axis."""
+    return quaternion.exp(np.random.default_rng(seed).normal(size=(count, 3)) * np.radians(size_deg))
+
+
+def about_up(angle_deg: float) -> np.ndarray:
+    return quaternion.exp([0.0, 0.0, np.radians(angle_deg)])

@@ -1,0 +1,145 @@
+"""Total, heading and inclination error: the definition, in 50 digits, and its laws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.spatial.transform import Rotation
+
+import lie_rigid_body
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.evaluation.attitude_error import angles, body_error, world_error
+from lie_rigid_body.lie import quaternion
+
+IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
+SIZES = [*np.logspace(-150, -1, 60), *np.linspace(0.2, 3.1, 12), *(np.pi - np.logspace(-15, -2, 14)), np.pi]
+AXES = np.array([[1, 0, 0], [0, 0, 1], [0.6, -0.8, 0], [0.36, 0.48, -0.8], [1e-9, 1, 1e-5], [1e-7, 0, 1]])
+
+components = st.floats(-1.0, 1.0)
+rotations = (
+    st.tuples(components, components, components, components)
+    .map(np.array)
+    .filter(lambda q: np.linalg.norm(q) > 0.1)
+    .map(quaternion.normalize)
+)
+angle = st.floats(-np.pi, np.pi)
+
+
+def definition(error_xyzw):
+    """BROAD's arccos and arctan in 50 digits."""
+    x, y, z, w = (mp.mpf(v) for v in error_xyzw)
+    n = mp.sqrt(x * x + y * y + z * z + w * w)
+    x, y, z, w = x / n, y / n, z / n, w / n
+    heading = 2 * mp.atan(abs(z / w)) if w else (mp.pi if z else mp.mpf(0))
+    return 2 * mp.acos(abs(w)), heading, 2 * mp.acos(min(mp.sqrt(w * w + z * z), mp.mpf(1)))
+
+
+@pytest.mark.parametrize("axis", AXES / np.linalg.norm(AXES, axis=-1)[:, np.newaxis])
+def test_angles_are_the_definition_to_fifteen_digits_from_0_to_pi(axis):
+    errors = quaternion.exp(np.outer(SIZES, axis))
+    with mp.workdps(400):
+        wanted = np.array([[float(a) for a in definition(e)] for e in errors])
+    np.testing.assert_allclose(np.stack(angles(errors), axis=-1), wanted, rtol=1e-15, atol=1e-190)
+
+
+def test_error_of_two_attitudes_is_exact_to_their_round_off():
+    rng = np.random.default_rng(5)
+    truth = quaternion.normalize(rng.normal(size=(200, 4)))
+    turn = quaternion.exp(rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(-12, 0, size=(200, 1)))
+    estimate = quaternion.multiply(turn, truth)
+    found = np.stack(attitude_error(estimate, truth), axis=-1)
+    with mp.workdps(50):
+        wanted = [[float(a) for a in definition(mp_product(e, t))] for e, t in zip(estimate, truth, strict=True)]
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=2e-15)
+
+
+def mp_product(estimate, truth):
+    ex, ey, ez, ew = map(mp.mpf, estimate)
+    tx, ty, tz, tw = (-mp.mpf(truth[0]), -mp.mpf(truth[1]), -mp.mpf(truth[2]), mp.mpf(truth[3]))
+    return [
+        ew * tx + ex * tw + ey * tz - ez * ty,
+        ew * ty - ex * tz + ey * tw + ez * tx,
+        ew * tz + ex * ty - ey * tx + ez * tw,
+        ew * tw - ex * tx - ey * ty - ez * tz,
+    ]
+
+
+def test_a_turn_about_the_vertical_is_all_heading_and_a_tilt_all_inclination():
+    turned, tilted = quaternion.exp([[0.0, 0.0, -0.3], [0.3, 0.4, 0.0]])
+    truth = quaternion.normalize([0.3, -0.2, 0.5, 0.7])
+    np.testing.assert_allclose(attitude_error(quaternion.multiply(turned, truth), truth), [0.3, 0.3, 0.0], atol=1e-15)
+    np.testing.assert_allclose(attitude_error(quaternion.multiply(tilted, truth), truth), [0.5, 0.0, 0.5], atol=1e-15)
+
+
+@given(rotations, rotations)
+def test_total_is_scipys_and_inclination_the_angle_between_the_verticals(p, q):
+    total, _, inclination = attitude_error(p, q)
+    P, Q = Rotation.from_quat(p), Rotation.from_quat(q)
+    assert total == pytest.approx((P * Q.inv()).magnitude(), abs=1e-14)
+    up = [0.0, 0.0, 1.0]
+    a, b = P.inv().apply(up), Q.inv().apply(up)
+    assert inclination == pytest.approx(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b), abs=1e-14)
+
+
+@given(rotations, rotations)
+def test_cosines_of_the_half_angles_multiply(p, q):
+    total, heading, inclination = attitude_error(p, q)
+    assert np.cos(total / 2) == pytest.approx(np.cos(heading / 2) * np.cos(inclination / 2), abs=1e-15)
+    assert max(heading, inclination) <= total + 1e-15
+
+
+def test_squares_of_small_angles_add():
+    turn = quaternion.exp(np.random.default_rng(2).normal(size=(50, 3)) * 1e-4)
+    total, heading, inclination = angles(turn)
+    np.testing.assert_allclose(total**2, heading**2 + inclination**2, rtol=1e-7)
+
+
+@given(rotations, rotations, angle, rotations)
+def test_turning_the_world_about_up_or_both_bodies_alike_changes_nothing(p, q, yaw, body):
+    turn = quaternion.exp([0.0, 0.0, yaw])
+    same = [quaternion.multiply(quaternion.multiply(turn, r), body) for r in (p, q)]
+    # near half a turn of inclination the heading is the angle of a short vector
+    if attitude_error(p, q).inclination < 3.1:
+        np.testing.assert_allclose(attitude_error(*same), attitude_error(p, q), rtol=0, atol=2e-13)
+
+
+@given(rotations, rotations)
+def test_estimate_and_truth_may_change_places_and_signs_do_not_matter(p, q):
+    np.testing.assert_allclose(attitude_error(q, p), attitude_error(p, q), rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(attitude_error(-p, q), attitude_error(p, q))
+
+
+def test_norm_does_not_matter():
+    p, q = quaternion.normalize([[0.1, 0.2, 0.3, 0.4], [0.3, 0.2, -0.3, 0.4]])
+    np.testing.assert_allclose(attitude_error(1e-9 * p, 7.0 * q), attitude_error(p, q), rtol=1e-15)
+
+
+def test_vectors_on_the_worlds_and_on_the_bodys_axes_are_one_vector():
+    rng = np.random.default_rng(3)
+    p, q = quaternion.normalize(rng.normal(size=(2, 30, 4)))
+    np.testing.assert_allclose(quaternion.rotate(q, body_error(p, q)), world_error(p, q), rtol=0, atol=1e-13)
+
+
+def test_one_truth_serves_many_estimates_and_it_is_public():
+    assert lie_rigid_body.attitude_error is attitude_error
+    assert attitude_error(np.tile(IDENTITY, (5, 1)), IDENTITY).heading.shape == (5,)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "truth", "message"),
+    [
+        (np.ones((3, 3)), np.ones((3, 4)), r"estimate_xyzw: shape \(3, 3\) is not \(\.\.\., 4\)"),
+        (np.ones((3, 4)), np.ones((2, 4)), r"does not go with truth_xyzw of shape \(2, 4\)"),
+        ([[1, 0, 0, 0], [np.nan, 0, 0, 1]], IDENTITY, "1 of 2 rows are not finite, the first is row 1"),
+        (IDENTITY, [0, 0, 0, 0], "truth_xyzw: 1 of 1 quaternions are zero"),
+        (np.empty((0, 4)), IDENTITY, "empty"),
+        ("north", IDENTITY, "not numbers"),
+    ],
+)
+def test_refusals(estimate, truth, message):
+    with pytest.raises(InputError, match=message):
+        attitude_error(estimate, truth)

@@ -1,0 +1,98 @@
+"""NEES against χ²: errors as large as their covariance says, larger, and smaller."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, kstest
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import attitude_nees, nees
+from lie_rigid_body.lie import quaternion
+
+N = 4000
+P = np.array([[4.0, 1.0, -0.5], [1.0, 3.0, 0.2], [-0.5, 0.2, 0.5]]) * 1e-6
+
+
+def errors(covariance=P, seed=0):
+    return np.random.default_rng(seed).multivariate_normal(np.zeros(len(covariance)), covariance, N)
+
+
+def attitudes(axes):
+    rng = np.random.default_rng(4)
+    truth, turn = quaternion.normalize(rng.normal(size=(N, 4))), quaternion.exp(errors())
+    return (quaternion.multiply(turn, truth) if axes == "world" else quaternion.multiply(truth, turn)), truth
+
+
+def test_nees_is_the_quadratic_form():
+    e = errors()
+    wanted = np.einsum("ni,ij,nj->n", e, np.linalg.inv(P), e)
+    np.testing.assert_allclose(nees(e, P).nees, wanted, rtol=1e-12)
+    np.testing.assert_allclose(nees(e, np.tile(P, (N, 1, 1))).nees, wanted, rtol=1e-12)
+
+
+def test_honest_errors_have_the_distribution_and_the_share():
+    result = nees(errors(), P)
+    assert result.verdict == "consistent"
+    assert kstest(result.nees, chi2(3).cdf).pvalue > 0.01
+    assert result.share_inside == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / N))
+    assert result.bounds == pytest.approx((0.215795, 9.348404), rel=1e-5)
+    assert result.mean_bounds == pytest.approx((3 - 1.96 * np.sqrt(6 / N), 3 + 1.96 * np.sqrt(6 / N)), abs=1e-3)
+
+
+@pytest.mark.parametrize("probability", [0.5, 0.9, 0.99])
+def test_the_mean_is_within_its_bounds_as_often_as_it_should(probability):
+    within = [
+        (r := nees(errors(seed=s)[:50], P, probability)).mean_bounds[0] <= r.mean <= r.mean_bounds[1]
+        for s in range(300)
+    ]
+    assert np.mean(within) == pytest.approx(probability, abs=4 * np.sqrt(probability * (1 - probability) / 300))
+
+
+@pytest.mark.parametrize(("scale", "verdict"), [(0.5, "overconfident"), (2.0, "conservative")])
+def test_wrong_covariances_are_named(scale, verdict):
+    result = nees(errors(), scale * P)
+    assert result.verdict == verdict == result.to_json()["verdict"]
+    assert result.mean == pytest.approx(3.0 / scale, rel=0.05)
+
+
+@pytest.mark.parametrize("axes", ["world", "body"])
+def test_attitudes_are_judged_on_the_axes_of_the_covariance(axes):
+    estimate, truth = attitudes(axes)
+    assert attitude_nees(estimate, truth, P, axes).verdict == "consistent"
+    assert attitude_nees(-estimate, truth, P, axes).verdict == "consistent"
+    other = {"world": "body", "body": "world"}[axes]
+    assert attitude_nees(estimate, truth, P, other).verdict == "overconfident"
+
+
+def test_a_pose_gives_the_block_of_its_rotation():
+    pose = np.zeros((6, 6))
+    pose[3:, 3:] = P
+    estimate, truth = attitudes("world")
+    np.testing.assert_array_equal(attitude_nees(estimate, truth, pose).nees, attitude_nees(estimate, truth, P).nees)
+
+
+def test_six_dimensions():
+    full = np.diag([1.0, 4.0, 9.0, 1e-6, 1e-8, 1e-4])
+    assert nees(errors(full), full).dimension == 6
+    assert nees(errors(full), full).verdict == "consistent"
+
+
+@pytest.mark.parametrize(
+    ("covariance", "message"),
+    [
+        (np.zeros((3, 3)), "says that the estimator does not know it"),
+        (np.diag([-1.0, 0.0, 0.0]), "says that the estimator does not know it"),
+        (np.diag([1.0, 0.0, 1.0]), "positive variances"),
+        ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "not symmetric"),
+        ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
+        (np.eye(2), r"shape \(2, 2\) is not"),
+        (np.full((3, 3), np.nan), "not finite"),
+        (np.tile(P, (7, 1, 1)), "does not go with 4000 errors"),
+    ],
+)
+def test_refusals(covariance, message):
+    with pytest.raises(InputError, match=message):
+        attitude_nees(*attitudes("world"), covariance)
+    with pytest.raises(InputError, match="give 'world' or 'body'"):
+        attitude_nees(*attitudes("world"), P, axes="map")

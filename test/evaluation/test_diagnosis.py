@@ -1,0 +1,184 @@
+"""Every mistaken convention, constant turn and shift of time is found in noise; where there is none, none is found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import MOTIONS, PERIOD_NS, STAMPS, about_up, attitude, truth_of, turns
+from scipy.signal import lfilter
+
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
+from lie_rigid_body.evaluation.alignment import Convention
+from lie_rigid_body.lie import quaternion
+
+NOISE_DEG = 1.0
+MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
+NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
+FRD = [1.0, 0.0, 0.0, 0.0]
+motions = pytest.mark.parametrize("motion", MOTIONS)
+
+FAULTS = {
+    "inverted": quaternion.conjugate,
+    "scalar_first": lambda q: np.roll(q, 1, axis=-1),
+    "ned_world": lambda q: quaternion.multiply(NED, q),
+    "heading_offset": lambda q: quaternion.multiply(about_up(-12.0), q),
+    "body_mounting": lambda q: quaternion.multiply(q, MOUNTING),
+}
+
+
+def codes(score):
+    return [finding.code for finding in score.findings]
+
+
+def noisy(motion, lag_s=0.0, size_deg=NOISE_DEG, seed=3):
+    return quaternion.multiply(attitude(motion, lag_s), turns(size_deg, seed))
+
+
+@motions
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_named_with_what_is_left(motion, fault):
+    score = evaluate(STAMPS, FAULTS[fault](noisy(motion)), truth_of(motion))
+    assert codes(score) == [fault]
+    assert score.findings[0].rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
+    assert f"(median error {score.total_deg.median:.3g}° before" in score.findings[0].message
+
+
+@motions
+@pytest.mark.parametrize(
+    ("faults", "named"),
+    [
+        (("heading_offset", "inverted"), ["inverted", "heading_offset"]),
+        (("body_mounting", "scalar_first"), ["scalar_first", "body_mounting"]),
+        (("inverted", "scalar_first"), ["scalar_first", "inverted"]),
+        (("heading_offset", "body_mounting"), ["heading_offset", "body_mounting"]),
+        (("heading_offset", "ned_world"), ["ned_world", "heading_offset"]),
+    ],
+)
+def test_two_faults_at_once_are_both_named_in_the_order_of_undoing(motion, faults, named):
+    estimate = noisy(motion)
+    for fault in faults:
+        estimate = FAULTS[fault](estimate)
+    score = evaluate(STAMPS, estimate, truth_of(motion))
+    assert codes(score) == named
+    assert score.findings[-1].rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
+
+
+@motions
+def test_forward_right_down_in_an_ned_world_is_one_finding(motion):
+    estimate = quaternion.multiply(quaternion.multiply(NED, noisy(motion)), FRD)
+    (finding,) = evaluate(STAMPS, estimate, truth_of(motion)).findings
+    assert finding.code == "ned_world"
+    assert "its body forward-right-down" in finding.message
+    assert finding.rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
+
+
+@motions
+def test_the_declination_is_measured_beside_the_convergence_of_a_filter(motion):
+    wrong = np.outer(np.exp(-STAMPS / 3e9), np.radians([15.0, -10.0, 10.0]))
+    estimate = quaternion.multiply(quaternion.exp(wrong), noisy(motion, size_deg=0.3))
+    score = evaluate(STAMPS, quaternion.multiply(about_up(4.09), estimate), truth_of(motion))
+    assert codes(score) == ["heading_offset"]
+    angle = float(score.findings[0].message.split("turned by ")[1].split("°")[0])
+    assert angle == pytest.approx(4.09, abs=0.25)
+
+
+@motions
+@pytest.mark.parametrize("samples_late", [-1.0, -0.3, 0.123, 0.5, 1.0, 7.25, 30.0])
+def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
+    lag_s = samples_late * PERIOD_NS / 1e9
+    rate = np.sqrt(np.mean(np.sum(MOTIONS[motion].at(STAMPS).body_rate ** 2, axis=-1)))
+    size_deg = np.degrees(0.15 * abs(lag_s) * rate)
+    score = evaluate(STAMPS, noisy(motion, lag_s, size_deg), truth_of(motion))
+    assert codes(score) == ["lagging" if lag_s > 0 else "leading"]
+    # of N samples with noise of 0.15 lag on each axis; at most √10 times more by what is fitted beside it
+    assert score.lag_s == pytest.approx(lag_s, abs=4 * np.sqrt(10) * 0.15 * abs(lag_s) / np.sqrt(len(STAMPS)))
+    late, size = ("late", "ahead")[lag_s < 0], abs(score.lag_s)
+    assert f"is {late} by {size:.4g} s, {size / 0.02:.3g} of its samples" in score.findings[0].message
+
+
+@motions
+def test_a_lag_without_noise_is_exact_to_nanoseconds(motion):
+    for lag_s in (0.0, 0.00321, -0.4):
+        assert evaluate(STAMPS, attitude(motion, lag_s), truth_of(motion)).lag_s == pytest.approx(lag_s, abs=2e-9)
+
+
+@motions
+def test_a_lag_is_measured_beside_a_misalignment_in_samples_of_the_truth(motion):
+    estimate = FAULTS["heading_offset"](noisy(motion, lag_s=0.033, size_deg=0.1))
+    score = evaluate(STAMPS, estimate, SampledTruth(STAMPS, attitude(motion)))
+    assert codes(score) == ["heading_offset", "lagging"]
+    assert score.lag_s == pytest.approx(0.033, abs=1e-3)
+
+
+@motions
+def test_what_is_undone_is_the_truth_again(motion):
+    q = attitude(motion)
+    for convention in (Convention(scalar_first=True, inverted=True), Convention(ned_world=True, frd_body=True)):
+        back = convention.undo(convention.apply(q))
+        np.testing.assert_allclose(np.abs(np.sum(back * q, axis=-1)), 1.0, atol=1e-15)
+
+
+def correlated(time_s):
+    """A Gauss–Markov process of unit variance."""
+    a = np.exp(-PERIOD_NS / 1e9 / time_s)
+    drive = np.random.default_rng(11).normal(size=(len(STAMPS), 3)) * np.sqrt(1 - a * a)
+    return lfilter([1.0], [1.0, -a], drive, axis=0)
+
+
+WALK = np.cumsum(np.random.default_rng(12).normal(size=(len(STAMPS), 3)), axis=0) / np.sqrt(len(STAMPS))
+HONEST = {
+    "nothing": 0.0 * WALK,
+    "round-off of single precision": 1e-7 * correlated(1e-3),
+    "white": 0.02 * correlated(1e-3),
+    "correlated": 0.02 * correlated(1.0),
+    "drift": np.outer(STAMPS / STAMPS[-1], [0.05, 0.1, -0.2]),
+    "heading drift": np.outer(STAMPS / STAMPS[-1], [0.0, 0.0, 0.3]),
+    "random walk": 0.1 * WALK,
+    "convergence": np.outer(np.exp(-STAMPS / 3e9), [0.3, 0.2, 0.1]) + 0.005 * correlated(0.1),
+    "nonsense": 100.0 * WALK,
+}
+
+
+@pytest.mark.parametrize("error", HONEST)
+@pytest.mark.parametrize(("motion", "axes"), [*zip(MOTIONS, ["world", "body", "body", "world"], strict=True)])
+def test_honest_errors_are_not_explained(motion, error, axes):
+    turn, q = quaternion.exp(HONEST[error]), attitude(motion)
+    estimate = quaternion.multiply(turn, q) if axes == "world" else quaternion.multiply(q, turn)
+    assert evaluate(STAMPS, estimate, truth_of(motion)).findings == ()
+
+
+@motions
+def test_signs_of_quaternions_do_not_matter(motion):
+    signs = np.where(np.random.default_rng(1).random(len(STAMPS)) < 0.5, -1.0, 1.0)[:, np.newaxis]
+    estimate = FAULTS["inverted"](noisy(motion))
+    plain, flipped = (evaluate(STAMPS, e, truth_of(motion)).to_json() for e in (estimate, signs * estimate))
+    assert plain == flipped
+
+
+def test_few_samples_are_not_explained():
+    for count in (1, 2, 5, 7, 12):
+        truth = SampledTruth(STAMPS[:count], attitude("fast_tumble")[:count])
+        estimate = quaternion.multiply(attitude("fast_tumble")[:count], turns(2.0, 1, count))
+        assert evaluate(STAMPS[:count], estimate, truth).findings == ()
+
+
+def test_what_a_motion_does_not_tell_apart_is_said():
+    spin = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0, 0, 1.0]))
+    truth = ExactTruth(lambda t_ns: spin.at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
+    estimate = quaternion.multiply(about_up(4.0), spin.at(STAMPS).attitude_xyzw)
+    score = evaluate(STAMPS, estimate, truth)
+    (finding,) = score.findings
+    assert finding.code == "heading_offset"
+    assert "this motion does not tell it from" in finding.message
+    assert {"body mounting", "lag"} <= {
+        word for word in ("body mounting", "lag") if word in finding.message.split("does not tell")[1]
+    }
+    assert score.lag_s is None
+
+
+def test_a_body_at_rest_tells_no_lag():
+    truth = ExactTruth(lambda t_ns: np.tile([0.0, 0.0, 0.6, 0.8], (len(t_ns), 1)), 0, int(STAMPS[-1]))
+    score = evaluate(STAMPS, quaternion.multiply([0.0, 0.0, 0.6, 0.8], turns(1.0, 5)), truth)
+    assert score.lag_s is None
+    assert score.findings == ()

@@ -1,0 +1,113 @@
+"""A score: association by stamps, what is remarked or refused, limits, and its JSON."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from motions import MOTIONS, STAMPS, attitude, truth_of, turns
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
+from lie_rigid_body.lie import quaternion
+
+MOTION = "slow_tumble"
+NOISY = quaternion.multiply(attitude(MOTION), turns(0.5, seed=2))
+
+
+def codes(score):
+    return [finding.code for finding in score.findings]
+
+
+def test_the_json_has_the_promised_entries():
+    score = evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("0.1deg"), covariance=np.eye(3) * 1e-4)
+    found = json.loads(json.dumps(score.to_json(), allow_nan=False))
+    assert {"samples", "total_deg", "heading_deg", "inclination_deg", "lag_s", "findings", "passed"} <= set(found)
+    for name in ("total_deg", "heading_deg", "inclination_deg"):
+        assert list(found[name]) == ["rms", "median", "p95", "max", "final"]
+    assert found["samples"] == len(STAMPS)
+    assert found["passed"] is False
+    assert found["nees"]["verdict"] == "conservative"
+    assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg")).passed
+
+
+def test_statistics_are_those_of_the_error_at_the_stamps():
+    t = np.sort(np.random.default_rng(0).choice(STAMPS[-1], 700, replace=False))
+    truth = MOTIONS[MOTION].at(t).attitude_xyzw
+    estimate = quaternion.multiply(truth, turns(2.0, 9, len(t)))
+    score = evaluate(t, estimate, truth_of(MOTION))
+    assert score.total_deg.max == np.degrees(attitude_error(estimate, truth).total.max())
+    assert score.heading_deg.final == np.degrees(attitude_error(estimate, truth).heading[-1])
+    assert score.t_s[-1] == (t[-1] - t[0]) / 1e9
+
+
+@pytest.mark.parametrize("ratio", [10, 1])
+def test_an_estimate_ten_times_as_fast_as_the_truth_is_compared_at_its_own_stamps(ratio):
+    truth = SampledTruth(STAMPS[::ratio], attitude(MOTION)[::ratio])
+    score = evaluate(STAMPS, NOISY, truth)
+    exact = evaluate(STAMPS, NOISY, truth_of(MOTION))
+    assert score.samples == len(STAMPS)
+    assert abs(score.total_deg.max - exact.total_deg.max) <= score.truth_uncertainty_deg * 1.05 + 1e-12
+    assert codes(score) == []
+
+
+def test_a_truth_that_is_too_coarse_is_named():
+    motion = "fast_tumble"
+    score = evaluate(STAMPS, attitude(motion), SampledTruth(STAMPS[::20], attitude(motion)[::20]))
+    assert codes(score)[0] == "gaps"
+    assert "give the truth at a higher rate" in score.findings[0].message
+
+
+def test_samples_outside_the_truth_are_counted_and_a_late_begin_is_named():
+    truth = SampledTruth(STAMPS[:1200], attitude(MOTION)[:1200])
+    score = evaluate(STAMPS[600:], NOISY[600:], truth)
+    assert (score.samples, score.outside) == (600, 301)
+    late, outside = score.findings
+    assert late.message == "The estimate begins 12 s after the truth: that part of the run is not in the score."
+    assert outside.message.startswith("301 of 901 estimates lie where the truth is not known")
+    assert late.rms_deg_after == score.total_deg.rms
+    early = evaluate(STAMPS[:900], NOISY[:900], truth_of(MOTION))
+    assert early.findings[0].message.startswith("The estimate ends 12.02 s before the truth")
+
+
+def test_gaps_doubles_and_norms_are_named_and_the_rest_is_scored():
+    kept = np.r_[0:400, 399, 500:1501]
+    score = evaluate(STAMPS[kept], 1.02 * NOISY[kept], truth_of(MOTION))
+    assert codes(score) == ["gaps", "gaps", "not_unit"]
+    assert score.samples == 1401
+
+
+def test_covariances_go_with_their_stamps():
+    kept = np.r_[0:400, 399, 400:1501]
+    P = np.tile(np.eye(3) * np.radians(0.5) ** 2, (len(kept), 1, 1))
+    P[400] *= 1e9
+    truth = SampledTruth(STAMPS[:1000], attitude(MOTION)[:1000])
+    score = evaluate(STAMPS[kept], NOISY[kept], truth, covariance=P)
+    assert score.consistency is not None
+    assert score.consistency.verdict == "consistent"
+    assert score.consistency.nees.shape == (1000,)
+    with pytest.raises(InputError, match="5 of them do not go with 1501 estimates"):
+        evaluate(STAMPS, NOISY, truth, covariance=P[:5])
+
+
+def test_one_sample_has_a_score():
+    score = evaluate(STAMPS[:1], NOISY[:1], truth_of(MOTION))
+    assert score.samples == 1
+    assert score.lag_s is None
+    json.dumps(score.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "estimate", "message"),
+    [
+        (STAMPS + 10**18, NOISY, "none of its 1501 stamps, from 1e.09 s to .* is within the truth, from 0 s to 30 s"),
+        (STAMPS[::-1], NOISY, "out of order in 1500 places"),
+        (STAMPS, np.where(np.arange(1501)[:, np.newaxis] < 9, NOISY, np.nan), "1492 of 1501 rows are not finite"),
+        ([], np.empty((0, 4)), "at least one"),
+    ],
+)
+def test_refusals_are_one_line(stamps, estimate, message):
+    with pytest.raises(InputError, match=message) as error:
+        evaluate(stamps, estimate, truth_of(MOTION))
+    assert "\n" not in str(error.value)

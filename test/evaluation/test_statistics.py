@@ -1,0 +1,84 @@
+"""Statistics, convergence and limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Limits, Statistics, bias_error, time_to_converge
+from lie_rigid_body.evaluation.limits import angle_deg, time_s
+from lie_rigid_body.evaluation.statistics import settling_limit
+
+
+def test_statistics_of_a_hundred_and_one_numbers():
+    s = Statistics.of(np.arange(101.0)[::-1].copy())
+    assert (s.median, s.p95, s.max, s.final) == (50.0, 95.0, 100.0, 0.0)
+    assert s.rms == pytest.approx(np.sqrt(101 * 201 / 6 * 100 / 101))
+    assert list(s.to_json()) == ["rms", "median", "p95", "max", "final"]
+
+
+def test_tiny_errors_do_not_vanish_and_one_number_is_its_own_statistics():
+    assert Statistics.of(np.array([3e-200, 4e-200])).rms == pytest.approx(np.sqrt(12.5) * 1e-200)
+    assert set(Statistics.of(np.array([2.0])).to_json().values()) == {2.0}
+    assert Statistics.of(np.zeros(3)).rms == 0.0
+
+
+def test_bias_error_is_the_norm():
+    s = bias_error([[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert (s.max, s.final) == (5.0, 1.0)
+    with pytest.raises(InputError, match="truth: 1 of 2 rows are not finite"):
+        bias_error(np.zeros((2, 3)), [[0, 0, 0], [0, np.inf, 0]])
+
+
+@pytest.mark.parametrize(("limit", "time"), [(0.5, None), (1.0, 4.0), (3.0, 2.0), (9.0, 0.0)])
+def test_time_to_converge_is_when_the_error_stays_below(limit, time):
+    assert time_to_converge(10.0 + np.arange(5.0), np.array([8.0, 5.0, 2.0, 3.0, 1.0]), limit) == time
+
+
+def test_an_exponential_converges_to_its_noise_when_it_should():
+    t = np.linspace(0.0, 60.0, 6001)
+    errors = 20.0 * np.exp(-t / 2.0) + np.abs(np.random.default_rng(1).normal(size=t.size)) * 0.1
+    limit = settling_limit(t, errors)
+    assert limit == pytest.approx(1.5 * 0.36, rel=0.1)
+    assert time_to_converge(t, errors, limit) == pytest.approx(2.0 * np.log(20.0 / limit), abs=2.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "degrees"), [("1deg", 1.0), ("0.5°", 0.5), (" 1e-2 rad ", 0.5729577951308232), ("5mrad", 0.286478897565)]
+)
+def test_angles_are_read(text, degrees):
+    assert angle_deg(text) == pytest.approx(degrees, rel=1e-11)
+
+
+@pytest.mark.parametrize(("text", "seconds"), [("10s", 10.0), ("500ms", 0.5), ("1.5 min", 90.0), (".5s", 0.5)])
+def test_times_are_read(text, seconds):
+    assert time_s(text) == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize("text", ["", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg"])
+def test_what_is_no_angle_is_refused(text):
+    with pytest.raises(InputError, match="an angle such as 1deg"):
+        angle_deg(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("10s", "10s:2deg"), ("10s2deg", "10s:2deg"), ("10:2deg", "a time such as 10s"), ("10s:2s", "an angle such as")],
+)
+def test_what_is_no_time_and_angle_is_refused(text, message):
+    with pytest.raises(InputError, match=message):
+        Limits.parse(max_after=text)
+
+
+def test_limits_name_what_breaks_them():
+    t, e = np.arange(5.0), np.array([9.0, 3.0, 1.0, 1.0, 1.5])
+    assert Limits.parse("5deg", ("1s:4deg", "2s:1.5deg")).broken(t, e) == ()
+    assert Limits().broken(t, e) == ()
+    assert Limits.parse("4deg").broken(t, e) == ("the error is 4.342° rms, above the limit of 4°",)
+    assert Limits.parse(max_after="0s:8deg").broken(t, e) == (
+        "the error is 9° at 0 s, above the limit of 8° after 0 s",
+    )
+    assert Limits.parse(max_after="1min:8deg").broken(t, e) == (
+        "the estimate ends at 4 s, before the limit after 60 s begins",
+    )

@@ -1,0 +1,107 @@
+"""The truth between its samples, and the reading of stamps and quaternions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import MOTIONS, STAMPS, attitude, truth_of
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error
+from lie_rigid_body.evaluation.estimate import Estimate
+from lie_rigid_body.lie import quaternion
+
+SPIN = quaternion.exp(np.outer(STAMPS * 1e-9, [0.3, -0.2, 0.9]))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_samples_are_given_back_to_the_bit(motion):
+    samples = attitude(motion)
+    truth = SampledTruth(STAMPS, samples)
+    assert truth.covers(STAMPS).all()
+    assert truth.uncertainty_at(STAMPS) == 0.0 < truth.uncertainty == truth.uncertainty_at(STAMPS[1:] - 1)
+    np.testing.assert_array_equal(truth.at(STAMPS), quaternion.normalize(samples))
+
+
+def test_a_steady_turn_is_interpolated_exactly_whatever_the_signs():
+    signs = np.where(np.arange(len(STAMPS)) % 3 == 0, -1.0, 1.0)[:, np.newaxis]
+    truth = SampledTruth(STAMPS, SPIN * signs)
+    t = np.random.default_rng(1).integers(0, STAMPS[-1], 500)
+    wanted = quaternion.exp(np.outer(t * 1e-9, [0.3, -0.2, 0.9]))
+    assert attitude_error(truth.at(t), wanted).total.max() < 1e-14
+    assert truth.uncertainty < 1e-14
+    np.testing.assert_allclose(truth.states(t)[1], np.tile([0.3, -0.2, 0.9], (500, 1)), atol=1e-10)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_its_uncertainty_bounds_the_miss_and_is_not_far_above_it(motion):
+    truth = SampledTruth(STAMPS, attitude(motion))
+    t = np.random.default_rng(2).integers(0, STAMPS[-1], 4000)
+    miss = attitude_error(truth.at(t), MOTIONS[motion].at(t).attitude_xyzw).total.max()
+    assert 0.5 * truth.uncertainty < miss < 1.05 * truth.uncertainty + 1e-15
+
+
+def test_nothing_is_interpolated_across_a_gap():
+    kept = np.r_[0:100, 110:300]
+    truth = SampledTruth(STAMPS[kept], SPIN[kept])
+    inside = STAMPS[100:109] + 1
+    assert not truth.covers(inside).any()
+    assert truth.covers(STAMPS[[0, 99, 110, 299]]).all()
+    assert not truth.covers(STAMPS[[300]]).any()
+    assert SampledTruth(STAMPS[kept], SPIN[kept], longest_gap_ns=10**9).covers(inside).all()
+
+
+def test_exact_truth_is_asked_in_order_and_once():
+    asked = []
+
+    def motion(t_ns):
+        asked.append(t_ns)
+        return SPIN[t_ns // STAMPS[1]]
+
+    t = STAMPS[[[7, 3], [7, 100]]]
+    np.testing.assert_array_equal(ExactTruth(motion, 0, 10**12).at(t), SPIN[[[7, 3], [7, 100]]])
+    np.testing.assert_array_equal(asked, [STAMPS[[3, 7, 100]]])
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_body_rate_is_the_motions(motion):
+    t = STAMPS[5:-5:97]
+    np.testing.assert_allclose(truth_of(motion).states(t)[1], MOTIONS[motion].at(t).body_rate, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "attitudes", "message"),
+    [
+        ([], np.empty((0, 4)), "give a flat list of at least one"),
+        ([0.0, 1.0], SPIN[:2], "integer nanoseconds"),
+        ([0, 5, 3], SPIN[:3], "out of order in 1 places, first at sample 2, 2e-09 s"),
+        ([0, 5], SPIN[:3], r"2 stamps do not go with"),
+        ([0, 1], [[0, 0, 0, 1], [0, 0, 0, 0]], "1 of 2 quaternions are zero, the first is row 1"),
+        ([0, 1], [[0, 0, 0, 1], [0, 0, np.nan, 0]], "1 of 2 rows are not finite, the first is row 1"),
+    ],
+)
+@pytest.mark.parametrize("read", [Estimate.read, SampledTruth])
+def test_refusals(read, stamps, attitudes, message):
+    with pytest.raises(InputError, match=message):
+        read(stamps, attitudes)
+
+
+def test_a_truth_has_no_doubles_and_does_not_end_before_it_begins():
+    with pytest.raises(InputError, match="a stamp occurs twice"):
+        SampledTruth([0, 0], SPIN[:2])
+    with pytest.raises(InputError, match="ends at 0 ns"):
+        ExactTruth(lambda t: t, 1, 0)
+
+
+def test_what_is_wrong_about_an_estimate_is_remarked():
+    assert Estimate.read(STAMPS, SPIN * 1.004).remarks == ()
+    (remark,) = Estimate.read(STAMPS, SPIN * 1.01).remarks
+    assert remark.code == "not_unit"
+    assert "1501 of 1501" in remark.message
+    assert "1.01" in remark.message
+    kept = np.r_[0:50, 50, 51, 51, 52:200, 250:300]
+    doubled = Estimate.read(STAMPS[kept], SPIN[kept])
+    assert [r.code for r in doubled.remarks] == ["gaps"] * 2
+    assert "1 of 251 samples are doubles" in doubled.remarks[0].message
+    assert "1 gap in the estimate, the longest of 1.02 s after 3.98 s" in doubled.remarks[1].message
+    assert len(doubled.stamps_ns) == 250
