@@ -42,7 +42,7 @@ def apart(difference: Fraction) -> Fraction:
 
 
 def tolerance(rate, period, t_ns: int) -> Fraction:
-    """The error of a phase as a pair, in turns: 2⁻¹⁰¹ of the turns gone through, at most ½ in a nanosecond, and of one."""
+    """Of a phase as a pair, in turns: 2⁻¹⁰¹ of the turns gone through, at most ½ in a nanosecond, and of one."""
     each = min(abs(Fraction(rate)) / 10**9 / Fraction(period), HALF)
     return (each * abs(t_ns) + 1) * Fraction(2) ** -101
 
