@@ -18,7 +18,7 @@ def errors(covariance=P, seed=0):
     return np.random.default_rng(seed).multivariate_normal(np.zeros(len(covariance)), covariance, N)
 
 
-def attitudes(axes):
+def attitudes(axes: str) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(4)
     truth, turn = quaternion.normalize(rng.normal(size=(N, 4))), quaternion.exp(errors())
     return (quaternion.multiply(turn, truth) if axes == "world" else quaternion.multiply(truth, turn)), truth

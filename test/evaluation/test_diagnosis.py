@@ -93,6 +93,7 @@ def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     assert codes(score) == ["lagging" if lag_s > 0 else "leading"]
     # of N samples with noise of 0.15 lag on each axis; at most √10 times more by what is fitted beside it
     assert score.lag_s == pytest.approx(lag_s, abs=4 * np.sqrt(10) * 0.15 * abs(lag_s) / np.sqrt(len(STAMPS)))
+    assert score.lag_s is not None
     late, size = ("late", "ahead")[lag_s < 0], abs(score.lag_s)
     assert f"is {late} by {size:.4g} s, {size / 0.02:.3g} of its samples" in score.findings[0].message
 

@@ -28,7 +28,7 @@ def test_bias_error_is_the_norm():
     s = bias_error([[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     assert (s.max, s.final) == (5.0, 1.0)
     with pytest.raises(InputError, match="truth: 1 of 2 rows are not finite"):
-        bias_error(np.zeros((2, 3)), [[0, 0, 0], [0, np.inf, 0]])
+        bias_error(np.zeros((2, 3)), np.array([[0, 0, 0], [0, np.inf, 0]]))
 
 
 @pytest.mark.parametrize(("limit", "time"), [(0.5, None), (1.0, 4.0), (3.0, 2.0), (9.0, 0.0)])

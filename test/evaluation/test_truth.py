@@ -90,7 +90,7 @@ def test_a_truth_has_no_doubles_and_does_not_end_before_it_begins():
     with pytest.raises(InputError, match="a stamp occurs twice"):
         SampledTruth([0, 0], SPIN[:2])
     with pytest.raises(InputError, match="ends at 0 ns"):
-        ExactTruth(lambda t: t, 1, 0)
+        ExactTruth(lambda t: np.zeros((len(t), 4)), 1, 0)
 
 
 def test_what_is_wrong_about_an_estimate_is_remarked():

@@ -56,7 +56,7 @@ def test_the_default_stepper_is_proved_to_keep_its_certificate(steps, regime):
     states = MovingChart(scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step).at(
         stamps
     )
-    t = stamps * 1e-9
+    t = np.asarray(stamps * 1e-9, dtype=np.float64)
     limits = tolerance(scenario, float(t[-1])).attitude(t)
     for t_ns, attitude, limit in zip(stamps, states.attitude_xyzw, limits, strict=True):
         assert enclose(*drawn, int(t_ns)).attitude_error(attitude)[1] <= limit

@@ -33,7 +33,8 @@ class AttitudeConstants(NamedTuple):
     Attributes
     ----------
     sense : number
-    slopes : 2 numbers
+    transverse : 2 numbers
+        N₁ and N₂, in proportion.
     directions : 3 numbers
         N₁, ±N₂, N₃.
     attitude : 4 columns of 4 numbers
@@ -43,7 +44,7 @@ class AttitudeConstants(NamedTuple):
     """
 
     sense: Number
-    slopes: tuple[Number, Number]
+    transverse: tuple[Number, Number]
     directions: Triple
     attitude: tuple[Quadruple, Quadruple, Quadruple, Quadruple]
     rates: tuple[Triple, Triple, Triple]
@@ -51,19 +52,18 @@ class AttitudeConstants(NamedTuple):
     @classmethod
     def of(cls, motion: GeneralMotion) -> AttitudeConstants:
         """The constants of one motion, or of many."""
-        x, y, z, w = motion.world
+        x, y, z, w = motion.world_xyzw
         # W ⊗ i, W ⊗ j, W ⊗ k and W
-        a, b, c, d = (
-            multiply(column, motion.frame) for column in ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z), (x, y, z, w))
-        )
+        turned_world = ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z), (x, y, z, w))
+        a, b, c, d = (multiply(column, motion.frame_xyzw) for column in turned_world)
         r1, r2, r3 = motion.rate_amplitudes
         p, q, r = ((x * r1, y * r2, z * r3) for x, y, z in motion.axes)
-        return cls(motion.sense, motion.slopes, motion.direction_amplitudes, (a, b, c, d), (p, q, r))
+        return cls(motion.sense, motion.transverse, motion.direction_amplitudes, (a, b, c, d), (p, q, r))
 
 
 ATTITUDE_LENGTH: Final = 31
 """Numbers of `AttitudeConstants` in a row."""
-_SENSE, _SLOPES, _DIRECTIONS, _ATTITUDE, _RATES = 0, 1, 3, 6, 22
+_SENSE, _TRANSVERSE, _DIRECTIONS, _ATTITUDE, _RATES = 0, 1, 3, 6, 22
 
 
 @kernel
@@ -76,8 +76,8 @@ def attitude_constants(row: Sequence[Number], k: int) -> AttitudeConstants:
         quadruple(row, k + _ATTITUDE + 12),
     )
     rates = (triple(row, k + _RATES), triple(row, k + _RATES + 3), triple(row, k + _RATES + 6))
-    slopes = (row[k + _SLOPES], row[k + _SLOPES + 1])
-    return AttitudeConstants(row[k + _SENSE], slopes, triple(row, k + _DIRECTIONS), attitude, rates)
+    transverse = (row[k + _TRANSVERSE], row[k + _TRANSVERSE + 1])
+    return AttitudeConstants(row[k + _SENSE], transverse, triple(row, k + _DIRECTIONS), attitude, rates)
 
 
 @kernel
@@ -102,7 +102,7 @@ def half_turn_with_libration(
 ) -> tuple[Number, Number]:
     """The sine and the cosine of ½ψ, times a common positive factor."""
     # S = sin(Θ − φ) and C = cos(Θ − φ) from those of Θ and of φ, each in proportion
-    x, y = constants.slopes[0] * values.cn, constants.slopes[1] * values.sn
+    x, y = constants.transverse[0] * values.cn, constants.transverse[1] * values.sn
     across = values.sine * x - values.cosine * y
     along = values.cosine * x + values.sine * y
     # positive, but its square may be too small for a double, or even itself
@@ -135,35 +135,39 @@ def dot(a: Triple, b: Triple) -> Number:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-class Beginning(NamedTuple):
-    """Where on its way a general motion begins.
+def world_rotation(
+    libration: Libration,
+    direction: Triple,
+    transverse: tuple[Number, Number],
+    sense: Number,
+    frame_xyzw: Quadruple,
+    attitude_xyzw: Quadruple,
+) -> Quadruple:
+    """W of a `GeneralMotion`, for which it begins at an attitude.
 
-    Attributes
+    Parameters
     ----------
     libration : Libration
+        Θ at the start.
     direction : 3 numbers
-        n, the unit momentum in the frame.
-    slope : 2 numbers
+        n at the start, the unit momentum in the frame.
+    transverse : 2 numbers
         n₁ and ±n₂, the sign that of the sense, in proportion: their azimuth is φ.
     sense : number
-        ±1.
+        ±1: that of the frame.
+    frame_xyzw : 4 numbers
+        conj(F).
+    attitude_xyzw : 4 numbers
+        At the start.
     """
-
-    libration: Libration
-    direction: Triple
-    slope: tuple[Number, Number]
-    sense: Number
-
-    def world(self, frame: Quadruple, attitude: Quadruple) -> Quadruple:
-        """W, for which the motion begins at an attitude, from conj(F) and that attitude."""
-        sine, cosine, drift = self.libration
-        x, y = self.slope
-        # ψ = ±(Θ − φ), as its mean growth begins at 0
-        half_turn = 0.5 * self.sense * (each(math.atan2, sine * x - cosine * y, cosine * x + sine * y) + drift)
-        untilted = _turn_and_untilt(each(math.sin, half_turn), each(math.cos, half_turn), *self.direction)
-        x, y, z, w = multiply(untilted, frame)
-        size = sqrt(x * x + y * y + z * z + w * w)
-        return multiply(attitude, (-x / size, -y / size, -z / size, w / size))
+    sine, cosine, drift = libration
+    x, y = transverse
+    # ψ = ±(Θ − φ), as its mean growth begins at 0
+    half_turn = 0.5 * sense * (each(math.atan2, sine * x - cosine * y, cosine * x + sine * y) + drift)
+    untilted = _turn_and_untilt(each(math.sin, half_turn), each(math.cos, half_turn), *direction)
+    x, y, z, w = multiply(untilted, frame_xyzw)
+    size = sqrt(x * x + y * y + z * z + w * w)
+    return multiply(attitude_xyzw, (-x / size, -y / size, -z / size, w / size))
 
 
 def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -> Quadruple:

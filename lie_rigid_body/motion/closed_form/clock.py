@@ -2,7 +2,7 @@
 
 A periodic phase is kept in turns. Whole turns per nanosecond change nothing at whole nanoseconds, so the rate is first
 reduced to at most half a turn. The rate times the time, plus the start, less the nearest integer, all in double-double,
-is the phase in [−½, ½]. It is wrong by at most 2⁻⁵³ of a turn, and 2⁻¹⁰¹ of the turns gone through.
+is the phase in [−½, ½]. It is wrong by at most 2⁻¹⁰¹ of the turns gone through, and of one turn.
 """
 
 from __future__ import annotations

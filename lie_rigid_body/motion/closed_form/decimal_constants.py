@@ -22,7 +22,7 @@ from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_pr
 from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.attitude import Beginning
+from lie_rigid_body.motion.closed_form.attitude import world_rotation
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
 from lie_rigid_body.motion.closed_form.decimal_frames import (
     PHASE_DIGITS,
@@ -224,12 +224,8 @@ def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Seque
     clock, theta = _clock_and_theta(polhode, periods)
     amplitudes = _over(polhode.momentum, frame.moments, polhode.amplitudes)
     initial = _over(polhode.momentum, frame.moments, frame.rate)
-    beginning = Beginning(
-        libration=theta.libration(clock.initial_phase()),
-        direction=_rounded(initial),
-        slope=_proportional(initial[0], frame.sense * initial[1]),
-        sense=sense,
-    )
+    transverse = _proportional(initial[0], frame.sense * initial[1])
+    libration = theta.libration(clock.initial_phase())
     axes, conjugate = _rows_and_quaternion(frame.axes)
     x, y, z, w = attitude_xyzw
     return GeneralMotion(
@@ -238,11 +234,11 @@ def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Seque
         theta=theta,
         rate_amplitudes=_rounded(polhode.amplitudes, frame.sense),
         direction_amplitudes=_rounded(amplitudes, frame.sense),
-        slopes=_proportional(amplitudes[0], amplitudes[1]),
+        transverse=_proportional(amplitudes[0], amplitudes[1]),
         sense=sense,
         axes=axes,
-        world=beginning.world(conjugate, (x, y, z, w)),
-        frame=conjugate,
+        world_xyzw=world_rotation(libration, _rounded(initial), transverse, sense, conjugate, (x, y, z, w)),
+        frame_xyzw=conjugate,
     )
 
 

@@ -39,7 +39,7 @@ from lie_rigid_body.arithmetic.double_double import (
 )
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.motion.closed_form.attitude import Beginning
+from lie_rigid_body.motion.closed_form.attitude import world_rotation
 from lie_rigid_body.motion.closed_form.clock import Clock
 from lie_rigid_body.motion.closed_form.fast_frames import CoupledBody, DiagonalBody, FastFrame, Vector
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta
@@ -194,18 +194,20 @@ def fast_motion(start: FastFrame, attitude: Quadruple, hyperbolic: bool, steps: 
     (a1, _), (a2, _), (a3, _) = amplitudes
     m1, m2, m3 = _direction(polhode, amplitudes)
     n1, n2, n3 = _direction(polhode, start.rate)
-    beginning = Beginning(theta.libration(clock.initial_phase()), (n1, n2, n3), (n1, start.sense * n2), start.sense)
+    libration = theta.libration(clock.initial_phase())
     return GeneralMotion(
         phase_clock=clock,
         half_turn_clock=_half_turn_clock(polhode, mean, steps),
         theta=theta,
         rate_amplitudes=(a1, start.sense * a2, a3),
         direction_amplitudes=(m1, start.sense * m2, m3),
-        slopes=(m1, m2),
+        transverse=(m1, m2),
         sense=start.sense,
         axes=start.axes,
-        world=beginning.world(start.frame, attitude),
-        frame=start.frame,
+        world_xyzw=world_rotation(
+            libration, (n1, n2, n3), (n1, start.sense * n2), start.sense, start.frame_xyzw, attitude
+        ),
+        frame_xyzw=start.frame_xyzw,
     )
 
 

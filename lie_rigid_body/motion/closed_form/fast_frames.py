@@ -86,7 +86,7 @@ class FastFrame(NamedTuple):
     sense : number
     axes : 3 rows of 3 numbers
         Columns are the frame's axes in the body frame.
-    frame : 4 numbers
+    frame_xyzw : 4 numbers
         conj(F) of `GeneralMotion`.
     """
 
@@ -94,7 +94,7 @@ class FastFrame(NamedTuple):
     rate: Vector
     sense: Number
     axes: Matrix
-    frame: Quadruple
+    frame_xyzw: Quadruple
 
 
 def _about_largest(j: Triple, w: Triple) -> Condition:
@@ -271,7 +271,7 @@ class CoupledBody(NamedTuple):
             rate=(scaled(first, s1), scaled(components[1], s2), scaled(third, s3)),
             sense=sense,
             axes=(rows[0], rows[1], rows[2]),
-            frame=_conjugate_quaternion((rows[0], rows[1], rows[2])),
+            frame_xyzw=_conjugate_quaternion((rows[0], rows[1], rows[2])),
         )
 
     def _sizes(self) -> Triple:

@@ -63,15 +63,15 @@ class GeneralMotion(NamedTuple):
         The elliptic functions of u, and the libration of ψ.
     rate_amplitudes, direction_amplitudes : 3 numbers
         Of ω, rad/s, and of n; the second ones with the sign of the sense.
-    slopes : 2 numbers
+    transverse : 2 numbers
         N₁ and N₂, in proportion.
     sense : number
         ±1: that of the frame.
     axes : 3 rows of 3 numbers
         Columns are the frame's axes in the body frame.
-    world : 4 numbers
+    world_xyzw : 4 numbers
         W.
-    frame : 4 numbers
+    frame_xyzw : 4 numbers
         conj(F).
     """
 
@@ -80,11 +80,11 @@ class GeneralMotion(NamedTuple):
     theta: Theta
     rate_amplitudes: Triple
     direction_amplitudes: Triple
-    slopes: tuple[Number, Number]
+    transverse: tuple[Number, Number]
     sense: Number
     axes: tuple[Triple, Triple, Triple]
-    world: Quadruple
-    frame: Quadruple
+    world_xyzw: Quadruple
+    frame_xyzw: Quadruple
 
 
 class SteadyMotion(NamedTuple):
@@ -92,7 +92,7 @@ class SteadyMotion(NamedTuple):
 
     Attributes
     ----------
-    attitude : 4 numbers
+    attitude_xyzw : 4 numbers
         q₀.
     rate : 3 numbers
         ω, rad/s, body frame.
@@ -102,7 +102,7 @@ class SteadyMotion(NamedTuple):
         Half the rotation angle, modulo 2π, because the attitude is a path on the double cover.
     """
 
-    attitude: Quadruple
+    attitude_xyzw: Quadruple
     rate: Triple
     axis: Triple
     half_turn_clock: Clock

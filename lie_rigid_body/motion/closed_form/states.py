@@ -119,8 +119,8 @@ class SteadyConstants(NamedTuple):
     def of(cls, motion: SteadyMotion) -> SteadyConstants:
         """The constants of a motion."""
         x, y, z = motion.axis
-        across = multiply(motion.attitude, (x, y, z, 0.0))
-        return cls(motion.half_turn_clock.rate, motion.attitude, across, motion.rate)
+        across = multiply(motion.attitude_xyzw, (x, y, z, 0.0))
+        return cls(motion.half_turn_clock.rate, motion.attitude_xyzw, across, motion.rate)
 
 
 @kernel

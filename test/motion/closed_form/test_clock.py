@@ -43,9 +43,9 @@ def apart(difference: Fraction) -> Fraction:
 
 
 def tolerance(rate, period, t_ns: int) -> Fraction:
-    """What a turn a nanosecond, at most ½ and in double-double, becomes after so many of them."""
+    """Of a phase as a pair, in turns: 2⁻¹⁰¹ of the turns gone through, at most ½ in a nanosecond, and of one."""
     each = min(abs(Fraction(rate)) / 10**9 / Fraction(period), HALF)
-    return Fraction(2) ** -53 + each * abs(t_ns) * Fraction(2) ** -101
+    return (each * abs(t_ns) + 1) * Fraction(2) ** -101
 
 
 def require(rate, start, period, t_ns: int) -> None:
@@ -55,6 +55,7 @@ def require(rate, start, period, t_ns: int) -> None:
     [hi], [lo] = phase_in_turns
     assert abs(hi) <= 0.5
     assert apart(Fraction(float(hi)) + Fraction(float(lo)) - exact) <= allowed
+    allowed += Fraction(2) ** -53
     folded_and_parity: Any = folded_phase(phase_in_turns, clock.period)
     ([phase], _), [parity] = folded_and_parity
     folded = Fraction(float(phase)) / Fraction(period)

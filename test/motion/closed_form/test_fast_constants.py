@@ -210,7 +210,9 @@ def numbers(form: Any) -> Iterator[float]:
 
 
 def all_but_low_parts(motion: GeneralMotion) -> list[float]:
-    return [float(x) for x in [*numbers(motion.theta), *motion.direction_amplitudes, *motion.world, *motion.frame]]
+    return [
+        float(x) for x in [*numbers(motion.theta), *motion.direction_amplitudes, *motion.world_xyzw, *motion.frame_xyzw]
+    ]
 
 
 @pytest.mark.parametrize("size", [1e-20, 1e-5, 1e5, 1e20])
