@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
@@ -58,7 +59,10 @@ class Compiler:
                 self._end()
             if failed:
                 return None
-        return _compiled(self._function, self._signature, self._folder)
+        # In a thread of its own, which handles no signals: LLVM calls back into Python, and an exception that a signal
+        # handler raises in there is lost.
+        with ThreadPoolExecutor(1) as thread:
+            return thread.submit(_compiled, self._function, self._signature, self._folder).result()
 
     def _end(self) -> None:
         if self._process is not None and self._process.poll() is None:
