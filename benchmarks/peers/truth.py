@@ -54,6 +54,6 @@ def _angle(exact: list[Decimal], computed: NDArray[np.float64]) -> float:
             w * b + x * c - y * d - z * a,
             w * c - x * b + y * a - z * d,
         )
-        sine = sum(v * v for v in vector).sqrt()
+        sine = sum((v * v for v in vector), Decimal(0)).sqrt()
         cosine = abs(w * d + x * a + y * b + z * c)
         return float(2.0 * np.arctan2(float(sine), float(cosine)))
