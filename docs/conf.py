@@ -11,7 +11,7 @@ project = "lie_rigid_body"
 author = "Seed 2b615e39 maintainers"
 project_copyright = author
 
-# rosdoc2 has neither of the two: it keeps its own theme, and its pages fetch MathJax from the network.
+# rosdoc2 has its own theme, and its pages fetch MathJax from the network.
 OFFLINE_MATHJAX = "sphinx-mathjax-offline"
 extensions = [
     "myst_parser",
@@ -21,7 +21,6 @@ extensions = [
     "sphinx.ext.napoleon",
     *([OFFLINE_MATHJAX] if find_spec(OFFLINE_MATHJAX) else []),
 ]
-rosdoc2_settings = {"allow_other_extensions": True, "override_theme": False}
 html_theme = "furo"
 html_title = "lie_rigid_body"
 
@@ -45,9 +44,11 @@ PAGES_ABOVE = {"README.md": "readme", "CONTRIBUTING.md": "contributing"}
 def with_pages_above(app: Any, page: str, source: list[str]) -> None:
     """Make pages of the folder above pages of the site, and let links to and from them fit."""
     for file, name in PAGES_ABOVE.items():
-        above = Path(app.srcdir).parent / file
-        if page == name and above.is_file():
-            source[0] = re.sub(r"\]\((?!https?:|#)(docs/)?([^)#]+)", link_from_above, above.read_text(encoding="utf-8"))
+        # where rosdoc2 builds, the folder above is not ours, and copies of such pages are below
+        for above in (Path(app.srcdir).parent / file, Path(app.srcdir) / "standard_docs" / "original" / file):
+            if page == name and above.is_file():
+                text = above.read_text(encoding="utf-8")
+                source[0] = re.sub(r"\]\((?!https?:|#)(docs/)?([^)#]+)", link_from_above, text)
         source[0] = source[0].replace(f"](../{file}", f"]({name}.md")
 
 

@@ -76,6 +76,7 @@ def test_rosdoc2_builds_our_site() -> None:
     assert named is not None
     _, settings = yaml.safe_load_all((ROOT / named).read_text(encoding="utf-8"))
     [builder] = settings["builders"]
+    assert {"name", "output_dir"} <= set(builder["sphinx"])  # it refuses a builder without them
     assert (ROOT / builder["sphinx"]["sphinx_sourcedir"] / "conf.py").is_file()
 
 
