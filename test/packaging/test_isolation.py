@@ -27,7 +27,8 @@ def test_quick(): ...
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    shutil.copy(CONFTEST, tmp_path)
+    for file in (CONFTEST, CONFTEST.with_name("ros_domains.py")):
+        shutil.copy(file, tmp_path)
     (tmp_path / "test_parts.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    ros\n    slow\n", encoding="utf-8")
     return tmp_path
