@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.lagrangian import Lagrangian
-from lie_rigid_body.groups.stepper import Point
+from lie_rigid_body.groups.runge_kutta import Point
 from lie_rigid_body.lie.series import bernoulli_over_factorial
 
 _EVEN_TERMS: Final = tuple(bernoulli_over_factorial(2 * k) for k in range(1, 16))

@@ -15,7 +15,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.group_chart import GroupChart
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.stepper import Point, RungeKuttaStepper
+from lie_rigid_body.groups.runge_kutta import Point, RungeKuttaStepper
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN

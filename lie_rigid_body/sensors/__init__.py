@@ -5,7 +5,7 @@ In the order of a measurement:
 - `parameters`: the table of parameters, and the sensors of a scenario made of them, validated once;
 - `gyro_rate`, `specific_force`: the true quantities that gyro and accelerometer measure;
 - `noise`: random numbers from the seed alone, the same in batches of any size;
-- `triad`, `converter`: the errors of a sensor, its range and its resolution;
+- `triad`, `quantisation`: the errors of a sensor, its range and its resolution;
 - `imu`, `magnetometer`: the two sensors.
 """
 

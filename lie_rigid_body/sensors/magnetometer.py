@@ -14,8 +14,8 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
-from lie_rigid_body.sensors.converter import Converter
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.quantisation import Converter
 
 STRONGEST_FIELD_T: Final = 1e3
 LARGEST_SOFT_IRON: Final = 1e6

@@ -14,8 +14,8 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
-from lie_rigid_body.sensors.converter import Converter
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
+from lie_rigid_body.sensors.quantisation import Converter
 
 LARGEST_SCALE_FACTOR: Final = 1e6
 

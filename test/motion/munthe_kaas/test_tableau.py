@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from lie_rigid_body.groups.stepper import RungeKuttaStepper
+from lie_rigid_body.groups.runge_kutta import RungeKuttaStepper
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 
 
