@@ -1,4 +1,4 @@
-"""How a state moves in time: the moving chart and its steppers, and the closed form that referees them."""
+"""Motions of a free rigid body: the moving chart with its steppers, and the closed-form solution used as reference."""
 
 from lie_rigid_body.motion.closed_form import ClosedForm
 from lie_rigid_body.motion.motion import Motion

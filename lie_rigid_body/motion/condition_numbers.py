@@ -14,7 +14,7 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 
 @dataclass(frozen=True)
 class ConditionNumbers:
-    """How many times larger a relative rounding of a rate or a momentum shows in what is computed from it; at least 1.
+    """Condition numbers, at least 1: amplification of a relative error of the rate, or of the momentum.
 
     A body given by its principal moments has the first three 1: there a momentum's component is as exact as the
     rate's. Products of inertia cancel in Mω, the more the slenderer the body.

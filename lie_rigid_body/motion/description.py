@@ -1,6 +1,6 @@
-"""What the mathematics says about a body and its motion before a single state is computed.
+"""Time-independent properties of a motion: regime, period, precession, flips, stability, conserved quantities.
 
-Regime, period, precession and flips of the motion, stability of spins, and what is conserved: what ``explain`` prints.
+The command ``explain`` prints them.
 """
 
 from __future__ import annotations
@@ -31,10 +31,11 @@ Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
 
 SUDDEN_RAD: Final = math.pi / 6.0
-"""Angle of the momentum to the intermediate axis: a body that comes nearer than this seems to spin steadily between
-flips."""
+"""Largest angle of the momentum to the intermediate axis, rad, for which flips count as sudden: a body that comes
+nearer seems to spin steadily between them."""
 LINGERING: Final = 0.01
-"""Greatest 1 − m of such a body: it stays there for most of the time. A nearly symmetric top circles evenly."""
+"""Largest complementary parameter 1 − m for which flips count as sudden: the body then stays near the axis for most of
+the time, where a nearly symmetric top circles evenly."""
 
 
 @dataclass(frozen=True)

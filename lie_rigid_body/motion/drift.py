@@ -1,7 +1,7 @@
 """Bounds of how far a computed motion drifts from the exact one, for each family of steppers.
 
 The rounding of the samples themselves is not counted. In these formulas Ω bounds the body rate, Θ = Ωt is the angle
-turned at most, h the step and x = Ωh; u = 2⁻⁵³ is the unit round-off.
+turned at most, h the step and x = Ωh the angle turned in it at most; u = 2⁻⁵³ is the unit round-off.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from lie_rigid_body.motion.step_error import StepError
 from lie_rigid_body.motion.time_steps import longest_step, steps_between
 
 U: Final = 2.0**-53
-"""Unit round-off of double precision."""
+"""Unit round-off u of double precision."""
 
-WALK: Final = 8.0
+RANDOM_WALK_FACTOR: Final = 8.0
 """Factor of the attitude's random walk. In some hundred random motions of up to 3·10⁷ steps it was 2.5 at most."""
 
 BIAS: Final = 2.0**-6
-"""Factor of what is left of a bias, for each u of x Θ. It was 0.005 at most."""
+"""Safety factor of the residual rounding bias, in units of u x Θ. The largest observed value is 0.005."""
 
-NEAR: Final = 0.01
+SEPARATRIX_MARGIN: Final = 0.01
 """Distance of the energy from the separatrix, relative to its range, within which the walk is counted twice: flips are
 sensitive to all of it."""
 
 TRUNCATION: Final = 2.0
-"""Factor for what a shift along the motion adds to the turn."""
+"""Factor by which a time shift along the orbit enlarges the attitude error."""
 
-PER_STEP: Final = 4.0
-"""Roundings of a Runge–Kutta–Munthe-Kaas step."""
+ROUNDINGS_PER_STEP: Final = 4.0
+"""Rounding errors of a Runge–Kutta–Munthe-Kaas step, in units of u."""
 
 _MORE_TERMS: Final = 4
 """Terms of the series beyond the stepper's own that are counted as its truncation."""
@@ -52,19 +52,19 @@ class Drift(Protocol):
     """Bounds of the errors at times t after the start, s, each of shape (N,)."""
 
     def attitude(self, t: Array) -> Array:
-        """Turn, rad."""
+        """Bound of the attitude error at time t, as a rotation angle, rad."""
         ...
 
     def rate(self, t: Array) -> Array:
-        """Body rate, relative to Ω."""
+        """Bound of the body-rate error, divided by Ω."""
         ...
 
     def momentum(self, t: Array) -> Array:
-        """World momentum, relative."""
+        """Bound of the error of the spatial momentum, relative to its norm."""
         ...
 
     def energy(self, t: Array) -> Array:
-        """Kinetic energy, relative."""
+        """Bound of the error of the kinetic energy, relative."""
         ...
 
 
@@ -83,7 +83,7 @@ class MoserVeselovDrift:
     """The drift of Moser–Veselov steps, which keep energy and momentum, so that only the phase goes wrong.
 
     Two things move it: the terms that the preprocessed inertia leaves out, the same at every step; and round-off of the
-    increments, u x a step, at random, which grows near the separatrix until the energy is restored.
+    increments, u x a step, at random, which grows near the separatrix until the next projection onto the energy.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class MoserVeselovDrift:
     truncation : float
         Turn that a step lacks, rad.
     growth : float
-        How many times larger a rounding may become until the energy is next restored.
+        Largest growth factor of a rounding error before the energy is restored.
     """
 
     fastest: float
@@ -121,9 +121,9 @@ class MoserVeselovDrift:
             return cls(fastest, step, 2.0 * implicit * missing, _growth(frame, step))
 
     def attitude(self, t: Array) -> Array:
-        """Turn, rad."""
+        """Bound of the attitude error at time t, as a rotation angle, rad."""
         way = self.fastest * self.step * self.fastest * t
-        round_off = U * (self.growth * WALK * np.sqrt(way) + BIAS * way)
+        round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + BIAS * way)
         return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
     rate = attitude
@@ -136,19 +136,21 @@ class MoserVeselovDrift:
 
 
 def _growth(frame: ScaledMotion, step: float) -> float:
-    """How a rounding may grow until the energy is restored: at the rate λ about the intermediate axis."""
+    """Largest growth factor of a rounding error before the energy is restored: exp(λt) near the intermediate axis."""
     e1, e2, e3 = frame.inverse_moments
     squared = float((e1 - e2) * (e2 - e3))
     if squared <= 0.0:
         return 1.0
     turn = min(STEPS_BETWEEN_RESTORATIONS * step * float(frame.fastest), TURN_BETWEEN_RESTORATIONS + LARGEST_TURN)
-    near = float(abs(frame.twice_energy - e2)) < NEAR * float(abs(e1 - e3))
+    near = float(abs(frame.twice_energy - e2)) < SEPARATRIX_MARGIN * float(abs(e1 - e3))
     return math.exp(math.sqrt(squared) * turn) * (2.0 if near else 1.0)
 
 
 @dataclass(frozen=True)
 class MuntheKaasDrift:
-    """The drift of Runge–Kutta–Munthe-Kaas steps, which keep nothing: an error of the rate costs attitude later.
+    """The drift of Runge–Kutta–Munthe-Kaas steps, which conserve neither energy nor spatial momentum.
+
+    An error of the body rate makes an error of the attitude later.
 
     Parameters
     ----------
@@ -169,23 +171,23 @@ class MuntheKaasDrift:
     gain: Callable[[Array], Array]
 
     def attitude(self, t: Array) -> Array:
-        """Turn, rad. Stamps are integers, and the stepper adds their rounding in seconds, uΘ."""
+        """Bound of the attitude error, as a rotation angle, rad, with the rounding of stamps to seconds, uΘ."""
         direct = self._rounding(t) + (self.error.attitude + U) * self.fastest * t
         return np.asarray(direct + self.gain(t) * self.rate(t))
 
     def rate(self, t: Array) -> Array:
-        """Body rate, relative to Ω."""
+        """Bound of the body-rate error, divided by Ω."""
         return np.asarray(self.conditions.rate_of_momentum * self._rounding(t) + self.error.rate * self.fastest * t)
 
     def momentum(self, t: Array) -> Array:
-        """World momentum, relative."""
+        """Bound of the error of the spatial momentum, relative to its norm."""
         return np.asarray(2.0 * self._rounding(t) + self.error.momentum * self.fastest * t)
 
     def energy(self, t: Array) -> Array:
-        """Kinetic energy, relative."""
+        """Bound of the error of the kinetic energy, relative."""
         rounding = 2.0 * self.conditions.energy_of_momentum * self._rounding(t)
         return np.asarray(rounding + self.error.energy * self.fastest * t)
 
     def _rounding(self, t: Array) -> Array:
         """Sum of the roundings, relative: those of a slow body repeat from step to step and add up linearly."""
-        return PER_STEP * U * self.conditions.inverse * t / self.step
+        return ROUNDINGS_PER_STEP * U * self.conditions.inverse * t / self.step

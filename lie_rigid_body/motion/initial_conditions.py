@@ -1,4 +1,4 @@
-"""Bodies and their initial states along one axis, whatever batch they were given as."""
+"""Bodies and their initial states as arrays with one leading axis of length B, whatever the shape of the batch."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class InitialConditions:
             _flat(start.body_rate, batch, 3),
         )
 
-    def name(self, place: int) -> str:
+    def error_prefix(self, place: int) -> str:
         """The beginning of a message about one body: its index in the batch, or nothing for a body alone."""
         index = tuple(int(i) for i in np.unravel_index(place, self.batch)) if self.batch else ()
         return f"body {index[0] if len(index) == 1 else index}: " if index else ""

@@ -10,19 +10,19 @@ import numpy as np
 from lie_rigid_body.errors import InputError
 
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
-"""Bytes."""
+"""Default memory limit, bytes."""
 
 _LARGEST_BLOCK: Final = 8192
-"""Samples: the temporaries of so many fit into a processor's cache."""
+"""Largest number of samples at once: their temporaries fit into a processor's cache."""
 
 _SMALLEST_BLOCK: Final = 256
-"""Samples: with fewer at once, starting an array operation takes longer than the operation."""
+"""Smallest number of samples at once: with fewer, starting an array operation takes longer than the operation."""
 
 _STATE_BYTES: Final = 7 * 8
-"""An attitude and a rate in doubles."""
+"""Size of an attitude and a body rate in doubles, bytes."""
 
 _FIXED_BYTES: Final = 1024 * 1024
-"""Whatever the number of samples, the tuples that Python keeps for reuse among it."""
+"""Fixed overhead, bytes, including Python's free lists."""
 
 
 @dataclass(frozen=True)

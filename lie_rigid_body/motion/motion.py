@@ -1,4 +1,4 @@
-"""The contract of every motion, and the one reading of its times."""
+"""The interface `Motion`, and the validation of times and of bodies with their starts."""
 
 from __future__ import annotations
 

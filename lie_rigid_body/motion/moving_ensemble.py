@@ -133,4 +133,4 @@ class MovingEnsemble:
             reached_ns, work = int(t_ns[some][-1]), 0
 
     def _named(self, k: int, error: InputError) -> InputError:
-        return InputError(f"{self._starts.name(k)}{error}")
+        return InputError(f"{self._starts.error_prefix(k)}{error}")

@@ -19,13 +19,13 @@ from lie_rigid_body.motion.moving_chart import Method, MovingChart
 from lie_rigid_body.motion.taylor_flow import flow
 
 PROBE_TURN: Final = 1.0 / 16.0
-"""rad"""
+"""Rotation angle of the probe step, rad."""
 
 LONGEST_SPAN_NS: Final = 1e18
-"""Thirty years: a body that turns less in them has no truncation to speak of."""
+"""Longest probe step, ns, thirty years: a body that turns less in it has no truncation to speak of."""
 
 SAFETY: Final = 4.0
-"""For states between those tried, and for the terms of higher order."""
+"""Safety factor on the measured error, for states between those tried and for the terms of higher order."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class StepError:
     rate : float
         Relative to Ω.
     momentum : float
-        Of the world momentum, relative to its norm.
+        Of the spatial momentum, relative to its norm.
     energy : float
         Relative.
     """

@@ -21,13 +21,13 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
 LONGEST_TURN: Final = 32.0
-"""rad: over intervals in which the body may turn farther the flow is not followed."""
+"""Largest rotation angle, rad, over which the flow is followed."""
 
 TURN_PER_SUBSTEP: Final = 0.25
-"""rad"""
+"""Largest rotation angle in a substep, rad."""
 
 _REMAINDER: Final = 1e-17
-"""Of the series, relative to its first term."""
+"""Largest remainder of the series, relative to its first term."""
 
 _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""

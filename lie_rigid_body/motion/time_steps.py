@@ -1,4 +1,4 @@
-"""How the time between samples is divided into steps: the one home of this count."""
+"""Number of equal steps between two sample times."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 
 MOST_STEPS: Final = 1e15
-"""In one call: a year's work."""
+"""Largest number of steps in one call: a year's work."""
 
 _SLACK: Final = 1e-9
+"""Slack, in steps: how far an interval may exceed a whole number of largest steps by round-off."""
+
 _SHRUNK: Final = 1.0 - 1e-15
-"""What round-off may make of an interval that the largest step divides, in steps and relative."""
+"""Relative slack: a factor 1e-15 below 1."""
 
 _MOST_PER_NS: Final = 1e280
-"""Steps: more are as impossible, and would overflow."""
+"""Largest number of steps in a nanosecond: more are as impossible, and would overflow."""
 
 
 def longest_step(max_step: float, largest_turn: float, fastest: float) -> float:

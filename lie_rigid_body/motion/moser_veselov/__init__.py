@@ -1,12 +1,12 @@
 """The discrete Moser–Veselov steppers ``dmv2`` to ``dmv20``, which keep energy and spatial momentum at any step length.
 
-A table of contents
+Modules:
 
 - `principal_frame`: the frame and units of a motion;
 - `preprocessing`: the preprocessed inertia, as power series in the step;
 - `motion_constants`: the constants of a motion, for the kernels;
 - `layout`: the places of numbers in the vectors that the kernels share;
-- `step`, `restoration`, `loop`: the kernels: one step, the invariants restored, and many steps;
+- `step`, `restoration`, `loop`: the kernels: one step, the projection onto the invariants, and many steps;
 - `integrator`: one body's motion.
 """
 

@@ -75,13 +75,13 @@ SERIES_STRIDE: Final = 4
 
 @kernel
 def pair(values: Any, place: int) -> DoubleDouble:
-    """The number at a place."""
+    """The double-double stored from index ``place``."""
     return values[place], values[place + 1]
 
 
 @kernel
 def three(values: Any, place: int) -> Three:
-    """The three numbers from a place on."""
+    """The three double-doubles stored from index ``place``."""
     return (
         (values[place], values[place + 1]),
         (values[place + 2], values[place + 3]),
@@ -91,7 +91,7 @@ def three(values: Any, place: int) -> Three:
 
 @kernel
 def four(values: Any, place: int) -> Four:
-    """The four numbers from a place on."""
+    """The four double-doubles stored from index ``place``."""
     return (
         (values[place], values[place + 1]),
         (values[place + 2], values[place + 3]),
@@ -102,7 +102,7 @@ def four(values: Any, place: int) -> Four:
 
 @kernel
 def seven(values: Any, place: int) -> Seven:
-    """The seven numbers from a place on."""
+    """The seven double-doubles stored from index ``place``."""
     return (
         (values[place], values[place + 1]),
         (values[place + 2], values[place + 3]),
@@ -116,6 +116,6 @@ def seven(values: Any, place: int) -> Seven:
 
 @kernel
 def store(values: Any, place: int, numbers: Any) -> None:
-    """Write numbers from a place on."""
+    """Store double-doubles from index ``place``."""
     for j in range(len(numbers)):
         values[place + 2 * j], values[place + 2 * j + 1] = numbers[j]

@@ -26,8 +26,9 @@ from lie_rigid_body.motion.moser_veselov.restoration import restored_attitude, r
 from lie_rigid_body.motion.moser_veselov.step import moved_momentum, step_constants, step_rotation, turned
 
 STEPS_BETWEEN_RESTORATIONS: Final = 64.0
+"""Largest number of steps between two projections onto the invariants."""
 TURN_BETWEEN_RESTORATIONS: Final = 2.0
-"""rad, unless these steps turn less: near the separatrix an error grows by as many powers of e at most."""
+"""Largest turn between two projections, rad: near the separatrix an error grows by as many powers of e at most."""
 
 SAMPLE_SIZE: Final = 7
 """Floats of a sample: x y z w, scalar last, and the body rate, rad/s, in the principal frame."""

@@ -8,10 +8,15 @@ body momenta before and after it. With dⱼ = h/(2Iⱼ) it is of order 2. With
 and the right numbers α, β, which depend on the length of the step, the energy and the momentum, but not on where on its
 orbit the motion is, the step is exact (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to
 order 10). Here the coefficients are not taken from formulas: they are found from the Taylor series of the motion
-itself, for the step that is symmetric about the phase at which the component along the intermediate axis vanishes.
-There, with n = (√m₁ a, (e₁ − e₃)√(m₁m₃) t s, √m₃ c) and the quaternion (√m₁ t x, √(m₁m₃) y, √m₃ t z, w) a time t after
-that phase, all seven are power series in t², with coefficients that are polynomials in m₁, m₃ and eⱼ: nothing is
-singular, whatever the body and its motion.
+itself, for the step that is symmetric about the phase at which n₂, along the intermediate axis, vanishes.
+
+In the units of `ScaledMotion`, n is the unit body momentum, eⱼ are the inverse moments, and m₁ and m₃ are n₁² and n₃²
+where n₂ = 0. A time t after that phase, momentum and quaternion are
+
+    n = (√m₁ a, (e₁ − e₃)√(m₁m₃) t s, √m₃ c),     (ρ, ρ₀) = (√m₁ t x, √(m₁m₃) y, √m₃ t z, w),
+
+in which a, c, s and x, y, z, w are the seven unknown series in t². Their coefficients are polynomials in m₁, m₃ and eⱼ:
+nothing is singular, whatever the body and its motion.
 
 The numbers may be Decimals, doubles, or arrays of doubles with one element a motion, whose bits are those of the
 doubles.
@@ -41,8 +46,9 @@ class Invariants(Generic[Number]):
     a_rate, c_rate : number
         (e₃ − e₂)(e₁ − e₃)m₃ and (e₂ − e₁)(e₁ − e₃)m₁: ȧ and ċ are these times t s c and t s a.
     f1, f2, f3 : number
-        ½e₁, ½e₂(e₁ − e₃), ½e₃.
+        Factors of the quaternion's equations: ½e₁, ½e₂(e₁ − e₃), ½e₃.
     m1, m3 : number
+        n₁² and n₃² where n₂ = 0.
     """
 
     a_rate: Number
@@ -66,20 +72,20 @@ class Invariants(Generic[Number]):
 
 
 def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series[Number], Series[Number]]:
-    """The series of α and β for a step x in units of the frame.
+    """The series of α and β for a step h, in the unit of time of `ScaledMotion`.
 
     Parameters
     ----------
     motion : Invariants
     terms : int
-        Half the order.
+        Number of coefficients of β: half the order of the method.
 
     Returns
     -------
     alpha : list of ``terms`` − 1 numbers
-        α = x³ (alpha[0] + alpha[1] x² + …).
+        α = h³ (alpha[0] + alpha[1] h² + …).
     beta : list of ``terms`` numbers
-        β = x (beta[0] + beta[1] x² + …).
+        β = h (beta[0] + beta[1] h² + …).
     """
     a, c, s, x, y, z, w = _half_step(motion, terms)
     m1, m3 = motion.m1, motion.m3

@@ -1,8 +1,8 @@
-"""The restoration of the invariants that round-off has changed, in double-double.
+"""Projection of the state onto its invariants, which round-off has changed, in double-double.
 
 Invariants are the length of the momentum, the energy, the spatial momentum and the norm of the quaternion. Between two
-restorations they go wrong by some 1e-17, so that one Newton step, projecting the state onto them, is enough (E. Hairer,
-C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., sec. IV.4). What cannot be restored is where on its
+projections they go wrong by some 1e-17, so that one Newton step is enough (E. Hairer, C. Lubich, G. Wanner, Geometric
+Numerical Integration, 2nd ed., sec. IV.4). What cannot be restored is where on its
 orbit the momentum is, and the angle of the body about the spatial momentum: round-off makes these two, and nothing
 else, a random walk.
 """
@@ -18,12 +18,12 @@ from lie_rigid_body.motion.moser_veselov.layout import DIFFERENCES, ENERGY, M1, 
 from lie_rigid_body.motion.moser_veselov.step import increased
 
 SMALLEST: Final = 1e-250
-"""The square of the energy's gradient from which on the energy is restored; that of a steady rotation is 0."""
+"""Smallest squared gradient of the energy at which the energy is restored; that of a steady rotation is 0."""
 
 
 @kernel
 def restored_momentum(n: Three, constants: Any) -> Three:
-    """The nearest momentum of unit length and of the energy of the start.
+    """The momentum projected onto unit length and the energy of the start.
 
     The energy is counted from that of a spin about the axis k nearest to the momentum, 2H − eₖ = Σ (eⱼ − eₖ) nⱼ². So
     nothing cancels in it, however near that is, and however near the start to the separatrix.
@@ -49,7 +49,7 @@ def restored_momentum(n: Three, constants: Any) -> Three:
 def from_nearest_axis(
     a: Number, b: Number, c: Number, constants: Any
 ) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]:
-    """The differences eⱼ − eₖ for each j, and 2H − eₖ of the start, k being the axis of the largest of the squares."""
+    """The differences eⱼ − eₖ for j = 1, 2, 3, and 2H − eₖ of the start, where k is the axis with the largest nₖ²."""
     e12, e13, e23 = three(constants, DIFFERENCES)
     if a >= b and a >= c:
         # 2H − e₁ = −(e₁ − e₃) m₃, and 2H − e₃ = (e₁ − e₃) m₁
@@ -84,7 +84,7 @@ def restored_attitude(q: Four, n: Three, world: Three) -> Four:
 
 @kernel
 def unit(q: Four) -> Four:
-    """A quaternion brought to unit norm by one Newton step."""
+    """The quaternion, scaled to unit norm by one Newton step."""
     x, y, z, w = q
     square = add(add(multiply(x, x), multiply(y, y)), add(multiply(z, z), multiply(w, w)))
     # 1/|q| − 1 = −½(|q|² − 1) + O((|q|² − 1)²)

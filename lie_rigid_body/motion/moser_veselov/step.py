@@ -59,10 +59,10 @@ from lie_rigid_body.motion.moser_veselov.layout import (
 )
 
 NEWTON_STEPS: Final = 6
-"""From the order-2 guess at a turn of ¼ rad, to the last bit of a double."""
+"""Newton iterations needed from the order-2 initial guess, for steps up to ¼ rad, to double precision."""
 
 CONVERGED: Final = 1e-9
-"""A relative correction whose square is below round-off."""
+"""Largest relative correction after which the iteration ends: its square is below round-off."""
 
 
 @kernel

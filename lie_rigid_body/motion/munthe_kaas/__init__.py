@@ -1,6 +1,6 @@
 """The Runge–Kutta–Munthe-Kaas steppers ``rkmk1``, ``rkmk2`` and ``rkmk4``: Runge–Kutta steps in the moving chart.
 
-A table of contents
+Modules:
 
 - `tableau`: the coefficients of the methods, which check themselves;
 - `loop`: the steps in plain numbers, run compiled or not;

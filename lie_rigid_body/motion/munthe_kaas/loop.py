@@ -1,4 +1,4 @@
-"""Runge–Kutta–Munthe-Kaas steps of a rotating body, written out in plain numbers.
+"""Runge–Kutta–Munthe-Kaas steps along Euler's equations and the equation of the chart, in plain numbers.
 
 The attitude is a unit quaternion A₀, the chart about it A₀ exp(hat(β)). A step of length h starts at β = 0, takes β
 and the body momentum π by a Runge–Kutta method along
