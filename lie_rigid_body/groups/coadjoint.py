@@ -14,14 +14,14 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
 INVARIANCE_TOLERANCE: Final = 1e-9
-"""Largest deviation of the trace metric from invariance, relative to the structure constants, that is round-off."""
+"""Largest violation of invariance still taken for round-off, relative to the structure constants."""
 
 
 def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Array:
     """The coadjoint action ad*_ω p, with components ωᶜ f[c,a,d] p_d: ⟨ad*_ω p, η⟩ = ⟨p, [ω, η]⟩ for every η.
 
-    On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p, which is eq. (21) (Marsden & Ratiu, *Introduction to Mechanics
-    and Symmetry*, on the Euler–Poincaré equations, left-invariant case).
+    On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p, which is eq. (21), on SO(3) Euler's equations (Marsden & Ratiu,
+    *Introduction to Mechanics and Symmetry*, on the Euler–Poincaré equations, left-invariant case).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The moving chart on any matrix Lie group: Runge–Kutta steps in a chart that is re-centred after each step."""
+"""Runge–Kutta–Munthe-Kaas integration of free motion on a matrix Lie group (the moving chart)."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
 GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The steppers of every group, by their public names."""
 
-STEPS_BETWEEN_RESTORATIONS: Final = 100
-"""Steps after which the element is projected back: it leaves the group by round-off alone, and projection is costly."""
+STEPS_BETWEEN_PROJECTIONS: Final = 100
+"""Steps between two projections onto the group; between them only round-off moves the element off it."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class GroupMovingChart:
     lagrangian : Lagrangian
         The group and its metric M.
     start : GroupState
-        Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that is not
-        ruled out; see `MatrixLieGroup.from_generators`.
+        Of one instant, shapes (n, n) and (d,). On a group from generators the element may be any matrix that passes
+        the checks listed in `MatrixLieGroup.from_generators`.
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2`` or ``rkmk4`` (default).
     max_step : float, optional
@@ -148,7 +148,7 @@ class GroupMovingChart:
         # the element just reached becomes the centre of the next chart
         self._element, self._momentum = self._chart.recentred(self._element, end[:d]), end[d:]
         self._steps += 1
-        if self._steps % STEPS_BETWEEN_RESTORATIONS == 0:
+        if self._steps % STEPS_BETWEEN_PROJECTIONS == 0:
             self._element = self._lagrangian.group.restored(self._element)
 
     def _end(self, h: float) -> Point:

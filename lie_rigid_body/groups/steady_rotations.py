@@ -59,7 +59,10 @@ class SteadyRotation:
 
     @property
     def growth_rate(self) -> float:
-        """Largest real part λ of an eigenvalue, 1/s: a disturbance grows like exp(λt). Round-off, unless unstable."""
+        """Largest real part λ of an eigenvalue, 1/s: a disturbance grows like exp(λt).
+
+        Zero to round-off unless the rotation is unstable.
+        """
         return float(self.eigenvalues.real.max(initial=0.0))
 
     @property
@@ -104,7 +107,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
 
     Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
 
-    The verdict depends on one resolution ε: round-off, or the unsteadiness of the given rate if that is larger.
+    The verdict depends on one relative tolerance ε: round-off, or the unsteadiness of the given rate if that is larger.
     Curvatures of the energy on the orbit within ε of their terms count as 0. Eigenvalues within √ε count as equal, as
     a double eigenvalue splits by that much. An indefinite curvature with an odd number of negative directions is
     unstable however slow the growth; on SO(3), whose orbits have two dimensions, the signs of the curvature decide.

@@ -1,4 +1,4 @@
-"""Rotation vectors: the Lie algebra of SO(3) in coordinates, and the Jacobians of its exponential.
+"""The hat and vee maps of so(3), and the left and right Jacobians of the exponential of rotation vectors.
 
 Conventions
 -----------
@@ -117,7 +117,7 @@ def matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
 
 
 def left_jacobian(v: ArrayLike) -> Array:
-    """J with d/dt exp(v) = hat(J v̇) exp(v), the ``dexp`` of SO(3) (Iserles et al., app. B).
+    """The left Jacobian J_l(v), ``dexp`` of SO(3): d/dt exp(hat v) = hat(J_l v̇) exp(hat v) (Iserles et al., app. B).
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def left_jacobian(v: ArrayLike) -> Array:
 
 
 def right_jacobian(v: ArrayLike) -> Array:
-    """J with d/dt exp(v) = exp(v) hat(J v̇); equals ``left_jacobian(-v)``.
+    """The right Jacobian J_r(v): d/dt exp(hat v) = exp(hat v) hat(J_r v̇); equals ``left_jacobian(-v)``.
 
     Parameters
     ----------
@@ -149,7 +149,9 @@ def right_jacobian(v: ArrayLike) -> Array:
 
 
 def left_jacobian_inverse(v: ArrayLike) -> Array:
-    """Inverse of `left_jacobian`, ``dexpinv``: the rate of the chart coordinates (Iserles et al., app. B).
+    """The inverse J_l⁻¹(v) of `left_jacobian`, ``dexpinv`` (Iserles et al., app. B).
+
+    It maps the angular velocity in the world frame to v̇.
 
     Parameters
     ----------
@@ -166,7 +168,9 @@ def left_jacobian_inverse(v: ArrayLike) -> Array:
 
 
 def right_jacobian_inverse(v: ArrayLike) -> Array:
-    """Inverse of `right_jacobian`; equals ``left_jacobian_inverse(-v)``.
+    """The inverse J_r⁻¹(v) of `right_jacobian`; equals ``left_jacobian_inverse(-v)``.
+
+    It maps the angular velocity in the body frame to v̇.
 
     Parameters
     ----------

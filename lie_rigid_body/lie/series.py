@@ -1,9 +1,9 @@
 """Scalar coefficient functions of the exponential of SO(3) and its Jacobians, with their small-angle series.
 
-Each function takes the rotation angle θ ≥ 0 and is accurate to a few units in the last place on all of [0, 2π).
-Where the textbook form cancels, a power series in θ² with exactly rounded coefficients replaces it
-below ``SERIES_LIMIT``; the series are entire (or have radius 2π), so the limit can lie far from 0 where
-the closed form is already well conditioned.
+The functions of the rotation angle θ ≥ 0 are accurate to a few units in the last place on all of [0, 2π). Where the
+textbook form of `dexp_quadratic` or `dexpinv_quadratic` cancels, a power series in θ² with exactly rounded coefficients
+replaces it below ``SERIES_LIMIT``. One series is entire, the other has radius 2π, so the limit can lie far from 0,
+where the closed form is already well conditioned.
 """
 
 from __future__ import annotations
@@ -53,19 +53,19 @@ def half_angle_sine_ratio(theta: Array) -> Array:
 
 
 def sine_ratio(theta: Array) -> Array:
-    """Sin θ/θ, with its limit 1 at 0."""
+    """The ratio sin θ/θ, with its limit 1 at 0."""
     safe = np.where(theta == 0.0, 1.0, theta)
     return np.where(theta == 0.0, 1.0, np.sin(safe) / safe)
 
 
 def versine_ratio(theta: Array, squared: Array) -> Array:
-    """(1 − cos θ)/θ² = 2 sin²(θ/2)/θ², with its limit ½ at 0, for a θ² given more accurately than θ is."""
+    """The function of `dexp_linear`, (1 − cos θ)/θ², for callers that have θ² more accurately than θ."""
     tiny = squared < SMALLEST_SQUARE
     return np.where(tiny, 0.5, 2.0 * np.sin(0.5 * theta) ** 2 / np.where(tiny, 1.0, squared))
 
 
 def dexp_linear(theta: Array) -> Array:
-    """(1 − cos θ)/θ² = 2 (sin(θ/2)/θ)², free of cancellation."""
+    """The coefficient (1 − cos θ)/θ² = 2 (sin(θ/2)/θ)², with its limit ½ at 0; see also `versine_ratio`."""
     ratio = half_angle_sine_ratio(theta)
     return 2.0 * ratio * ratio
 
