@@ -1,4 +1,4 @@
-"""Fits of an estimate to the truth: what convention, constant turn and shift of time lie between them.
+"""Fits of an estimate to the truth: the convention, the constant rotations and the time lag between them.
 
 The model is
 

@@ -1,11 +1,11 @@
-"""Why an estimate is off: conventions, constant turns and a shift of time, named where they explain the error.
+"""Why an estimate is off: conventions, constant rotations (heading, mounting) and a time lag that explain the error.
 
 Each combination of causes is fitted to the run and judged by the median of the angles that it leaves. A cause is named
 only if it at least halves that median, given the other causes that are named; of combinations that leave about the
 same, the one with fewer and simpler causes is taken. The median is used so that the convergence of a filter counts
 little. A cause with a fitted constant must also be constant: fitted to three quarters of the run, it must halve the
-median of the fourth, whichever that is. Drifts fail that, and so do 97 of 100 random walks. A median below `NEGLIGIBLE`
-is not explained at all.
+median of the fourth, for each choice of the fourth; only the first quarter is excused, where a filter still converges.
+Drifts fail that, and so do 97 of 100 random walks. A median below `NEGLIGIBLE` is not explained at all.
 """
 
 from __future__ import annotations
@@ -31,21 +31,26 @@ from lie_rigid_body.evaluation.alignment import (
 from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
-"""A median error below this, rad, needs no explanation, and no cause makes it smaller."""
+"""Medians below this, rad, count as this, and need no explanation."""
 
 FEWEST_SAMPLES: Final = 12
-"""From fewer samples nothing is concluded."""
+"""Smallest number of samples from which a cause is named or a lag given."""
 
-SAMPLES: Final = 400
+FIT_SAMPLES: Final = 400
+"""Largest number of samples that explanations are fitted to."""
+
 LAG_SAMPLES: Final = 20_000
-WORSE: Final = 0.25
-"""A convention whose best point of the grid costs so much more than the best one's is not fitted."""
+"""Largest number of samples that the lag is fitted to."""
 
-SAME: Final = 1.25
-"""Explanations whose medians differ by a smaller factor are as good as each other."""
+PRUNING_MARGIN: Final = 0.25
+"""Margin above the grid's lowest cost, a mean sine of half angles, beyond which a convention is not fitted."""
 
-FREE: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
-ALL: Final = FREE[-1]
+TIE_FACTOR: Final = 1.25
+"""Ratio of two medians, up to which their explanations are as good as each other."""
+
+CONSTANT_SUBSETS: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
+"""The sets of constants that may be fitted, from none to all."""
+ALL_CONSTANTS: Final = CONSTANT_SUBSETS[-1]
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ class Explanation:
 
     @property
     def cost(self) -> float:
-        """Number of halvings of the median that it must have earned; the lowest cost explains best."""
+        """Score to minimise: number of causes + simplicity penalty + log₂ of the median angle, rad."""
         simplicity = 0.05 * len(columns(self.free)) + 0.02 * self.convention.frd_body
         return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
 
@@ -103,7 +108,7 @@ class Diagnosis:
     explanation : Explanation
     tried : tuple of Explanation
     lag_s : float or None
-        The shift of time that explains most of the error, beside the misalignment; positive if the estimate is late.
+        The time lag that explains most of the error, beside the misalignment; positive if the estimate is late.
         None if the motion does not tell it.
     """
 
@@ -112,14 +117,14 @@ class Diagnosis:
     lag_s: float | None
 
     def instead_of(self, cause: str) -> tuple[str, ...]:
-        """Other causes that would explain as much in the place of one."""
+        """Causes that, put in place of the given one, leave about the same median."""
         best = self.explanation
         rest = set(best.causes) - {cause}
         found: dict[str, Explanation] = {}
         for other in self.tried:
             new = set(other.causes) - rest - {cause}
             swapped = rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes)
-            if swapped and max(other.median, NEGLIGIBLE) <= SAME * max(best.median, NEGLIGIBLE):
+            if swapped and max(other.median, NEGLIGIBLE) <= TIE_FACTOR * max(best.median, NEGLIGIBLE):
                 found[new.pop()] = other
         return tuple(found)
 
@@ -136,7 +141,7 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     -------
     Diagnosis
     """
-    few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
+    few = comparison.part(spread(len(comparison.stamps_ns), FIT_SAMPLES))
     plain = Explanation(Convention(), frozenset(), Misalignment(), _median(few, Convention(), Misalignment()))
     tried: tuple[Explanation, ...] = (plain,)
     if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
@@ -148,17 +153,17 @@ def diagnose(comparison: Comparison) -> Diagnosis:
 def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
     """The explanations that may be the best, or as good."""
     grid = Grid.of(comparison)
-    points = {convention: grid.best(convention, ALL) for convention in CONVENTIONS}
-    limit = min(cost for cost, _ in points.values()) + WORSE
+    points = {convention: grid.best(convention, ALL_CONSTANTS) for convention in CONVENTIONS}
+    limit = min(cost for cost, _ in points.values()) + PRUNING_MARGIN
     near = [convention for convention in CONVENTIONS if points[convention][0] <= limit]
-    full = [explain(comparison, convention, ALL, points[convention][1]) for convention in near]
+    full = [explain(comparison, convention, ALL_CONSTANTS, points[convention][1]) for convention in near]
     lowest = min([plain, *full], key=lambda e: e.cost).cost
     yield plain
     yield from full
     for most in sorted(full, key=lambda e: e.median):
-        for free in FREE[:-1]:
+        for free in CONSTANT_SUBSETS[:-1]:
             # fewer constants cannot explain more, up to the difference between a median and what is minimised
-            if replace(most, free=free, median=most.median / SAME).cost < lowest + 0.5:
+            if replace(most, free=free, median=most.median / TIE_FACTOR).cost < lowest + 0.5:
                 found = explain(comparison, most.convention, free, grid.best(most.convention, free)[1])
                 lowest = min(lowest, found.cost)
                 yield found
@@ -200,7 +205,7 @@ def _lag(comparison: Comparison, explanation: Explanation) -> float | None:
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
     if len(ours.stamps_ns) < FEWEST_SAMPLES:
         return None
-    for free in (ALL, explanation.free | {LAG}):
+    for free in (ALL_CONSTANTS, explanation.free | {LAG}):
         if separable(ours, free, explanation.misalignment) or free == explanation.free:
             return fit(ours, free, explanation.misalignment).lag_s
     return None

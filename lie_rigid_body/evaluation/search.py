@@ -20,12 +20,15 @@ CONVENTIONS: Final = tuple(
 """Every convention that an estimate is tried in; the first is that of this package."""
 
 HEADINGS: Final = np.linspace(-np.pi, np.pi, 18, endpoint=False)
+"""Heading offsets of the grid, rad."""
 LAG_TURN: Final = 0.5
 """Turn of the body from one lag of the grid to the next, rad: a fit converges from half of that."""
 MOST_LAGS: Final = 61
-UNTURNED: Final = np.array([0.0, 0.0, 0.0, 1.0])
-SAMPLES: Final = 120
-"""How many samples a point of the grid is judged by."""
+"""Largest number of lags on the grid."""
+IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
+"""The quaternion of no rotation, scalar last."""
+GRID_SAMPLES: Final = 120
+"""Largest number of samples by which a point of the grid is judged."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class Grid:
     @classmethod
     def of(cls, comparison: Comparison) -> Grid:
         """For the lags that a comparison allows, no farther apart than the motion asks for."""
-        few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
+        few = comparison.part(spread(len(comparison.stamps_ns), GRID_SAMPLES))
         rate = few.true_states(0.0)[1]
         fastest = float(np.sqrt(np.max(np.sum(rate**2, axis=-1))))
         half = min(max(int(np.ceil(few.longest_lag_s * fastest / LAG_TURN)), 1), MOST_LAGS // 2)
@@ -80,7 +83,7 @@ class Grid:
         turned = quaternion.multiply(back, convention.undo(self.estimate_xyzw))
         # (lags, headings, samples, 4): what is left on the body's axes
         left = quaternion.multiply(quaternion.conjugate(self.truth_xyzw[chosen])[:, np.newaxis], turned)
-        mounting = _mean(left) if MOUNTING in free else np.broadcast_to(UNTURNED, (*left.shape[:2], 4))
+        mounting = _mean(left) if MOUNTING in free else np.broadcast_to(IDENTITY, (*left.shape[:2], 4))
         cosine = np.einsum("lhna,lha->lhn", left, mounting)
         cost = np.mean(np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), axis=-1)
         i, j = np.unravel_index(np.argmin(cost), cost.shape)
