@@ -1,6 +1,6 @@
 """The arithmetic that both motions share, as they share IEEE 754: no formula of a motion is here.
 
-A table of contents
+Modules:
 
 - `double_double`: sums, products, quotients and roots to 32 digits;
 - `elementary`: sine, cosine, exponential and arctangent of one set of bits on floats, on arrays and compiled;

@@ -1,4 +1,4 @@
-"""``record``: a scenario into a bag, without ROS."""
+"""The ``record`` command: simulate a scenario and write it to an MCAP bag, without ROS."""
 
 from __future__ import annotations
 
@@ -29,10 +29,13 @@ BYTES_PER_SAMPLE: Final = 105
 BYTES_PER_READING: Final = 130
 """Bytes of a reading in a bag, compressed: a little more than an IMU with noise takes, its bias included."""
 LARGEST_DURATION: Final = 10**10
-"""s; more is beyond every stamp of builtin_interfaces/Time."""
+"""Longest duration, s: more is beyond every stamp of builtin_interfaces/Time."""
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
+"""Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
 _LARGEST_BATCH: Final = 1024
+"""Largest number of samples computed and written at once."""
 _STEPS_PER_BATCH: Final = 10_000
+"""Number of steps of the moving chart that a batch may take, if it holds more than one sample."""
 
 
 @console.run

@@ -6,9 +6,11 @@ first long piece of work comes, never before. Compiled code is kept in the user'
 changes with the source.
 
 Compiling takes some ten seconds, in which Python would notice no signal. So another process does it, while the work
-goes on in Python. A table of contents
+goes on in Python.
 
-- `kernels`: the mark of functions that compiled code calls;
+Modules:
+
+- `kernels`: the decorator of functions called from compiled code;
 - `cache`: the folder of compiled code;
 - `compiler`: the process that compiles;
 - `work`: a function that runs compiled as soon as that pays;

@@ -1,4 +1,4 @@
-"""The mark of functions that compiled code calls."""
+"""The decorators `kernel` and `kernel_of` for functions called from code that numba compiles."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
 
 
 def kernel(function: Function) -> Function:
-    """Mark a function of numbers that compiled code calls. The function itself is not changed."""
+    """Let compiled code call a function of numbers. The function itself is not changed."""
     return kernel_of(function)(function)
 
 
 def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
-    """Mark a function in whose place compiled code calls another one, which gives the same bits."""
+    """Let compiled code call another function, which gives the same bits, in place of the decorated one."""
 
     def mark(function: Function) -> Function:
         _WAITING.append((function, compiled))

@@ -21,9 +21,9 @@ from lie_rigid_body.errors import InputError
 
 _RCL: Final = "rcl"
 LONGEST_JOIN: Final = 0.5
-"""s to wait for the background thread at the end."""
+"""Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
-"""Some may wait for long steps while the others answer."""
+"""Number of executor threads, so that services answer while some wait for long steps."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The magnetometer: the world's magnetic field, on the body's axes."""
+"""Model of a magnetometer: readings of the world's magnetic field in the body frame, with iron errors, noise, range."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
 
 STRONGEST_FIELD_T: Final = 1e3
+"""Largest magnitude of a component of the field or of the hard iron, T."""
 LARGEST_SOFT_IRON: Final = 1e6
+"""Largest magnitude of an entry of the soft-iron matrix."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class MagnetometerModel:
     frame : str
         Name of the sensor's frame.
     seed : int
+        Of the noise.
     field : tuple of float, length 3
         B, in the world frame, T.
     noise_density : float
@@ -61,11 +64,12 @@ class MagnetometerModel:
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> MagnetometerModel:
-        """The model of the parameters' values, validated.
+        """Build the model from parameter values.
 
         Raises
         ------
         ParameterError
+            If a value is invalid.
         """
         number = {key: cast(float, values[f"magnetometer_{key}"]) for key in _NUMBERS}
         converter = Converter(number["resolution"], number["range"])
@@ -105,7 +109,7 @@ class Magnetometer:
         )
 
     def measure(self, states: State) -> Array:
-        """The next readings.
+        """One reading for each state; advances the noise.
 
         Parameters
         ----------
@@ -115,7 +119,7 @@ class Magnetometer:
         Returns
         -------
         ndarray, shape (N, 3)
-            On the sensor's axes, T.
+            T, on the body axes, which are the sensor's.
         """
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._field)
         distorted = apply_tensor(self._soft_iron, field) + self._hard_iron

@@ -1,4 +1,4 @@
-"""Range and resolution of a sensor: its last stage."""
+"""Saturation and quantisation of readings: the last stage of a sensor."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The simulation of a scenario: samples at integer-nanosecond stamps.
 
-A table of contents
+Modules:
 
 - `sample_clock`: the stamps of samples, by their numbers;
 - `samples`: states and readings at their stamps;

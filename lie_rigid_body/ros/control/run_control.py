@@ -32,7 +32,7 @@ class RunControl:
 
     @property
     def state(self) -> RunState:
-        """Whether simulated time passes."""
+        """The run state: stopped, playing or paused."""
         return self._run.state
 
     @property

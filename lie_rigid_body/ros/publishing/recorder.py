@@ -11,9 +11,10 @@ from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 FLUSH_INTERVAL_NS: Final = 500_000_000
-"""A crash may cost one second of samples; half of it is left for what a busy machine does late."""
+"""Steady time between two flushes of the bag, ns: a crash may cost one second of samples, and half of it is left for
+what a busy machine does late."""
 MANY_STEPS: Final = 20_000
-"""Steps of the moving chart that take some tenths of a second, during which the recorder has no tick."""
+"""Steps between two samples from which on each sample is flushed: they take some tenths of a second, without a tick."""
 
 
 class Recorder(Sink):

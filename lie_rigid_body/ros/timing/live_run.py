@@ -25,11 +25,11 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 
 STEPS_PER_BATCH: Final = 2000
-"""The most steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
+"""Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
 SHORTEST_WAIT_NS: Final = 1_000_000
-"""Samples of a rate above 1 kHz go out in batches, one each millisecond."""
+"""Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 LONGEST_WAIT_NS: Final = 3600 * NS
-"""Some waits of the operating system cannot be longer than a few weeks."""
+"""Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
 class RunState(Enum):
@@ -89,7 +89,7 @@ class LiveRun:
 
     @property
     def state(self) -> RunState:
-        """Whether simulated time passes."""
+        """The run state: stopped, playing or paused."""
         return self._state
 
     @property
