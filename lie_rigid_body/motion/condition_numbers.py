@@ -38,15 +38,15 @@ class ConditionNumbers:
     rate_of_momentum: float = 1.0
 
     @classmethod
-    def of(cls, body: RigidBody, states: State, fastest: float) -> ConditionNumbers:
-        """The largest along the states of a motion whose body rate is bounded by ``fastest``, rad/s."""
+    def of(cls, body: RigidBody, states: State, rate_bound: float) -> ConditionNumbers:
+        """The largest along the states of a motion whose body rate is bounded by ``rate_bound``, rad/s."""
         rates, momenta = states.body_rate, body.body_momentum(states)
         speeds, sizes = so3.norm(rates), so3.norm(momenta)
         twice_energy = 2.0 * body.kinetic_energy(states)
-        if fastest == 0.0 or twice_energy.min() == 0.0:
+        if rate_bound == 0.0 or twice_energy.min() == 0.0:
             return cls()
         smallest, _, largest = (float(moment) for moment in body.principal_moments)
-        by_rate = _largest(sizes / (smallest * fastest))
+        by_rate = _largest(sizes / (smallest * rate_bound))
         by_energy = _largest(speeds * sizes / twice_energy)
         if np.count_nonzero(body.inertia) <= len(body.inertia):
             return cls(energy_of_momentum=by_energy, rate_of_momentum=by_rate)

@@ -87,22 +87,22 @@ class MoserVeselovDrift:
 
     Parameters
     ----------
-    fastest, step : float
+    rate_bound, step : float
         Ω, rad/s, and h, s.
     truncation : float
         Turn that a step lacks, rad.
     growth : float
-        Largest growth factor of a rounding error before the energy is restored.
+        Largest growth factor of a rounding error until the next projection onto the energy.
     """
 
-    fastest: float
+    rate_bound: float
     step: float
     truncation: float
     growth: float
 
     @classmethod
     def of(
-        cls, body: RigidBody, start: State, stepper: Method, fastest: float, period: float, max_step: float
+        cls, body: RigidBody, start: State, stepper: Method, rate_bound: float, period: float, max_step: float
     ) -> MoserVeselovDrift:
         """The drift of a motion sampled every ``period`` seconds, by the series of its preprocessed inertia."""
         with working_precision(DIGITS):
@@ -118,11 +118,11 @@ class MoserVeselovDrift:
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
-            return cls(fastest, step, 2.0 * implicit * missing, _growth(frame, step))
+            return cls(rate_bound, step, 2.0 * implicit * missing, _growth(frame, step))
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error at time t, as a rotation angle, rad."""
-        way = self.fastest * self.step * self.fastest * t
+        way = self.rate_bound * self.step * self.rate_bound * t
         round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + BIAS * way)
         return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
@@ -136,7 +136,7 @@ class MoserVeselovDrift:
 
 
 def _growth(frame: ScaledMotion, step: float) -> float:
-    """Largest growth factor of a rounding error before the energy is restored: exp(λt) near the intermediate axis."""
+    """Largest growth factor of a rounding error until the next projection: exp(λt) near the intermediate axis."""
     e1, e2, e3 = frame.inverse_moments
     squared = float((e1 - e2) * (e2 - e3))
     if squared <= 0.0:
@@ -154,7 +154,7 @@ class MuntheKaasDrift:
 
     Parameters
     ----------
-    fastest, step : float
+    rate_bound, step : float
         Ω, rad/s, and h, s.
     error : StepError
         Truncation for each radian turned.
@@ -164,7 +164,7 @@ class MuntheKaasDrift:
         each unit of that change.
     """
 
-    fastest: float
+    rate_bound: float
     step: float
     error: StepError
     conditions: ConditionNumbers
@@ -172,21 +172,21 @@ class MuntheKaasDrift:
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error, as a rotation angle, rad, with the rounding of stamps to seconds, uΘ."""
-        direct = self._rounding(t) + (self.error.attitude + U) * self.fastest * t
+        direct = self._rounding(t) + (self.error.attitude + U) * self.rate_bound * t
         return np.asarray(direct + self.gain(t) * self.rate(t))
 
     def rate(self, t: Array) -> Array:
         """Bound of the body-rate error, divided by Ω."""
-        return np.asarray(self.conditions.rate_of_momentum * self._rounding(t) + self.error.rate * self.fastest * t)
+        return np.asarray(self.conditions.rate_of_momentum * self._rounding(t) + self.error.rate * self.rate_bound * t)
 
     def momentum(self, t: Array) -> Array:
         """Bound of the error of the spatial momentum, relative to its norm."""
-        return np.asarray(2.0 * self._rounding(t) + self.error.momentum * self.fastest * t)
+        return np.asarray(2.0 * self._rounding(t) + self.error.momentum * self.rate_bound * t)
 
     def energy(self, t: Array) -> Array:
         """Bound of the error of the kinetic energy, relative."""
         rounding = 2.0 * self.conditions.energy_of_momentum * self._rounding(t)
-        return np.asarray(rounding + self.error.energy * self.fastest * t)
+        return np.asarray(rounding + self.error.energy * self.rate_bound * t)
 
     def _rounding(self, t: Array) -> Array:
         """Sum of the roundings, relative: those of a slow body repeat from step to step and add up linearly."""

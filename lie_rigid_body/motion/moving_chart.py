@@ -76,9 +76,11 @@ METHODS: Final = {
 
 DEFAULT_METHOD: Final = "dmv20"
 DEFAULT_MAX_STEP: Final = 0.001
+"""Default of the largest step, s."""
 
 _NEEDS: Final = WorkingMemory(body=1536, time=8, sample=320)
-"""Bytes; measured are 1400 for each body, whose new state is kept beside the old one, and 250 for each sample."""
+"""Working memory, bytes. Measured are 1400 for each body, whose new state is kept beside the old one, and 250 for each
+sample."""
 
 
 class MovingChart:

@@ -51,7 +51,7 @@ class StepError:
 
 
 def step_error(
-    body: RigidBody, states: State, stepper: Method, fastest: float, step: float, slenderness: float
+    body: RigidBody, states: State, stepper: Method, rate_bound: float, step: float, slenderness: float
 ) -> StepError:
     """The truncation errors of steps of a given length.
 
@@ -61,7 +61,7 @@ def step_error(
     states : State
         Along the motion, of shapes (N, 4) and (N, 3).
     stepper : Method
-    fastest : float
+    rate_bound : float
         Bound Ω of the body rate, rad/s.
     step : float
         h, s.
@@ -72,18 +72,18 @@ def step_error(
     -------
     StepError
     """
-    if fastest == 0.0:
+    if rate_bound == 0.0:
         return StepError()
-    probe = min(PROBE_TURN, max(fastest * step, PROBE_TURN / slenderness))
-    span_ns = round(min(1e9 * probe / fastest, LONGEST_SPAN_NS))
+    probe = min(PROBE_TURN, max(rate_bound * step, PROBE_TURN / slenderness))
+    span_ns = round(min(1e9 * probe / rate_bound, LONGEST_SPAN_NS))
     if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
-        worst = (fastest * step) ** stepper.order / math.factorial(stepper.order + 1)
+        worst = (rate_bound * step) ** stepper.order / math.factorial(stepper.order + 1)
         return StepError(worst, worst, 2.0 * worst, 2.0 * worst)
-    turn = fastest * 1e-9 * span_ns
+    turn = rate_bound * 1e-9 * span_ns
     found = _one_step(body, states, stepper.name, span_ns)
-    exact = flow(body, states, np.full(len(states), 1e-9 * span_ns), fastest)
-    scale = SAFETY * (fastest * step / turn) ** stepper.order / turn
-    return StepError(*(scale * error for error in _errors(body, found, exact, fastest)))
+    exact = flow(body, states, np.full(len(states), 1e-9 * span_ns), rate_bound)
+    scale = SAFETY * (rate_bound * step / turn) ** stepper.order / turn
+    return StepError(*(scale * error for error in _errors(body, found, exact, rate_bound)))
 
 
 def _one_step(body: RigidBody, states: State, method: str, span_ns: int) -> State:
@@ -94,13 +94,13 @@ def _one_step(body: RigidBody, states: State, method: str, span_ns: int) -> Stat
     return State.trusted(np.array([e.attitude_xyzw for e in ends]), np.array([e.body_rate for e in ends]))
 
 
-def _errors(body: RigidBody, found: State, exact: State, fastest: float) -> tuple[float, float, float, float]:
+def _errors(body: RigidBody, found: State, exact: State, rate_bound: float) -> tuple[float, float, float, float]:
     """The largest errors of attitude, rate, momentum and energy, in the units of `StepError`."""
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
     momentum, energy = body.angular_momentum(exact), body.kinetic_energy(exact)
     return (
         float(so3.norm(quaternion.log(turned)).max()),
-        float(so3.norm(found.body_rate - exact.body_rate).max()) / fastest,
+        float(so3.norm(found.body_rate - exact.body_rate).max()) / rate_bound,
         float((so3.norm(body.angular_momentum(found) - momentum) / so3.norm(momentum)).max()),
         float((np.abs(body.kinetic_energy(found) - energy) / energy).max()),
     )

@@ -33,7 +33,7 @@ _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
 
 
-def flow(body: RigidBody, states: State, spans: Array, fastest: float) -> State:
+def flow(body: RigidBody, states: State, spans: Array, rate_bound: float) -> State:
     """The states a time span later.
 
     Parameters
@@ -43,7 +43,7 @@ def flow(body: RigidBody, states: State, spans: Array, fastest: float) -> State:
         Of shapes (N, 4) and (N, 3).
     spans : ndarray, shape (N,)
         Time to go, s; not negative.
-    fastest : float
+    rate_bound : float
         Bound of the body rate, rad/s.
 
     Returns
@@ -51,7 +51,7 @@ def flow(body: RigidBody, states: State, spans: Array, fastest: float) -> State:
     State
         Attitudes on the continuous path from the given ones, so with the sign that continuity asks for.
     """
-    turn = fastest * float(np.max(spans, initial=0.0))
+    turn = rate_bound * float(np.max(spans, initial=0.0))
     substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
     terms = _terms(turn / substeps)
     attitude, momentum = states.attitude_xyzw.copy(), body.body_momentum(states)

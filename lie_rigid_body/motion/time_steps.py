@@ -24,24 +24,24 @@ _MOST_PER_NS: Final = 1e280
 """Largest number of steps in a nanosecond: more are as impossible, and would overflow."""
 
 
-def longest_step(max_step: float, largest_turn: float, fastest: float) -> float:
+def longest_step(max_step: float, largest_turn: float, rate_bound: float) -> float:
     """The longest step that a stepper takes.
 
     Parameters
     ----------
     max_step : float
-        What the caller allows, s.
+        Largest step that the caller allows, s.
     largest_turn : float
-        What the stepper allows the body to turn in one step, rad.
-    fastest : float
-        The largest body rate, rad/s.
+        Largest rotation angle that the stepper allows in one step, rad.
+    rate_bound : float
+        Bound of the body rate, rad/s.
 
     Returns
     -------
     float
         s
     """
-    return min(max_step, largest_turn / fastest) if fastest else max_step
+    return min(max_step, largest_turn / rate_bound) if rate_bound else max_step
 
 
 def steps_between(period_s: float, max_step: float) -> int:

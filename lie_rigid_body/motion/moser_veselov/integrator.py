@@ -17,7 +17,7 @@ from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, Principa
 from lie_rigid_body.motion.time_steps import longest_step
 
 LARGEST_TURN: Final = 0.25
-"""rad: steps are no longer than the time of this turn, where the series of the highest order end in round-off."""
+"""Largest rotation angle in a step, rad: there the series of the highest order end in round-off."""
 
 
 class MoserVeselovIntegrator:

@@ -26,7 +26,7 @@ ATTITUDE: Final = MOMENTUM + 6
 """x, y, z, w: the quaternion that takes vectors of the frame to the world's."""
 
 SINCE_RESTORATION: Final = ATTITUDE + 8
-"""One float: the steps since the invariants were restored, long ones counted as more than one."""
+"""One float: the steps since the last projection onto the invariants, long ones counted as more than one."""
 
 STEP_LENGTH: Final = SINCE_RESTORATION + 1
 """x: the length of the latest step, −1 before the first. A step as long as the one before needs no new constants."""

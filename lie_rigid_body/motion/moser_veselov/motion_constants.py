@@ -32,8 +32,11 @@ from lie_rigid_body.motion.moser_veselov.principal_frame import ScaledMotion
 LaterTerms: TypeAlias = tuple[list[float], list[float]]
 
 _NANOSECOND: Final = Decimal("1e-9")
+"""A nanosecond in seconds."""
 _EXACT_TERMS: Final = 3
+"""Number of coefficients of β computed in decimals; the later ones are doubles."""
 _FEWEST_TERMS: Final = 2
+"""Smallest number of coefficients that the kernels read; missing ones are 0."""
 
 
 def motion_constants(motions: Sequence[ScaledMotion], order: int) -> list[list[float]]:

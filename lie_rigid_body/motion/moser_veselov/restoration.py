@@ -2,9 +2,9 @@
 
 Invariants are the length of the momentum, the energy, the spatial momentum and the norm of the quaternion. Between two
 projections they go wrong by some 1e-17, so that one Newton step is enough (E. Hairer, C. Lubich, G. Wanner, Geometric
-Numerical Integration, 2nd ed., sec. IV.4). What cannot be restored is where on its
-orbit the momentum is, and the angle of the body about the spatial momentum: round-off makes these two, and nothing
-else, a random walk.
+Numerical Integration, 2nd ed., sec. IV.4). What a projection cannot undo is an error of the place of the momentum on
+its orbit, and of the angle of the body about the spatial momentum: round-off makes these two, and nothing else, a
+random walk.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lie_rigid_body.motion.moser_veselov.layout import DIFFERENCES, ENERGY, M1, 
 from lie_rigid_body.motion.moser_veselov.step import increased
 
 SMALLEST: Final = 1e-250
-"""Smallest squared gradient of the energy at which the energy is restored; that of a steady rotation is 0."""
+"""Smallest squared gradient of the energy at which the energy is corrected; that of a steady rotation is 0."""
 
 
 @kernel

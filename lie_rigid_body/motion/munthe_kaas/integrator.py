@@ -15,10 +15,10 @@ from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STA
 from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
 LARGEST_TURN: Final = math.pi
-"""rad: farther from its centre the chart is not one to one."""
+"""Largest rotation angle in a step, rad: farther from its centre the chart is not one to one."""
 
 GOOD_TURN: Final = 0.01
-"""rad: the turn of a step that is short enough for a small error, which a refusal advises."""
+"""Rotation angle of the step that a refusal advises, rad: short enough for a small error."""
 
 
 class MuntheKaasIntegrator:
