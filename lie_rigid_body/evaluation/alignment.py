@@ -23,8 +23,10 @@ from lie_rigid_body.lie import quaternion
 HEADING: Final = "heading_offset"
 MOUNTING: Final = "body_mounting"
 LAG: Final = "lag"
+"""Names of the constants that a fit may determine."""
 
 UP: Final = np.array([0.0, 0.0, 1.0])
+"""The world's z axis."""
 ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
 """x and y change places and z its sign: half a turn about (1, 1, 0), its own inverse."""
 FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])

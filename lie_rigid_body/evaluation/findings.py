@@ -15,6 +15,7 @@ from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 
 FITTED = 2000
+"""Largest number of samples that the numbers in a finding are fitted to."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from lie_rigid_body.evaluation.statistics import rms
 
 ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
+"""Units of a limit, in degrees and in seconds."""
 NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
 
 

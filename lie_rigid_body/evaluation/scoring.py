@@ -21,6 +21,7 @@ from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, set
 from lie_rigid_body.evaluation.truth import Truth
 
 LONGEST_LAG_S: Final = 1.0
+"""Default of the largest lag looked for, s, either way."""
 ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
 

@@ -146,3 +146,4 @@ def geodesic(start: Array, end: Array, fraction: Array) -> Array:
 
 
 DIFFERENCE_NS = 100_000
+"""Half the time between the attitudes of the central difference, ns."""

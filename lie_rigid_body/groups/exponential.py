@@ -36,6 +36,7 @@ Matrix: TypeAlias = NDArray[Any]
 """Real or complex matrices, shape (..., n, n)."""
 
 _DEGREE: Final = 9
+"""Degree of the Padé approximant of the exponential."""
 _N: Final = [
     math.factorial(2 * _DEGREE - j) * math.comb(_DEGREE, j) / math.factorial(2 * _DEGREE) for j in range(_DEGREE + 1)
 ]
@@ -54,9 +55,13 @@ HALF_TURN_MARGIN: Final = 1e-13
 # With ‖A − 1‖ ≤ ½ the argument S of artanh has norm at most ⅓, and the first term left out is below 3⁻³³/33.
 _SERIES_TERMS: Final = 16
 _MOST_ROOTS: Final = 64
+"""Largest number of successive square roots on the way to the logarithm."""
 _ROOT_ITERATIONS: Final = 60
+"""Largest number of iterations for a square root."""
 _SCALED_ABOVE: Final = 1e-2
+"""Distance ‖M − 1‖ above which the iteration is scaled."""
 _CONVERGED: Final = 1e-15
+"""Distance ‖M − 1‖, divided by n, at which the iteration ends."""
 
 
 def _halvings(Z: Matrix) -> NDArray[np.int_]:

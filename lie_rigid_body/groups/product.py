@@ -95,7 +95,7 @@ class ProductElements(Elements):
         return self._blockwise(A, lambda elements, part: elements.project(part))
 
     def restored(self, A: Matrix) -> Matrix:
-        """Each block restored by its own factor."""
+        """Each block projected by its own factor."""
         return self._blockwise(A, lambda elements, part: elements.restored(part))
 
     def inverse(self, A: Matrix) -> Matrix:

@@ -19,6 +19,7 @@ STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
 
 _RANK: Final = 1e-10
+"""Singular values of the orbit's tangent map below this, relative to the largest, count as 0."""
 
 
 class Stability(Enum):

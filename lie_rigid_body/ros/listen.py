@@ -16,12 +16,13 @@ if TYPE_CHECKING:
 
 PROGRAM: Final = "python -m lie_rigid_body.ros.listen"
 SHOWN_EVERY: Final = 0.2
-"""s; the shortest time between two printed poses."""
+"""Shortest time between two printed poses, s."""
 LONGEST_WAIT: Final = 5.0
-"""s for the first pose, after which its absence is reported; also for the reset service to appear, and to answer."""
+"""Longest wait, s: for the first pose, whose absence is then reported; for the reset service, and for its answer."""
 SIGNAL_INTERVAL: Final = 0.1
-"""s; the longest time between two looks whether a signal has come."""
+"""Longest time between two looks whether a signal has come, s."""
 NO_ANSWER: Final = 1
+"""Exit status without a pose or an answer."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

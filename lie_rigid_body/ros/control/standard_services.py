@@ -28,7 +28,7 @@ from lie_rigid_body.ros.control.standard_control import (
 
 PACKAGE: Final = "simulation_interfaces"
 FEEDBACK_INTERVAL: Final = 0.1
-"""s between two reports of the action: a report of every step would only slow down fast steps."""
+"""Time between two reports of the action, s: a report of every step would only slow down fast steps."""
 CUSTOM_INFO: Final = "a torque-free rigid body; resets keep stamps rising; positions are 0"
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Final, Protocol
 
 FOREVER: Final = 2**63
-"""ns; longer than any wait, and later than any stamp."""
+"""A time longer than any wait, and later than any stamp, ns."""
 
 
 class Pace(Protocol):
