@@ -13,6 +13,6 @@ docs/closed_form.md derives it. In the order of a computation:
 - `ensemble`, `closed_form`: motions of all kinds, and the class.
 """
 
-from lie_rigid_body.motion.closed_form.closed_form import ClosedForm
+from lie_rigid_body.motion.closed_form.solution import ClosedForm
 
 __all__ = ["ClosedForm"]
