@@ -31,7 +31,7 @@ TYPES = {
     "imu/mag": MagneticField,
     "/clock": Clock,
 }
-LONGEST_LIFE = 240.0
+LONGEST_LIFE = 1200.0
 DEPTH = 400_000
 """More than ever comes: a Python client is slower than the node."""
 SILENCE = 0.2
