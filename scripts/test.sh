@@ -23,4 +23,5 @@ case $environment in
     *-headless) ;;
     *) export LIE_RIGID_BODY_TEST_ROS=required ;;
 esac
-exec "$environment/bin/python" -m pytest -n 2 "$@"
+# a file to a process: tests that share a node or a bag stay together
+exec "$environment/bin/python" -m pytest -n 2 --dist loadfile "$@"

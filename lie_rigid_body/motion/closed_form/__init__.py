@@ -10,7 +10,7 @@ docs/closed_form.md derives it. In the order of a computation:
 - `attitude`: attitude and body rate from phases;
 - `states`: the row of constants and the formula of each kind of motion;
 - `evaluation`: many states of one kind, in floats, on arrays or compiled;
-- `ensemble`, `closed_form`: motions of all kinds, and the class.
+- `ensemble`, `solution`: motions of all kinds, and the class.
 """
 
 from lie_rigid_body.motion.closed_form.solution import ClosedForm
