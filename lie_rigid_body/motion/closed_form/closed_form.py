@@ -12,11 +12,11 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.motion_parameters import Starts
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, Footprint, samples_within
+from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
 from lie_rigid_body.motion.motion import batch_shape, nanoseconds
 
-_FOOTPRINT: Final = Footprint(body=0, time=8, sample=512)
-"""Memory beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
+_WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
+"""Bytes beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
 
 
 class ClosedForm:
@@ -82,7 +82,7 @@ class ClosedForm:
         """
         times = nanoseconds(t_ns)
         bodies = math.prod(self._batch)
-        block = samples_within(bodies, times.size, memory_limit, _FOOTPRINT)
+        block = samples_within(bodies, times.size, memory_limit, _WORKING_MEMORY)
         attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
         # at time 0 the very numbers that were given

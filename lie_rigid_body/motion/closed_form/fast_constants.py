@@ -57,7 +57,7 @@ with working_precision(40):
     _TURN: Final = from_decimal(2 * PI)
     _PER_TURN: Final = from_decimal(1 / (2 * PI))
     _PER_NANOSECOND: Final = from_decimal(Decimal("1e-9") / (2 * PI))
-    """Turns per nanosecond, in rad/s."""
+    """Factor from rad/s to turns/ns, 1e-9/2π."""
 
 _CIRCULAR_STEPS: Final = 2
 _HYPERBOLIC_STEPS: Final = 4
@@ -217,7 +217,7 @@ def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
 
 
 def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> Clock:
-    """Of half of ψ: the precession of the third axis less the turn of n about it."""
+    """Clock of ψ/2: mean precession minus turn of n about the third axis."""
     circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
     return Clock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
