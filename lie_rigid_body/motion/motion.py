@@ -1,4 +1,4 @@
-"""The `Motion` protocol, and the checks of its arguments: batch axes of body and start, and times in ns."""
+"""The `Motion` protocol, and the reading of its arguments: batch axes of body and start, and times in ns."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 
@@ -65,6 +65,12 @@ def batch_shape(body: object, start: object) -> tuple[int, ...]:
             "of length 1 where one body or start serves all"
         )
     return shape
+
+
+def flat_batch(values: Array, batch: tuple[int, ...], *own: int) -> Array:
+    """Values of shape (..., *own) broadcast to a batch of B elements, as an array of shape (B, *own)."""
+    shape = (*batch, *own)
+    return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)
 
 
 def _one_line(value: object) -> str:

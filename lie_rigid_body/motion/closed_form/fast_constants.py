@@ -65,11 +65,11 @@ _HYPERBOLIC_STEPS: Final = 4
 _COARSE_STEPS: Final = 2
 """Steps with a gap of more than 0.2, for m > ½."""
 
-FEW: Final = 24
-"""Fewer motions than these are computed one by one, in floats: that is faster than arrays."""
+LEAST_MOTIONS_IN_ARRAYS: Final = 24
+"""Smallest number of motions computed in arrays: fewer are faster one by one, in floats."""
 
-AT_ONCE: Final = 4096
-"""Motions computed together: their numbers then stay in a processor's cache."""
+MOTIONS_PER_BLOCK: Final = 4096
+"""Largest number of motions computed together: their numbers then stay in a processor's cache."""
 
 
 @dataclass(frozen=True)
@@ -280,15 +280,15 @@ def _clock(
 def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
     """The regular motions of an ensemble with their places: many that branch alike as one motion of arrays."""
     count = len(starts.inertia)
-    groups = _groups(starts) if count >= FEW else np.zeros(count, dtype=np.intp)
+    groups = _groups(starts) if count >= LEAST_MOTIONS_IN_ARRAYS else np.zeros(count, dtype=np.intp)
     for group in np.unique(groups[groups >= 0]).tolist():
         members = np.flatnonzero(groups == group)
-        if len(members) < FEW:
+        if len(members) < LEAST_MOTIONS_IN_ARRAYS:
             yield from _one_by_one(starts, members)
             continue
         hyperbolic, steps = group // 2 % 2 == 1, group // 4
-        for begin in range(0, len(members), AT_ONCE):
-            some = members[begin : begin + AT_ONCE]
+        for begin in range(0, len(members), MOTIONS_PER_BLOCK):
+            some = members[begin : begin + MOTIONS_PER_BLOCK]
             part = starts.at(some)
             body = _coupled(part) if group % 2 == 1 else _diagonal(part)
             x, y, z, w = part.attitude_xyzw.T
