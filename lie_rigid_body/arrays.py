@@ -1,4 +1,4 @@
-"""The two element types of the arrays that all rooms pass to each other."""
+"""The three array types: float64, int64, bool."""
 
 from __future__ import annotations
 

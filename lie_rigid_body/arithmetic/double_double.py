@@ -32,7 +32,7 @@ ONE: Final[DoubleDouble] = (1.0, 0.0)
 _SPLITTER: Final = 134217729.0  # 2²⁷ + 1
 
 _COARSE: Final = 1.5 * 2.0**64
-"""So large that added to a smaller number it leaves whole multiples of 2¹²."""
+"""Adding and subtracting this rounds to a multiple of 2¹²."""
 
 
 def from_decimal(value: Decimal) -> tuple[float, float]:

@@ -25,7 +25,7 @@ Triple: TypeAlias = tuple[Number, Number, Number]
 Quadruple: TypeAlias = tuple[Number, Number, Number, Number]
 
 _WHOLE: Final = 1.5 * 2.0**52
-"""So large that added to a smaller number it leaves whole numbers."""
+"""Adding and subtracting this rounds to an integer."""
 
 _EXPONENT_OF_ONE: Final = 1.5 * 2.0**52 + 1023.0
 """A double whose last bits are those of the exponent of 1."""
@@ -47,7 +47,7 @@ def sign(x: Any) -> Number:
 
 @kernel
 def nearest(x: Number) -> Number:
-    """The integer nearest to a number of at most 2⁵¹, the even one of two."""
+    """Nearest integer, ties to even, for |x| ≤ 2⁵¹."""
     return (x + _WHOLE) - _WHOLE
 
 

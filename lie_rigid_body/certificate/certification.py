@@ -98,7 +98,7 @@ class Certificate:
 
     @property
     def farthest(self) -> tuple[int, SegmentCertificate]:
-        """Number, from 1, and certificate of the segment with the sample farthest from the closed form."""
+        """The segment with the largest attitude error: its number from 1, and its certificate."""
         return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
 
 
@@ -173,7 +173,7 @@ def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_h
 
 
 def _whole(recording: Recording, segments: list[RecordedSegment]) -> tuple[LawResult, ...]:
-    """The laws of the bag as a whole: frames as declared, nothing but rotation, and as many samples as its end says."""
+    """Laws of the bag: declared frames, zero translation, and the sample count of its metadata record."""
     laws = [_frames(recording, segments), _at_rest(recording)]
     if logged_at_stamps(recording):
         laws.append(_log_times(recording))

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.certificate.law_result import LawResult, judge
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance
@@ -125,7 +124,7 @@ def neighbours(compared: Comparison) -> list[LawResult]:
     ]
 
 
-def _sign_continuity(compared: Comparison, predicted: Array, resolved: NDArray[np.bool_]) -> LawResult:
+def _sign_continuity(compared: Comparison, predicted: Array, resolved: Booleans) -> LawResult:
     """Each quaternion has the sign of the continuous path from the one before.
 
     The first, and any after a long gap, has that of the path from the segment's start.

@@ -1,4 +1,4 @@
-"""How an error of the body rate grows into one of the attitude: a property of the motion alone."""
+"""Sensitivity of the attitude to the initial body rate, along the exact motion."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import ClosedForm
 
 _PROBE: Final = 2.0**-30
-"""Relative size of the change."""
+"""Change of the initial body rate, relative to its norm."""
 _TIMES: Final = 257
-"""States along the motion."""
+"""Number of states along the motion."""
 
 
 @dataclass(frozen=True)
 class Propagation:
-    """States of the exact motion, and the turns that a small change of its initial rate causes.
+    """States of the exact motion, and the sensitivity of their attitude to the initial body rate.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Propagation:
     states : State
         Of shapes (K, 4) and (K, 3).
     gains : ndarray, shape (K,)
-        G: the largest turn up to each time that changing the initial rate by Ω causes, for each unit of that change.
+        G: largest attitude change up to each time per change of the initial rate relative to Ω, rad.
     """
 
     times: Array
@@ -63,9 +63,9 @@ class Propagation:
         return cls(times, states, np.asarray(scale * np.maximum.accumulate(gains), dtype=np.float64))
 
     def gain(self, t: Array) -> Array:
-        """G at times t, s, shape (N,)."""
+        """Largest attitude change up to times t, s, per relative change of initial rate, rad, shape (N,)."""
         return np.asarray(self.gains[np.minimum(np.searchsorted(self.times, t), len(self.gains) - 1)])
 
     def growth(self, turns: Array) -> Array:
-        """How many times larger a disturbance may become over turns, rad: at most exp(turn), and at most 1 + G."""
+        """Largest factor by which a disturbance grows over turns, rad: the smaller of exp(turn) and 1 + G."""
         return np.asarray(np.minimum(np.exp(np.minimum(turns, 700.0)), 1.0 + self.gains[-1]))

@@ -15,12 +15,12 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Recording
 
 MOST_SAMPLES: Final = 10_000
-"""As many samples take half a minute."""
+"""Largest number of samples to prove; takes half a minute."""
 
 
 @dataclass(frozen=True)
 class ProvedSample:
-    """What is proved of one sample.
+    """Proved bounds of the errors of one sample.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 
 _SHOWN: Final = 4
-"""Faults of a kind that a message names."""
+"""Number of faults of each kind listed in a message."""
 
 
 def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
@@ -139,6 +139,6 @@ def _gaps(present: Integers, first: int, last: int) -> list[str]:
 
 
 def _some(items: list[str]) -> str:
-    """The first of some faults, and how many more there are."""
+    """Text: the first four faults, then the number of the rest."""
     more = len(items) - _SHOWN
     return ", ".join(items[:_SHOWN]) + (f" and {more} more" if more > 0 else "")

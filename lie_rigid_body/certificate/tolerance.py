@@ -29,22 +29,22 @@ from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.scenario import Scenario
 
 ATTITUDE_CAP: Final = 1e-7
-"""rad"""
+"""Largest limit of the attitude error, rad."""
 
 ENERGY_CAP: Final = 1e-9
-"""Relative, of energy and momentum."""
+"""Largest limit of the relative error of energy and momentum."""
 
 CLOSED_FORM: Final = 2e-15
-"""rad: the error of the closed form in every regime, which its tests hold against multiprecision."""
+"""Largest error of the closed form in every regime, rad; its tests hold it against multiprecision."""
 
 NORM_LIMIT: Final = 8 * U
-"""Of | |q| − 1 |."""
+"""Limit of | |q| − 1 |, dimensionless."""
 
 READING: Final = 48 * U
-"""5.3e-15: twice ``CLOSED_FORM``, and a dozen roundings."""
+"""Limit of the reading error, relative or rad: 2 · ``CLOSED_FORM`` and 12 roundings, 5.3e-15."""
 
 FLOW: Final = 16 * U
-"""Roundings of a substep of the Taylor flow."""
+"""Rounding error of one substep of the Taylor flow, relative or rad."""
 
 
 @dataclass(frozen=True)
@@ -69,12 +69,12 @@ class Tolerance:
     inversion: float = 1.0
 
     def energy(self, t: Array) -> Array:
-        """Limit of relative energy at times t, capped, shape (N,)."""
+        """Limit of the relative energy error at times t, capped, shape (N,)."""
         reading = READING * self.conditions.energy * self.inversion
         return np.asarray(np.minimum(reading + self.drift.energy(t), ENERGY_CAP))
 
     def world_momentum(self, t: Array) -> Array:
-        """Limit of the components of world momentum relative to its norm, capped, shape (N,)."""
+        """Limit of the error of a world momentum component relative to its norm, at times t, capped, shape (N,)."""
         reading = READING * self.conditions.momentum * self.inversion
         return np.asarray(np.minimum(reading + self.drift.momentum(t), ENERGY_CAP))
 
@@ -83,7 +83,7 @@ class Tolerance:
         return np.asarray(np.minimum(self.attitude_uncapped(t), ATTITUDE_CAP))
 
     def attitude_uncapped(self, t: Array) -> Array:
-        """The same without the cap, shape (N,)."""
+        """Limit of the attitude error before the cap, rad, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
     def attitude_step(self, spans: Array) -> Array:
@@ -94,7 +94,7 @@ class Tolerance:
         return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
-        """Limit of the difference between their rates, relative to Ω, capped, shape (N,)."""
+        """Limit of |ω_sample − ω_flow|/Ω over spans, s, capped, shape (N,)."""
         turns = self.fastest * spans
         limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
         return np.asarray(np.minimum(limit, ATTITUDE_CAP))

@@ -30,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _title(given: argparse.Namespace) -> str:
-    """The name of a scenario and what it is, unless other parameters may have made it something else."""
+    """Scenario name and summary; empty if files or assignments override it."""
     if given.scenario is None or given.params_file or given.assignments:
         return ""
 

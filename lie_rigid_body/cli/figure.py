@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
 """Colours of the x, y and z components, distinct in every kind of colour vision."""
 
-FEW: Final = 3
-"""Number of samples that a line alone would hardly show."""
-MANY: Final = 20_000
+FEW_SAMPLES: Final = 3
+"""Largest number of samples of a segment that a line alone would hardly show."""
+MANY_SAMPLES: Final = 20_000
 """Number of samples of a segment above which the curves of a fast motion fill whole areas."""
 
 _GREY: Final = "#555555"
@@ -73,9 +73,9 @@ def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
 def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
     """The line style of a segment's curves: few points as dots, many so that one curve does not hide the others."""
     count = len(piece.samples)
-    if count <= FEW:
+    if count <= FEW_SAMPLES:
         return {"marker": "o", "ms": 4.0, "lw": width}
-    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY else {"lw": width}
+    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
 def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:

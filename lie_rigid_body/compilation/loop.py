@@ -10,12 +10,12 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.compilation.work import Work
 
-LONG_WORK: Final = 500_000
-"""Steps in long calls after which compiling pays: they take Python some seconds, while numba loads in half a second and
-compiles, once, in ten."""
+STEPS_FOR_COMPILING: Final = 500_000
+"""Number of steps in long calls from which on compiling pays: they take Python some seconds, while numba loads in half
+a second and compiles, once, in ten."""
 
-AT_ONCE: Final = 1_000_000
-"""Steps in one call of compiled code, which lets no signal through: a tenth of a second."""
+STEPS_PER_CALL: Final = 1_000_000
+"""Largest number of steps in one call of compiled code, which lets no signal through: a tenth of a second."""
 
 WHILE_COMPILING: Final = 20_000
 """Steps that Python takes before it looks again whether the compiler is done."""
@@ -35,7 +35,7 @@ class Loop(Work):
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:
-        super().__init__(plain, SIGNATURE, LONG_WORK)
+        super().__init__(plain, SIGNATURE, STEPS_FOR_COMPILING)
 
     def run(
         self,
@@ -75,13 +75,13 @@ class Loop(Work):
         """Short pieces of the work: samples and the steps to take in them; a sample of many steps is many pieces."""
         ends, begin = np.cumsum(counts), 0
         while begin < len(counts):
-            at_once = AT_ONCE if self._compiled else WHILE_COMPILING
+            at_once = STEPS_PER_CALL if self._compiled else WHILE_COMPILING
             reached = ends[begin] - counts[begin]
             end = max(begin + 1, int(np.searchsorted(ends, reached + at_once, side="right")))
             takes = counts[begin:end]
             while takes[0] > at_once:
                 yield slice(begin, end), np.array([at_once])
                 takes = takes - at_once
-                at_once = AT_ONCE if self._compiled else WHILE_COMPILING
+                at_once = STEPS_PER_CALL if self._compiled else WHILE_COMPILING
             yield slice(begin, end), takes
             begin = end

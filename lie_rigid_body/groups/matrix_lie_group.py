@@ -70,7 +70,7 @@ class MatrixLieGroup:
         Parameters
         ----------
         generators : array_like, shape (d, n, n)
-            Array or complex, linearly independent over the reals, closed under commutation within real combinations.
+            Real or complex, linearly independent over the reals, closed under commutation within real combinations.
             Largest entries within 1e-50 … 1e50, so that products of them are numbers.
         name : str
 

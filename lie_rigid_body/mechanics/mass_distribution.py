@@ -197,7 +197,7 @@ def _nodes(limits: Sequence[Limits], nodes: int) -> tuple[Array, Array]:
 
 
 def _rule(nodes: int, *, curved: bool) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [−1, 1]; of sin θ with θ in [−½π, ½π] where the region is curved."""
+    """Gauss-Legendre nodes and weights on [−1, 1]; with x = sin θ, θ in [−½π, ½π], for curved limits."""
     roots, weights = np.polynomial.legendre.leggauss(nodes)
     if not curved:
         return roots, weights

@@ -137,9 +137,22 @@ class RigidBody:
         ndarray, shape (..., 3)
             kg m²/s.
         """
-        more = states.body_rate.ndim - 1 - len(self.batch_shape)
-        extra = (1,) * more if self.batch_shape else ()
-        return apply_tensor(self.inertia.reshape(*self.batch_shape, *extra, 3, 3), states.body_rate)
+        return apply_tensor(self._inertia_for(states), states.body_rate)
+
+    def angular_acceleration(self, states: State) -> Array:
+        """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω.
+
+        Parameters
+        ----------
+        states : State
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            rad/s².
+        """
+        torque = np.cross(self.body_momentum(states), states.body_rate)
+        return np.asarray(np.linalg.solve(self._inertia_for(states), torque[..., np.newaxis])[..., 0])
 
     def angular_momentum(self, states: State) -> Array:
         """Angular momentum in the world frame, L = A M ω: every component is conserved.
@@ -169,3 +182,9 @@ class RigidBody:
         """
         w, p = states.body_rate, self.body_momentum(states)
         return np.asarray(0.5 * (w[..., 0] * p[..., 0] + w[..., 1] * p[..., 1] + w[..., 2] * p[..., 2]))
+
+    def _inertia_for(self, states: State) -> Array:
+        """The inertia with axes of length 1 where the states of a batch have more than the batch, for broadcasting."""
+        more = states.body_rate.ndim - 1 - len(self.batch_shape)
+        extra = (1,) * more if self.batch_shape else ()
+        return self.inertia.reshape(*self.batch_shape, *extra, 3, 3)

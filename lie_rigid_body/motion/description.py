@@ -1,6 +1,6 @@
-"""Time-independent properties of a motion: regime, period, precession, flips, stability, conserved quantities.
+"""Time-independent properties of a motion: regime, period, precession, flips, stability of spins, conserved momenta.
 
-The command ``explain`` prints them.
+They are found without computing a state; ``explain`` prints them.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
 
 SUDDEN_RAD: Final = math.pi / 6.0
-"""Largest angle of the momentum to the intermediate axis, rad, for which flips count as sudden: a body that comes
-nearer seems to spin steadily between them."""
+"""Largest angle between the momentum and the intermediate axis at which flips count as sudden, rad: nearer than this,
+the body seems to spin steadily between flips."""
 LINGERING: Final = 0.01
-"""Largest complementary parameter 1 − m for which flips count as sudden: the body then stays near the axis for most of
-the time, where a nearly symmetric top circles evenly."""
+"""Largest 1 − m at which flips count as sudden: below it, the momentum lingers near the intermediate axis for most of
+the time, while that of a nearly symmetric top circles evenly."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,11 @@ class Flips:
     Attributes
     ----------
     interval_s : float
-        Half a period; infinite on the separatrix.
+        Time between flips, half a period, s; infinite on the separatrix.
     first_s : float
-        The first one after the start; infinite if none comes.
+        Time of the first flip, s; infinite if none comes.
     nearest_angle_rad : float
-        How near the momentum comes to the intermediate axis between two of them: near 0, the body spins about it
+        Smallest angle between the momentum and the intermediate axis between flips: near 0, the body spins about it
         for a while, and turns over suddenly.
     sudden : bool
         Whether that is nearer than ``SUDDEN_RAD``, and 1 − m below ``LINGERING``: Dzhanibekov's effect.
@@ -74,14 +74,14 @@ class Circulation:
         1 − m, the complementary parameter of the elliptic functions: 0 on the separatrix, 1 for a symmetric top and
         for small wobbles about the axis.
     period_s : float
-        Of the body rate; infinite on the separatrix.
+        Period of the body rate, s; infinite on the separatrix.
     precession_rate_rad_s : float
         Mean rate at which the axis circles the momentum; positive.
     advance_per_period_rad : float
         The angle about the momentum by which the attitude after one period differs from that before, counted with
         the axis' whole turns; infinite on the separatrix.
     tilt_min_rad, tilt_max_rad : float
-        Between which the angle from the momentum to the axis swings.
+        Smallest and largest angle between the momentum and the axis.
     flips : Flips or None
         None if two moments are equal.
     """
@@ -223,7 +223,7 @@ class Description:
     symmetric_top : SymmetricTop or None
         For an oblate or a prolate top.
     conserved_body_momenta : tuple of BodyMomentum
-        None for an asymmetric top, one for a symmetric one, three for a sphere.
+        Empty for an asymmetric top, one for a symmetric one, three for a sphere.
     """
 
     kind: Kind

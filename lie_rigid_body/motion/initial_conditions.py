@@ -8,7 +8,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.motion import batch_shape
+from lie_rigid_body.motion.motion import batch_shape, flat_batch
 
 
 @dataclass(frozen=True)
@@ -45,19 +45,13 @@ class InitialConditions:
         batch = batch_shape(body, start)
         return cls(
             batch,
-            _flat(body.inertia, batch, 3, 3),
-            _flat(body.inverse_inertia, batch, 3, 3),
-            _flat(start.attitude_xyzw, batch, 4),
-            _flat(start.body_rate, batch, 3),
+            flat_batch(body.inertia, batch, 3, 3),
+            flat_batch(body.inverse_inertia, batch, 3, 3),
+            flat_batch(start.attitude_xyzw, batch, 4),
+            flat_batch(start.body_rate, batch, 3),
         )
 
     def error_prefix(self, place: int) -> str:
         """The beginning of a message about one body: its index in the batch, or nothing for a body alone."""
         index = tuple(int(i) for i in np.unravel_index(place, self.batch)) if self.batch else ()
         return f"body {index[0] if len(index) == 1 else index}: " if index else ""
-
-
-def _flat(values: Array, batch: tuple[int, ...], *own: int) -> Array:
-    """Values of shape (..., *own) broadcast to a batch and put along one leading axis."""
-    shape = (*batch, *own)
-    return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)

@@ -10,19 +10,19 @@ import numpy as np
 from lie_rigid_body.errors import InputError
 
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
-"""Default memory limit, bytes."""
+"""Memory that one call may take by default, bytes (4 GiB)."""
 
 _LARGEST_BLOCK: Final = 8192
-"""Largest number of samples at once: their temporaries fit into a processor's cache."""
+"""Largest number of samples computed at once: their temporaries fit into a processor's cache."""
 
 _SMALLEST_BLOCK: Final = 256
-"""Smallest number of samples at once: with fewer, starting an array operation takes longer than the operation."""
+"""Smallest number of samples computed at once: with fewer, calling an array operation takes longer than its work."""
 
 _STATE_BYTES: Final = 7 * 8
-"""Size of an attitude and a body rate in doubles, bytes."""
+"""Bytes of one state: 4 + 3 doubles."""
 
 _FIXED_BYTES: Final = 1024 * 1024
-"""Fixed overhead, bytes, including Python's free lists."""
+"""Bytes taken whatever the number of samples, including Python's free lists of tuples."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class WorkingMemory:
 
 
 def samples_within(bodies: int, times: int, memory_limit: int, needs: WorkingMemory) -> int:
-    """The number of samples to compute at once, at least 1.
+    """The number of samples to compute at once.
 
-    Where the limit is narrow it is small, but never so small that the evaluation would crawl.
+    At most 8192; at least 256 or all samples, whichever is fewer. Otherwise InputError.
 
     Parameters
     ----------
@@ -76,6 +76,3 @@ def samples_within(bodies: int, times: int, memory_limit: int, needs: WorkingMem
             f"{least}: ask for fewer at once, or give a larger memory_limit"
         )
     return max(1, min(_LARGEST_BLOCK, (int(memory_limit) - fixed) // needs.sample))
-
-
-Footprint = WorkingMemory  # the name that `closed_form` knows it by

@@ -1,12 +1,13 @@
-"""The interface `Motion`, and the validation of times and of bodies with their starts."""
+"""The `Motion` protocol, and the reading of its arguments: batch axes of body and start, and times in ns."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 
@@ -31,7 +32,7 @@ class Motion(Protocol):
 
 
 def batch_shape(body: object, start: object) -> tuple[int, ...]:
-    """The leading axes of the states of bodies from their starts.
+    """Leading axes of the states that result from broadcasting body against start.
 
     They follow numpy's rules of broadcasting, but where both have leading axes the body must not have fewer than the
     start: its axes then are the first of every result, and ``body.kinetic_energy(states)`` takes them so.
@@ -66,11 +67,17 @@ def batch_shape(body: object, start: object) -> tuple[int, ...]:
     return shape
 
 
+def flat_batch(values: Array, batch: tuple[int, ...], *own: int) -> Array:
+    """Values of shape (..., *own) broadcast to a batch of B elements, as an array of shape (B, *own)."""
+    shape = (*batch, *own)
+    return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)
+
+
 def _one_line(value: object) -> str:
     return " ".join(repr(value).split())
 
 
-def nanoseconds(t_ns: ArrayLike) -> NDArray[np.int64]:
+def nanoseconds(t_ns: ArrayLike) -> Integers:
     """Times as an int64 array of at most one axis, or an error that says what they were.
 
     Parameters

@@ -1,4 +1,4 @@
-"""An output file, which never overwrites another one, or replaces it only when it is whole."""
+"""An output file that replaces an older one only on request, and only once it is complete."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ class OutputFile:
 
     When another file of that name exists and may be overwritten, the new one is written beside it and takes its place
     in `commit`; until then the old one is untouched.
+
+    An unfinished file is closed by `abandon`, which keeps it for rescue unless it was to replace an older one, or by
+    `discard`, which always removes it.
 
     Parameters
     ----------
@@ -63,7 +66,7 @@ class OutputFile:
         return self._target is not None
 
     def commit(self) -> None:
-        """Close the file, all of it on the disk and under its own name."""
+        """Flush, fsync and close, then replace the older file, if any."""
         self.stream.flush()
         os.fsync(self.stream.fileno())
         self.stream.close()
@@ -71,13 +74,13 @@ class OutputFile:
             os.replace(self._written, self._target)
 
     def abandon(self) -> None:
-        """Close the file, which cannot be finished. It stays for rescue, unless it was to replace another."""
+        """Close the unfinished file, and keep it for rescue unless it was to replace an older one."""
         self._close()
         if self.replaces:
             self._written.unlink(missing_ok=True)
 
     def discard(self) -> None:
-        """Close the file, which cannot be finished, and remove it."""
+        """Close the unfinished file and remove it."""
         self._close()
         self._written.unlink(missing_ok=True)
 

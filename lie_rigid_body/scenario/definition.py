@@ -156,7 +156,7 @@ class Scenario:
         return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)
 
     def _slowest_rate(self) -> float:
-        """Samples per second of the truth or of the sensor that has the fewest."""
+        """Lowest sampling rate among truth and active sensors, Hz."""
         sensors = (self.sensors.imu, self.sensors.magnetometer)
         return min(self.rate, *(sensor.rate for sensor in sensors if sensor is not None), math.inf)
 

@@ -76,7 +76,7 @@ def _uniform(words: NDArray[np.uint64]) -> Array:
 
 
 class RandomWalk:
-    """A random walk: the sums of white noise, the first of which is the start.
+    """Random walk: start value plus cumulative sum of white noise.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
 
 SLOWEST_RATE: Final = 1e-6
-"""Samples per second."""
+"""Smallest sampling rate accepted, Hz."""
 
 _ONES: Final = (1.0, 1.0, 1.0)
 _ZEROS: Final = (0.0, 0.0, 0.0)

@@ -33,7 +33,7 @@ class SpecificForce:
 
     def __init__(self, body: RigidBody, lever_arm: Vector, support: float) -> None:
         moments = body.principal_moments
-        # each of size 1 at most, as the moments obey the triangle inequality
+        # (I₂ − I₃)/I₁, each of size 1 at most, as the moments obey the triangle inequality
         self._euler = (moments[_YZX] - moments[_ZXY]) / moments
         self._to_principal = body.principal_axes.T
         self._across = -so3.hat(lever_arm)
@@ -60,12 +60,15 @@ class SpecificForce:
         return force
 
     def _of_rotation(self, rate: Array) -> Array:
-        """ω̇×r + ω×(ω×r)."""
+        """Acceleration of the point relative to the mass centre, body frame, m/s²: ω̇×r + ω×(ω×r)."""
         tangential = apply_tensor(self._principal_across, self._angular_acceleration(rate))
         return tangential + _cross(rate, apply_tensor(self._across, rate))
 
     def _angular_acceleration(self, rate: Array) -> Array:
-        """Euler's equations in principal axes, ω̇₁ = (I₂ − I₃)/I₁ ω₂ω₃ and so on (Landau & Lifshitz §36, 36.5)."""
+        """Angular acceleration in principal axes, rad/s², by Euler's equations.
+
+        ω̇₁ = (I₂ − I₃)/I₁ ω₂ω₃ and cyclically (Landau & Lifshitz §36, 36.5).
+        """
         principal = apply_tensor(self._to_principal, rate)
         return np.asarray(self._euler * _take(principal, _YZX) * _take(principal, _ZXY))
 

@@ -17,9 +17,9 @@ from lie_rigid_body.simulation.segment import Segment
 
 R = TypeVar("R", bound=Rows)
 LOOK_AHEAD: Final = 64
-"""Samples computed at once when fewer are wanted: of the closed form one costs almost as much as all of them."""
+"""Samples computed at once when fewer are wanted: the closed form takes almost as long for one as for all of them."""
 STEPS_AHEAD: Final = 64
-"""The most steps of the moving chart taken for that, about a millisecond of work."""
+"""Largest number of integrator steps spent on looking ahead, about 1 ms."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def _taken(sensor: SensorQueue[R] | None, stamp_ns: int) -> R | None:
 
 
 def _followed(sensor: SensorQueue[R] | None, queue: SampleQueue[R] | None, start_ns: int) -> SensorQueue[R] | None:
-    """The readings of a sensor, those of a new segment following from a stamp on, ns; None if it has no sensor."""
+    """Queue of a sensor that continues with the new segment at ``start_ns``; None if that segment lacks the sensor."""
     if sensor is None or queue is None:
         return None if queue is None else SensorQueue(queue)
     sensor.follow(queue, start_ns)
@@ -194,7 +194,7 @@ def _imu(segment: Segment, model: ImuModel, motion: Motion) -> SampleQueue[ImuSa
 
 
 def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
-    """The motion as it would have been before its start, where a moving chart cannot go."""
+    """Exact motion extended to times before the start; the integrator only goes forward."""
     return motion if isinstance(motion, ClosedForm) else ClosedForm(scenario.body(), scenario.start())
 
 

@@ -1,4 +1,4 @@
-"""The clock of samples: integer-nanosecond stamps by sample number."""
+"""Exact conversion between sample numbers and stamps, integer ns."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SampleClock:
         return NS / Fraction(repr(self.rate))
 
     def stamp_ns(self, number: int) -> int:
-        """The stamp of one sample, ns; of a negative number, where it would have been."""
+        """The stamp of one sample, ns; extrapolated for negative numbers."""
         period = self.period_ns
         return self.epoch_ns + _round_ratio(number * period.numerator, period.denominator)
 

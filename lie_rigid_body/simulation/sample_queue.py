@@ -13,7 +13,7 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 
 
 class Rows(Protocol):
-    """Samples and their stamps as one sequence, which can be cut and joined."""
+    """A batch of stamped samples that can be sliced and concatenated."""
 
     @property
     def stamps_ns(self) -> Integers:
@@ -96,9 +96,9 @@ class SampleQueue(Generic[R]):
 
 
 class SensorQueue(Generic[R]):
-    """The readings of one sensor across resets: queues, each of which goes on until the next one starts.
+    """Readings of a sensor across resets: one queue per segment.
 
-    What a segment still has to give when it ends is given before the next one, and computed only when it is taken.
+    Readings left over when a segment ends come before those of the next one, and are computed only when taken.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class SensorQueue(Generic[R]):
         self._last = queue
 
     def follow(self, queue: SampleQueue[R], start_ns: int) -> None:
-        """Let the queue of a new segment follow from a stamp on, ns, which lies after all that was taken."""
+        """Continue with the queue of a new segment at ``start_ns``, which lies after all readings taken."""
         ending = [*self._ending, (self._last, start_ns - 1)]
         self._ending = [(old, end_ns) for old, end_ns in ending if old.count_until(end_ns)]
         self._last = queue

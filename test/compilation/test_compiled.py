@@ -14,7 +14,7 @@ from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.compilation import Loop
 from lie_rigid_body.compilation import loop as loops
 from lie_rigid_body.compilation.compiler import Compiler
-from lie_rigid_body.compilation.loop import LONG_WORK, SIGNATURE
+from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING
 from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
@@ -60,7 +60,7 @@ def test_short_pieces_are_the_whole(monkeypatch):
     for method in ("dmv20", "rkmk4"):
         whole = states(BODIES["products"], method, times, 0.01)
         with monkeypatch.context() as patch:
-            patch.setattr(loops, "AT_ONCE", 100)
+            patch.setattr(loops, "STEPS_PER_CALL", 100)
             np.testing.assert_array_equal(states(BODIES["products"], method, times, 0.01), whole)
 
 
@@ -93,10 +93,10 @@ def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
     loop, asked = Loop(munthe_kaas_loop.advance), []
     monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
     monkeypatch.setattr(loop, "_plain", lambda *_: None)
-    for _ in range(2 * LONG_WORK // LONG_CALL):
+    for _ in range(2 * STEPS_FOR_COMPILING // LONG_CALL):
         done(loop, LONG_CALL - 1)
     assert not asked  # a live node never waits for it
-    done(loop, LONG_WORK - 1)
+    done(loop, STEPS_FOR_COMPILING - 1)
     assert not asked
     done(loop, LONG_CALL)
     assert asked
@@ -115,7 +115,7 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
     plain, steps = Loop(munthe_kaas_loop.advance), 30_000
     monkeypatch.setattr(loops, "WHILE_COMPILING", 100)
     expected = done(plain, steps)
-    monkeypatch.setattr(loops, "LONG_WORK", 1)
+    monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 1)
     loop = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(loop, steps), expected)
     not_yet = loop._compiled

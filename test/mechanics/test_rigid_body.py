@@ -41,6 +41,25 @@ def test_principal_axes_diagonalise_the_tensor(axes, turn):
     np.testing.assert_allclose(rebuilt, body.inertia, rtol=0, atol=1e-14 * scale)
 
 
+def test_angular_acceleration_obeys_eulers_equations():
+    """In principal axes ω̇₁ = (I₂ − I₃)/I₁ ω₂ω₃ and cyclically."""
+    rate = np.array([[0.3, -0.2, 0.5], [1.0, 2.0, -3.0]])
+    states = State(np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), rate)
+    expected = np.array([-1.0 / 1.0, 2.0 / 2.0, -1.0 / 3.0]) * rate[:, [1, 2, 0]] * rate[:, [2, 0, 1]]
+    np.testing.assert_allclose(RigidBody([1.0, 2.0, 3.0]).angular_acceleration(states), expected, rtol=1e-15)
+
+
+def test_angular_acceleration_of_a_batch_is_that_of_each_body():
+    tensors = np.array([[[2.0, 0.1, 0.0], [0.1, 3.0, 0.2], [0.0, 0.2, 4.0]], np.diag([1.0, 1.5, 2.0])])
+    rate = np.linspace(-1.0, 2.0, 18).reshape(2, 3, 3)
+    attitude = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (2, 3, 4))
+    together = RigidBody(tensors).angular_acceleration(State(attitude, rate))
+    for i, tensor in enumerate(tensors):
+        for k in range(3):
+            alone = RigidBody(tensor).angular_acceleration(State(attitude[i, k], rate[i, k]))
+            np.testing.assert_array_equal(together[i, k], alone)
+
+
 def test_diagonal_moments_are_kept_exactly_in_any_order():
     for order in ([0.3, 0.1, 0.25], [3.0, 1.0, 2.5], [2.0, 2.0, 1.0]):
         body = RigidBody(order)

@@ -242,7 +242,7 @@ def test_the_work_of_all_bodies_counts_as_one(
 ):
     """However few steps each of them takes, many bodies are worth compiling for, as soon as there is enough to do."""
     asked: list[int] = []
-    monkeypatch.setattr(loops, "LONG_WORK", 3999)
+    monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 3999)
     loop = Loop(module.LOOP._plain)
     monkeypatch.setattr(Compiler, "of", lambda *_: asked.append(1))
     monkeypatch.setattr(module, "LOOP", loop)

@@ -21,11 +21,11 @@ from lie_rigid_body.arithmetic.double_double import (
 from lie_rigid_body.arithmetic.numbers import Number, magnitude, nearest
 from lie_rigid_body.compilation import kernel
 
-_SECONDS: Final = Decimal("1e-9")
-"""One nanosecond."""
+_NANOSECOND: Final = Decimal("1e-9")
+"""s"""
 
 _GREATEST_RATE: Final = Decimal("1e12")
-"""Of an `EndlessClock`, per nanosecond: beyond it the phase is at its end after one nanosecond as well."""
+"""Cap on the phase rate of an `EndlessClock`, 1/ns; the phase saturates within 1 ns anyway."""
 
 
 class Clock(NamedTuple):
@@ -46,7 +46,7 @@ class Clock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> Clock:
         """A clock from a rate in units per second, a start and a period in the same units."""
-        turns = _SECONDS * rate / period, start / period
+        turns = _NANOSECOND * rate / period, start / period
         rate_turns, start_turns = (from_decimal(x - x.to_integral_value()) for x in turns)
         return cls(rate_turns, start_turns, from_decimal(period))
 
@@ -64,7 +64,7 @@ class EndlessClock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
         """A clock from a positive rate in units per second and a start in the same units."""
-        return cls(from_decimal(min(_SECONDS * rate, _GREATEST_RATE)), from_decimal(start))
+        return cls(from_decimal(min(_NANOSECOND * rate, _GREATEST_RATE)), from_decimal(start))
 
     def initial_phase(self) -> Number:
         """The phase at the start, in its unit."""

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.arithmetic.numbers import Number
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
 from lie_rigid_body.motion.closed_form.evaluation import Evaluation
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motions
@@ -32,8 +31,8 @@ class Ensemble:
             by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
         return cls(tuple(_evaluation(kind, parts) for kind, parts in by_kind.items()))
 
-    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
-        """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), so many samples at once."""
+    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), ``block`` samples at once."""
         for evaluation in self.evaluations:
             evaluation.fill(attitude_xyzw, body_rate, t_ns, block)
 
@@ -48,7 +47,7 @@ def _motions(starts: Starts) -> Iterator[tuple[BodyMotion, Members]]:
 
 
 def _table(row: list[Number], count: int) -> Array:
-    """The constants of so many motions, shape (constants, count)."""
+    """The constants of ``count`` motions, shape (constants, count)."""
     if count == 1:
         return np.array(row, dtype=np.float64).reshape(-1, 1)
     return np.stack([np.broadcast_to(entry, count) for entry in row])

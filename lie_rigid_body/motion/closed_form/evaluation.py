@@ -1,4 +1,4 @@
-"""The states of motions of one kind at many times: of few samples in floats, of more on arrays, of very many compiled.
+"""The states of motions of one kind at many times: few samples in floats, more on arrays, very many compiled.
 
 The formulas are those of `states` in every case, and so are the bits.
 """
@@ -10,18 +10,17 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.motion.closed_form.motion_parameters import Members
 from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, Kind
 
-FEW: Final = 16
-"""Up to so many samples are computed one by one, in floats: that is faster than arrays."""
+MOST_SAMPLES_IN_FLOATS: Final = 16
+"""Largest number of samples computed one by one, in floats, which is faster than on arrays."""
 
-AT_ONCE: Final = 4_000_000
-"""Samples of compiled code between two looks at signals."""
+SAMPLES_PER_CALL: Final = 4_000_000
+"""Largest number of samples in one call of compiled code, which lets no signal through."""
 
 
 def compile_all() -> bool:
@@ -46,7 +45,7 @@ class Evaluation:
     table: Array
     members: Members
 
-    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
+    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         """Write the states into arrays of shapes (bodies, N, 4) and (bodies, N, 3).
 
         Parameters
@@ -54,20 +53,20 @@ class Evaluation:
         attitude_xyzw, body_rate : ndarray
         t_ns : ndarray of int64, shape (N,)
         block : int
-            Samples on arrays at once.
+            Largest number of samples on arrays at once.
         """
         samples = len(self.members) * len(t_ns)
         compiled = self.kind.work.compiled_for(samples)
         if compiled is not None:
             self._compiled(compiled, attitude_xyzw, body_rate, t_ns)
-        elif 0 < samples <= FEW:
+        elif 0 < samples <= MOST_SAMPLES_IN_FLOATS:
             self._one_by_one(attitude_xyzw, body_rate, t_ns.tolist())
         elif samples:
             self._by_blocks(attitude_xyzw, body_rate, t_ns, block)
 
-    def _compiled(self, compiled: Any, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64]) -> None:
+    def _compiled(self, compiled: Any, attitude_xyzw: Array, body_rate: Array, t_ns: Integers) -> None:
         columns = np.empty(WORK_AREA)
-        for some, times in _pieces(len(self.members), len(t_ns), AT_ONCE):
+        for some, times in _pieces(len(self.members), len(t_ns), SAMPLES_PER_CALL):
             table, members = self.table[:, some], self.members[some]
             compiled(table, members, t_ns[times], attitude_xyzw, body_rate, columns, times.start)
 
@@ -79,7 +78,7 @@ class Evaluation:
             attitude_xyzw[member] = [sample[:4] for sample in samples]
             body_rate[member] = [sample[4:] for sample in samples]
 
-    def _by_blocks(self, attitude_xyzw: Array, body_rate: Array, t_ns: NDArray[np.int64], block: int) -> None:
+    def _by_blocks(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         for some, times in _pieces(len(self.members), len(t_ns), block):
             members = self.members[some]
             sample = self.kind.sample(self._constants(some), from_integers(t_ns[times]))
@@ -96,7 +95,7 @@ class Evaluation:
 
 
 def _pieces(bodies: int, times: int, most: int) -> Iterator[tuple[slice, slice]]:
-    """Slices of the bodies and of the times that together cover all, of at most so many samples each."""
+    """Slices of the bodies and of the times that together cover all, each of at most ``most`` samples."""
     breadth = max(1, min(times, most))
     for some in _slices(bodies, most // breadth):
         for part in _slices(times, breadth):

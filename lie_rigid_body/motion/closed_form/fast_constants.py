@@ -57,7 +57,7 @@ with working_precision(40):
     _TURN: Final = from_decimal(2 * PI)
     _PER_TURN: Final = from_decimal(1 / (2 * PI))
     _PER_NANOSECOND: Final = from_decimal(Decimal("1e-9") / (2 * PI))
-    """Turns per nanosecond, in rad/s."""
+    """Factor from rad/s to turns/ns, 1e-9/2π."""
 
 _CIRCULAR_STEPS: Final = 2
 _HYPERBOLIC_STEPS: Final = 4
@@ -65,11 +65,11 @@ _HYPERBOLIC_STEPS: Final = 4
 _COARSE_STEPS: Final = 2
 """Steps with a gap of more than 0.2, for m > ½."""
 
-FEW: Final = 24
-"""Fewer motions than these are computed one by one, in floats: that is faster than arrays."""
+LEAST_MOTIONS_IN_ARRAYS: Final = 24
+"""Smallest number of motions computed in arrays: fewer are faster one by one, in floats."""
 
-AT_ONCE: Final = 4096
-"""Motions computed together: their numbers then stay in a processor's cache."""
+MOTIONS_PER_BLOCK: Final = 4096
+"""Largest number of motions computed together: their numbers then stay in a processor's cache."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
 
 
 def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> Clock:
-    """Of half of ψ: the precession of the third axis less the turn of n about it."""
+    """Clock of ψ/2: mean precession minus turn of n about the third axis."""
     circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
     return Clock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
@@ -280,15 +280,15 @@ def _clock(
 def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
     """The regular motions of an ensemble with their places: many that branch alike as one motion of arrays."""
     count = len(starts.inertia)
-    groups = _groups(starts) if count >= FEW else np.zeros(count, dtype=np.intp)
+    groups = _groups(starts) if count >= LEAST_MOTIONS_IN_ARRAYS else np.zeros(count, dtype=np.intp)
     for group in np.unique(groups[groups >= 0]).tolist():
         members = np.flatnonzero(groups == group)
-        if len(members) < FEW:
+        if len(members) < LEAST_MOTIONS_IN_ARRAYS:
             yield from _one_by_one(starts, members)
             continue
         hyperbolic, steps = group // 2 % 2 == 1, group // 4
-        for begin in range(0, len(members), AT_ONCE):
-            some = members[begin : begin + AT_ONCE]
+        for begin in range(0, len(members), MOTIONS_PER_BLOCK):
+            some = members[begin : begin + MOTIONS_PER_BLOCK]
             part = starts.at(some)
             body = _coupled(part) if group % 2 == 1 else _diagonal(part)
             x, y, z, w = part.attitude_xyzw.T

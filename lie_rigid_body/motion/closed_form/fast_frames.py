@@ -41,23 +41,25 @@ Matrix: TypeAlias = tuple[Triple, Triple, Triple]
 Vector: TypeAlias = tuple[DoubleDouble, DoubleDouble, DoubleDouble]
 
 _NEAREST: Final = 2.0**-10
-"""Least 1 − m, of the motions nearest to the separatrix."""
+"""Smallest 1 − m of a regular motion."""
 
 _MOMENT_RATIO: Final = 1e3
-"""Greatest ratio of moments."""
+"""Largest ratio of the moments of a regular motion."""
 
 _LEAST_MOMENT, _GREATEST_MOMENT = 1e-20, 1e20
 _LEAST_RATE, _GREATEST_RATE = 1e-20, 1e5
 
 _SUM_RATIOS: Final = (2.5, 8.0, 30.0, 120.0)
-"""Of (1 − ν)/√m1, above each of which the sum in the mean precession takes a step more."""
+"""Thresholds of (1 − ν)/√m1: above each, the sum in the mean precession takes one more step."""
 _GREATEST_RATIO: Final = 400.0
 
 _MOMENT_GAP: Final = 2.0**-10
-"""Least difference of two moments, of the largest, with products of inertia: the refinement divides by it."""
+"""Smallest difference of two moments, relative to the largest, with products of inertia: the refinement divides by
+it."""
 
 _LEAST_TILT: Final = 1e-8
-"""Between the body rate and a principal axis, with products of inertia: its transverse components keep their digits."""
+"""Smallest angle, rad, between ω and a principal axis, with products of inertia: the transverse components keep their
+digits."""
 
 
 class Classification(NamedTuple):

@@ -8,15 +8,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.motion_parameters import Starts
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, Footprint, samples_within
-from lie_rigid_body.motion.motion import batch_shape, nanoseconds
+from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
+from lie_rigid_body.motion.motion import batch_shape, flat_batch, nanoseconds
 
-_FOOTPRINT: Final = Footprint(body=0, time=8, sample=512)
-"""Memory beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
+_WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
+"""Bytes beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
 
 
 class ClosedForm:
@@ -45,11 +44,11 @@ class ClosedForm:
     def __init__(self, body: RigidBody, start: State) -> None:
         self._batch = batch_shape(body, start)
         starts = Starts(
-            _flat(body.inertia, self._batch, (3, 3)),
-            _flat(body.principal_moments, self._batch, (3,)),
-            _flat(body.principal_axes, self._batch, (3, 3)),
-            _flat(start.attitude_xyzw, self._batch, (4,)),
-            _flat(start.body_rate, self._batch, (3,)),
+            flat_batch(body.inertia, self._batch, 3, 3),
+            flat_batch(body.principal_moments, self._batch, 3),
+            flat_batch(body.principal_axes, self._batch, 3, 3),
+            flat_batch(start.attitude_xyzw, self._batch, 4),
+            flat_batch(start.body_rate, self._batch, 3),
         )
         self._attitude_xyzw, self._body_rate = starts.attitude_xyzw, starts.body_rate
         self._ensemble = Ensemble.of(starts)
@@ -82,7 +81,7 @@ class ClosedForm:
         """
         times = nanoseconds(t_ns)
         bodies = math.prod(self._batch)
-        block = samples_within(bodies, times.size, memory_limit, _FOOTPRINT)
+        block = samples_within(bodies, times.size, memory_limit, _WORKING_MEMORY)
         attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
         self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
         # at time 0 the very numbers that were given
@@ -90,10 +89,3 @@ class ClosedForm:
         attitude[:, first], rate[:, first] = self._attitude_xyzw[:, np.newaxis], self._body_rate[:, np.newaxis]
         shape = (*self._batch, *times.shape)
         return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))
-
-
-def _flat(values: Array, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:
-    """The values for each of a batch, along one leading axis."""
-    if values.shape == (*batch, *shape):
-        return values.reshape(-1, *shape)
-    return np.broadcast_to(values, (*batch, *shape)).reshape(-1, *shape)

@@ -261,9 +261,9 @@ def fill_steady(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, c
             store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
 
 
-LONG_WORK: Final = 5_000_000
-"""Samples in long calls after which compiled code pays: a second of arrays, while numba loads in half of one, and
-compiles in two, once."""
+SAMPLES_FOR_COMPILING: Final = 5_000_000
+"""Number of samples in long calls from which on compiling pays: they take a second on arrays, while numba loads in half
+a second and compiles, once, in two."""
 
 
 @dataclass(frozen=True)
@@ -285,10 +285,10 @@ class Kind:
     work: Work
 
 
-CIRCULAR: Final = Kind(general_constants, circular_sample, Work(fill_circular, SIGNATURE, LONG_WORK))
-HYPERBOLIC: Final = Kind(general_constants, hyperbolic_sample, Work(fill_hyperbolic, SIGNATURE, LONG_WORK))
-SEPARATRIX: Final = Kind(general_constants, separatrix_sample, Work(fill_separatrix, SIGNATURE, LONG_WORK))
-STEADY: Final = Kind(steady_constants, steady_sample, Work(fill_steady, SIGNATURE, LONG_WORK))
+CIRCULAR: Final = Kind(general_constants, circular_sample, Work(fill_circular, SIGNATURE, SAMPLES_FOR_COMPILING))
+HYPERBOLIC: Final = Kind(general_constants, hyperbolic_sample, Work(fill_hyperbolic, SIGNATURE, SAMPLES_FOR_COMPILING))
+SEPARATRIX: Final = Kind(general_constants, separatrix_sample, Work(fill_separatrix, SIGNATURE, SAMPLES_FOR_COMPILING))
+STEADY: Final = Kind(steady_constants, steady_sample, Work(fill_steady, SIGNATURE, SAMPLES_FOR_COMPILING))
 KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 
 

@@ -19,7 +19,7 @@ READ_ONLY: Final = frozenset(
     {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
 )
 """Parameters on which message types, stamps, files and publishers depend: fixed at the start."""
-AT_ONCE: Final = frozenset({"real_time_factor"})
+IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
 _BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
@@ -61,10 +61,10 @@ class NodeParameters:
         return Scenario.from_parameters(self.values())
 
     def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
-        """Call ``act`` with the new values, by name, when parameters in `AT_ONCE` change."""
+        """Call ``act`` with the new values, by name, when parameters in `IMMEDIATE` change."""
 
         def changed(changes: Sequence[RosParameter]) -> None:
-            values = {change.name: change.value for change in changes if change.name in AT_ONCE}
+            values = {change.name: change.value for change in changes if change.name in IMMEDIATE}
             if values:
                 act(values)
 
@@ -110,7 +110,7 @@ def _effect(name: str) -> Iterable[str]:
     if name in READ_ONLY:
         yield "fixed at the start"
     else:
-        yield f"a change takes effect {'at once' if name in AT_ONCE else 'at the next ~/reset'}"
+        yield f"a change takes effect {'at once' if name in IMMEDIATE else 'at the next ~/reset'}"
 
 
 def integers_as_doubles(changes: list[RosParameter]) -> list[RosParameter]:

@@ -222,9 +222,7 @@ class StandardControl:
             return Result(Code.OPERATION_FAILED, str(error)), None
         scenario = self._control.scenario
         attitude, rate = state.attitude_xyzw, state.body_rate
-        body = scenario.body()
-        # Euler's equations: I ω̇ = (I ω) × ω
-        acceleration = np.linalg.solve(body.inertia, np.cross(body.body_momentum(state), rate))
+        acceleration = scenario.body().angular_acceleration(state)
         return Result(Code.OK), EntityState(
             scenario.world_frame,
             stamp_ns,

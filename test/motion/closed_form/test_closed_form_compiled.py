@@ -19,7 +19,7 @@ from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
 from lie_rigid_body.motion.closed_form.evaluation import compile_all
-from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS, LONG_WORK
+from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS, SAMPLES_FOR_COMPILING
 
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
@@ -98,19 +98,19 @@ def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
     motion, t_ns = ClosedForm(body, start), times(300)
     whole = bits(motion.at(t_ns))
     for most in (1, 100, 1000, 2000):
-        monkeypatch.setattr(evaluation, "AT_ONCE", most)
+        monkeypatch.setattr(evaluation, "SAMPLES_PER_CALL", most)
         np.testing.assert_array_equal(
             bits(motion.at(t_ns[:50] if most == 1 else t_ns)), whole[:, : 50 if most == 1 else None]
         )
 
 
 def test_only_much_work_in_long_calls_loads_the_compiler(monkeypatch):
-    work, asked = Work(lambda: None, "void()", LONG_WORK), []
+    work, asked = Work(lambda: None, "void()", SAMPLES_FOR_COMPILING), []
     monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
-    for _ in range(2 * LONG_WORK // LONG_CALL):
+    for _ in range(2 * SAMPLES_FOR_COMPILING // LONG_CALL):
         work.compiled_for(LONG_CALL - 1)
     assert not asked
-    work.compiled_for(LONG_WORK - 1)
+    work.compiled_for(SAMPLES_FOR_COMPILING - 1)
     assert not asked
     work.compiled_for(LONG_CALL)
     assert asked
