@@ -51,7 +51,7 @@ _E: Final = tuple(1.0 / math.factorial(k) for k in range(14))
 _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _E[2:]
 
 _PARTS: Final = 32
-"""Into so many parts the table of arctangents divides [0, 1]."""
+"""Number of parts into which the table of arctangents divides [0, 1]."""
 
 
 @kernel

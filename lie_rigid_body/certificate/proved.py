@@ -35,7 +35,7 @@ class ProvedSample:
     rate_at_most : float
         Bound of the distance of the recorded body rate from the true one, rad/s.
     limit : float
-        Of the attitude at this sample, as the certificate has it, rad.
+        Limit of the attitude error at this sample in the certificate, rad.
     """
 
     segment: int

@@ -141,10 +141,10 @@ class DiagonalBody(NamedTuple):
     Attributes
     ----------
     order : 3 int, or 3 arrays of int
-        Which axes of the body they are.
+        Indices of these axes in the body frame.
     moments, rate : 3 numbers
     sense : number
-        That of the frame.
+        Sense of the frame, ±1.
     """
 
     order: tuple[Any, Any, Any]

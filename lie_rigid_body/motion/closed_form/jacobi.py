@@ -8,7 +8,8 @@ q¹⁶ < 2e-22. The cubic polynomials are (DLMF 20.2.1-20.2.4)
 
 For m ≤ ½ the argument is real, ζ = πu/2K with the nome q = exp(−πK′/K) (`RealTheta`). For m > ½ it is imaginary,
 χ = πu/2K′ with the nome q′ = exp(−πK/K′) of the complementary parameter (`ImaginaryTheta`): so the nome never exceeds
-exp(−π), and is 0 on the separatrix, where the functions are hyperbolic.
+exp(−π), and is 0 on the separatrix, where the functions are hyperbolic. Elsewhere the first regime is called circular,
+the second hyperbolic.
 
 The libration Θ is the odd function of u, π/2 at u = K, whose sine and cosine have the signs of sn and cn, and
 
@@ -48,7 +49,7 @@ class EllipticValues(NamedTuple):
     sn, cn, dn : number
         Jacobi's functions.
     sine, cosine : number
-        Those of the libration Θ, for imaginary argument of Θ − χ·drift, times a common positive factor.
+        Sine and cosine of the libration Θ, for imaginary argument of Θ − χ·drift, times a common positive factor.
     """
 
     sn: Number
@@ -76,7 +77,7 @@ class ThetaQuotients(NamedTuple):
     sn, cn, dn, denominator : Cubic
         The functions are quotients of the first three by the last.
     sine, cosine : Cubic
-        Of the libration.
+        Sine and cosine of the libration.
     """
 
     nome: Number
@@ -99,7 +100,7 @@ class RealTheta(NamedTuple):
     quotients: ThetaQuotients
 
     @classmethod
-    def of(cls, q: Number, decay: Number, codecay: Number, fall: Number) -> RealTheta:
+    def of(cls, q: Number, power: Number, copower: Number, complement: Number) -> RealTheta:
         """The functions of a parameter and a characteristic.
 
         With α = πa/2K the libration is arg(i/θ₁(ζ + iα)): its sine and cosine are as Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ cosh (2n+1)α
@@ -107,25 +108,25 @@ class RealTheta(NamedTuple):
 
         Parameters
         ----------
-        q, decay, codecay, fall : number
-            The nome, e^(−2α), q e^(2α) and 1 − e^(−2α).
+        q, power, copower, complement : number
+            The nome q, its powers q^(a/K′) = e^(−2α) and q^(1 − a/K′) = q e^(2α), and 1 − e^(−2α).
         """
         p1, p2, p3, p4 = cubic_1(q), cubic_2(q), cubic_3(q), cubic_4(q)
         unity = value(p4, 2.0 * q)
         # 2e^(−α) qⁿ cosh (2n+1)α = (q e^(2α))ⁿ (1 + e^(−2(2n+1)α)), and with − for sinh
-        third, square = decay * decay * decay, codecay * codecay
-        fifth, seventh = third * decay * decay, third * third * decay
+        third, square = power * power * power, copower * copower
+        fifth, seventh = third * power * power, third * third * power
         w0, w1, w2, w3 = (
-            1.0 + decay,
-            codecay * (1.0 + third),
+            1.0 + power,
+            copower * (1.0 + third),
             square * (1.0 + fifth),
-            square * codecay * (1.0 + seventh),
+            square * copower * (1.0 + seventh),
         )
         # 1 − xⁿ = (1 − x)(1 + x + … + xⁿ⁻¹), as x = e^(−2α) may be near 1
-        more = decay * decay
-        v1 = codecay * fall * (1.0 + decay + more)
-        v2 = square * fall * (1.0 + decay + more * (1.0 + decay + more))
-        v3 = square * codecay * (1.0 - seventh)
+        more = power * power
+        v1 = copower * complement * (1.0 + power + more)
+        v2 = square * complement * (1.0 + power + more * (1.0 + power + more))
+        v3 = square * copower * (1.0 - seventh)
         return cls(
             ThetaQuotients(
                 nome=q,
@@ -135,7 +136,7 @@ class RealTheta(NamedTuple):
                 dn=_times(p3, unity / value(p3, 2.0 * q)),
                 denominator=p4,
                 sine=odd_sines(q, (w0, w1, w2, w3)),
-                cosine=odd_cosines(q, (fall, v1, v2, v3)),
+                cosine=odd_cosines(q, (complement, v1, v2, v3)),
             )
         )
 
@@ -152,7 +153,7 @@ class ImaginaryTheta(NamedTuple):
     Attributes
     ----------
     quotients : ThetaQuotients
-        Of the nome q′.
+        Polynomials of the nome q′.
     quarter : number
         X = πK/2K′, a quarter period of χ; infinite on the separatrix.
     drift : number

@@ -89,7 +89,7 @@ def third_kind_sum(ratio: DoubleDouble, shortfalls: Sequence[DoubleDouble], step
     shortfalls : sequence of DoubleDouble
         Those of the mean of 1 and k′.
     steps : int
-        As many as are taken in double-double; two more are taken in doubles.
+        Number of steps in double-double; two more are taken in doubles.
     """
     term = total = ONE
     padded = [*shortfalls, *[ZERO] * steps]

@@ -1,4 +1,4 @@
-"""What a motion is given by: a body and its start; and the numbers that the formulas of its states take.
+"""Inputs of a motion, body and start, and the numbers in the formulas of its states.
 
 Numbers are floats of one motion, or arrays with an element for each of many.
 """
@@ -42,7 +42,7 @@ class Starts(NamedTuple):
     body_rate: Array
 
     def at(self, members: Members) -> Starts:
-        """The starts at these places."""
+        """The starts of some members of the ensemble."""
         return Starts(*(column[members] for column in self))
 
 
@@ -62,7 +62,7 @@ class GeneralMotion(NamedTuple):
     theta : RealTheta or ImaginaryTheta
         The elliptic functions of u, and the libration of ψ.
     rate_amplitudes, direction_amplitudes : 3 numbers
-        Of ω, rad/s, and of n; the second ones with the sign of the sense.
+        Amplitudes of ω, rad/s, and of n; the second ones with the sign of the sense.
     transverse : 2 numbers
         N₁ and N₂, in proportion.
     sense : number

@@ -59,7 +59,7 @@ class GeneralConstants(NamedTuple):
     rate, start : DoubleDouble
         Of the phase, in turns per nanosecond and turns; on the separatrix in its unit.
     half_turn_rate : DoubleDouble
-        Of half of ψ, in turns per nanosecond.
+        Rate of ψ/2, turns/ns.
     period : DoubleDouble
         Of a hyperbolic motion, in the unit of the phase; else 0.
     drift : number
