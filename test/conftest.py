@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Iterator
 from importlib.util import find_spec
+from pathlib import Path
 
 import hypothesis
 import pytest
@@ -19,6 +20,7 @@ hypothesis.settings.load_profile("repeatable")
 
 ROS_INSTALLED = find_spec("rclpy") is not None
 ROS_LEFT_OUT = "rclpy is not installed"
+ONE_PROCESS = Path(__file__).with_name("one_process.xml")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -68,6 +70,7 @@ def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
+        patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(ONE_PROCESS))
         for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "RMW_IMPLEMENTATION"):
             patch.delenv(name, raising=False)
         yield

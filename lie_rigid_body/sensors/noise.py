@@ -18,7 +18,6 @@ from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from lie_rigid_body.arrays import Array
 
@@ -65,6 +64,8 @@ class WhiteNoise:
 
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
+        from scipy.special import ndtri  # slow to import: not before there is noise
+
         words = self._words.random_raw(3 * count)
         return np.asarray(self._sigma * ndtri(_uniform(words))).reshape(count, 3)
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -75,16 +73,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture
-def own_signals() -> Iterator[None]:
-    """The node changes the signal handlers of its process; here they are pytest's."""
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    handlers = [signal.getsignal(number) for number in numbers]
-    yield
-    for number, handler in zip(numbers, handlers, strict=True):
-        signal.signal(number, handler)
-
-
 def filled(name: str, folder: Path) -> list[str]:
     return [argument.format(folder=folder) for argument in CASES[name][0]]
 
@@ -96,7 +84,6 @@ def require_one_good_line(name: str, out: str, err: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.usefixtures("own_signals")
 def test_refused_in_one_line_with_status_2(name: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(filled(name, folder)) == 2
     require_one_good_line(name, *capfd.readouterr())
