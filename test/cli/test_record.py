@@ -1,4 +1,4 @@
-"""``record`` as its users meet it: in a process of its own."""
+"""``record`` as its users meet it, in a process of its own wherever that may matter."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lie_rigid_body.cli.record import main
 from lie_rigid_body.recording.bag_reader import Recording, read_bag
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
@@ -32,8 +33,7 @@ def record(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def recorded(path: Path, *arguments: str | Path) -> Recording:
-    done = record(path, *arguments, "--quiet")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert main([*map(str, (path, *arguments)), "--quiet"]) == 0
     return read_bag(path)
 
 

@@ -17,6 +17,7 @@ MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 FRD = [1.0, 0.0, 0.0, 0.0]
 motions = pytest.mark.parametrize("motion", MOTIONS)
+two_motions = pytest.mark.parametrize("motion", ["dzhanibekov", "slow_tumble"])
 
 FAULTS = {
     "inverted": quaternion.conjugate,
@@ -44,7 +45,7 @@ def test_a_fault_is_named_with_what_is_left(motion, fault):
     assert f"(median error {score.total_deg.median:.3g}° before" in score.findings[0].message
 
 
-@motions
+@two_motions
 @pytest.mark.parametrize(
     ("faults", "named"),
     [
@@ -64,7 +65,7 @@ def test_two_faults_at_once_are_both_named_in_the_order_of_undoing(motion, fault
     assert score.findings[-1].rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
 
 
-@motions
+@two_motions
 def test_forward_right_down_in_an_ned_world_is_one_finding(motion):
     estimate = quaternion.multiply(quaternion.multiply(NED, noisy(motion)), FRD)
     (finding,) = evaluate(STAMPS, estimate, truth_of(motion)).findings
@@ -84,7 +85,7 @@ def test_the_declination_is_measured_beside_the_convergence_of_a_filter(motion):
 
 
 @motions
-@pytest.mark.parametrize("samples_late", [-1.0, -0.3, 0.123, 0.5, 1.0, 7.25, 30.0])
+@pytest.mark.parametrize("samples_late", [-1.0, -0.3, 0.123, 30.0])
 def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     lag_s = samples_late * PERIOD_NS / 1e9
     rate = np.sqrt(np.mean(np.sum(MOTIONS[motion].at(STAMPS).body_rate ** 2, axis=-1)))
@@ -104,7 +105,7 @@ def test_a_lag_without_noise_is_exact_to_nanoseconds(motion):
         assert evaluate(STAMPS, attitude(motion, lag_s), truth_of(motion)).lag_s == pytest.approx(lag_s, abs=2e-9)
 
 
-@motions
+@two_motions
 def test_a_lag_is_measured_beside_a_misalignment_in_samples_of_the_truth(motion):
     estimate = FAULTS["heading_offset"](noisy(motion, lag_s=0.033, size_deg=0.1))
     score = evaluate(STAMPS, estimate, SampledTruth(STAMPS, attitude(motion)))
@@ -142,14 +143,16 @@ HONEST = {
 
 
 @pytest.mark.parametrize("error", HONEST)
-@pytest.mark.parametrize(("motion", "axes"), [*zip(MOTIONS, ["world", "body", "body", "world"], strict=True)])
+@pytest.mark.parametrize(
+    ("motion", "axes"), [("dzhanibekov", "world"), ("precession", "body"), ("fast_tumble", "world")]
+)
 def test_honest_errors_are_not_explained(motion, error, axes):
     turn, q = quaternion.exp(HONEST[error]), attitude(motion)
     estimate = quaternion.multiply(turn, q) if axes == "world" else quaternion.multiply(q, turn)
     assert evaluate(STAMPS, estimate, truth_of(motion)).findings == ()
 
 
-@motions
+@two_motions
 def test_signs_of_quaternions_do_not_matter(motion):
     signs = np.where(np.random.default_rng(1).random(len(STAMPS)) < 0.5, -1.0, 1.0)[:, np.newaxis]
     estimate = FAULTS["inverted"](noisy(motion))

@@ -29,7 +29,7 @@ def check(inertia, rate, attitude, sign: int, angles: list[float]) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("regime", REGIMES)
 def test_each_regime_is_the_solution_of_the_equations_of_motion(regime):
-    for i, (inertia, rate) in enumerate(list(regime())[:: 1 if regime in (steady, with_products) else 3]):
+    for i, (inertia, rate) in enumerate(list(regime())[:: 2 if regime in (steady, with_products) else 6]):
         check(inertia, rate, ATTITUDES[i % 3], (-1) ** i, [0.01, 2.9])
 
 
@@ -59,7 +59,7 @@ FAR_REGIMES = [regime for regime in REGIMES if regime is not steady]
 @pytest.mark.parametrize("regime", FAR_REGIMES)
 def test_each_regime_is_right_after_ten_thousand_million_radians(regime):
     cases = [case for case in regime() if is_quick(*case)]
-    for i, (inertia, rate) in enumerate(cases[:: 1 if len(cases) < 12 else 3]):
+    for i, (inertia, rate) in enumerate(cases[:: 2 if len(cases) < 12 else 6]):
         check_far(inertia, rate, ATTITUDES[i % 3], (-1) ** i)
 
 
@@ -75,7 +75,7 @@ def is_quick(inertia, rate) -> bool:
     body = RigidBody(inertia)
     digits = digits_for(body.inertia, rate)
     with mp.workdps(digits):
-        return digits < 400 and (course_of(body.inertia, rate).m1 != 0 or rate[1] == 3.0)
+        return digits < 400 and course_of(body.inertia, rate).m1 != 0
 
 
 @pytest.mark.parametrize(("inertia", "rate"), list(beside_the_separatrix()))
