@@ -21,6 +21,7 @@ SUCCESS: Final = 0
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 _BROKEN_PIPE: Final = 141
+_PIP_NAMES: Final = {"yaml": "PyYAML"}
 
 Main = Callable[[Sequence[str] | None], int]
 
@@ -152,9 +153,20 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     except LieRigidBodyError as error:
         complain(prog, str(error))
         return UNUSABLE
+    except ModuleNotFoundError as error:
+        complain(prog, missing_library(error))
+        return UNUSABLE
     except KeyboardInterrupt:
         count_as_handled()
         complain(prog, "interrupted")
         return INTERRUPTED
     except BrokenPipeError:
         return _BROKEN_PIPE
+
+
+def missing_library(error: ModuleNotFoundError) -> str:
+    """What to install. A module that is missing within this package is a mistake of ours, and raised again."""
+    library = (error.name or "").partition(".")[0]
+    if library in ("", __package__):
+        raise error
+    return f"the Python library {library} is not installed: pip install {_PIP_NAMES.get(library, library)}"
