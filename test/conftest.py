@@ -71,6 +71,6 @@ def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
         patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(ONE_PROCESS))
-        for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "RMW_IMPLEMENTATION"):
+        for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY"):
             patch.delenv(name, raising=False)
         yield
