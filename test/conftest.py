@@ -23,7 +23,7 @@ hypothesis.settings.load_profile("repeatable")
 
 ROS_INSTALLED = find_spec("rclpy") is not None
 ROS_LEFT_OUT = "rclpy is not installed"
-LIBRARIES = {"ahrs", "allantools", "colcon_core", "colcon_ros", "evo", "mcap_ros2", "mpmath", "rosbags"}
+LIBRARIES = {"ahrs", "allantools", "catkin_pkg", "colcon_core", "colcon_ros", "evo", "mcap_ros2", "mpmath", "rosbags"}
 """What only tests import, and rosdep cannot give: where one is not installed, the tests that want it are left out."""
 ONE_PROCESS = Path(__file__).with_name("one_process.xml")
 
