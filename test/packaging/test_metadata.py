@@ -80,3 +80,14 @@ def test_the_changelog_is_one_that_bloom_reads(tmp_path: Path) -> None:
     [(version, _, contents)] = found.foreach_version()
     assert version == "0.1.0"
     assert [len(content.bullets) for content in contents] == [len(re.findall(r"^\* ", items, flags=re.MULTILINE))]
+
+
+def test_launch_files_carry_the_notice_of_the_licence() -> None:
+    """As ament_copyright wants it: the notice at the end of the licence, in the first comment of the file."""
+    one, *others = (path.read_text(encoding="utf-8") for path in (ROOT / "launch").glob("*.py"))
+    notice = one[: one.index("\n\n")]
+    lines = [line.removeprefix("#").strip() for line in notice.splitlines()]
+    assert re.fullmatch(r"Copyright \d{4} .+", lines[0])
+    licence = " ".join((ROOT / "LICENSE").read_text(encoding="utf-8").split())
+    assert " ".join(filter(None, lines[1:])) in licence
+    assert all(other.startswith(notice) for other in others)
