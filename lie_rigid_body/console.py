@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import functools
 import os
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ SUCCESS: Final = 0
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 _BROKEN_PIPE: Final = 141
+_PIP_NAMES: Final = {"yaml": "PyYAML"}
 
 Main = Callable[[Sequence[str] | None], int]
 
@@ -48,9 +50,18 @@ class Parser(argparse.ArgumentParser):
 
 
 def program(verb: str) -> str:
-    """The command of a verb: an executable of its own where ROS 2 installed it, one of ``lie-rigid-body`` with pip."""
-    own = Path(sys.argv[0]).stem == verb
-    return f"ros2 run lie_rigid_body {verb}" if own else f"lie-rigid-body {verb}"
+    """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
+
+    ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
+    """
+    this = Path(sys.argv[0])
+    of_ros = this.parent.name == __package__ and this.suffix != ".py"
+    return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
+
+
+def how_to_certify(bag: str | Path) -> str:
+    """The command that certifies a bag, for a shell."""
+    return f"certify them with: {program('check')} {shlex.quote(str(bag))}"
 
 
 def complain(prog: str, message: str) -> None:
@@ -152,9 +163,20 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     except LieRigidBodyError as error:
         complain(prog, str(error))
         return UNUSABLE
+    except ModuleNotFoundError as error:
+        complain(prog, missing_library(error))
+        return UNUSABLE
     except KeyboardInterrupt:
         count_as_handled()
         complain(prog, "interrupted")
         return INTERRUPTED
     except BrokenPipeError:
         return _BROKEN_PIPE
+
+
+def missing_library(error: ModuleNotFoundError) -> str:
+    """What to install. A module that is missing within this package is a mistake of ours, and raised again."""
+    library = (error.name or "").partition(".")[0]
+    if library in ("", __package__):
+        raise error
+    return f"the Python library {library} is not installed: pip install {_PIP_NAMES.get(library, library)}"

@@ -63,6 +63,7 @@ class Interruption:
                 raise KeyboardInterrupt
             yield
         except KeyboardInterrupt:
+            self._allowed = False  # the next signal must not leave the code that counts this one
             count_as_handled()
             raise
         finally:

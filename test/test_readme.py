@@ -55,18 +55,9 @@ def test_make_targets_exist():
 
 
 @pytest.mark.parametrize("text", [README, ROS_PAGE], ids=["README.md", "docs/ros.md"])
-def test_ros_names_are_those_of_the_package(text):
-    setup = (ROOT / "setup.py").read_text()
-    started = commands("console", "ros2 run lie_rigid_body", text)
-    assert started
-    for words in started:
-        assert f'"{words[3]} = ' in setup
+def test_every_launch_file_is_shown(text):
     launched = commands("console", "ros2 launch", text)
     assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
-    for words in launched:
-        assert words[2] == "lie_rigid_body"
-        text = (ROOT / "launch" / words[3]).read_text()
-        assert all(f'"{argument.split(":=")[0]}"' in text for argument in words[4:])
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():

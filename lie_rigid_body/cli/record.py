@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import re
-import shlex
 import shutil
 import sys
 from collections.abc import Sequence
@@ -148,7 +147,7 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
         clock = simulation.clock
         first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
         console.say(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
-        console.say(f"certify them with: {console.program('check')} {shlex.quote(str(bag.path))}")
+        console.say(console.how_to_certify(bag.path))
     return console.SUCCESS
 
 

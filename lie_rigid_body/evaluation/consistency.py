@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import chi2
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
@@ -86,6 +85,8 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     InputError
         If a shape is wrong, a number not finite, or a covariance not symmetric and positive definite.
     """
+    from scipy.stats import chi2  # loading it takes longer than all the rest of the package
+
     e = np.asarray(errors, dtype=np.float64)
     if e.ndim != 2:
         raise InputError(f"errors: shape {e.shape} is not (N, d)")

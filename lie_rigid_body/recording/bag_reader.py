@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 import numpy as np
-import yaml
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
@@ -17,10 +16,11 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
+from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawTrack, read_file
 
 T = TypeVar("T")
 
+_WHY: Final = {"scenario": ", which tells inertia, rate, motion and frames: record it as well, whatever --inertia says"}
 _WANTED: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
 
 
@@ -158,6 +158,11 @@ def _log_times(track: RawTrack) -> Integers:
 def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
     if track.encoding != "cdr":
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
+    if track.payloads[0].startswith(ZSTD_MAGIC):
+        raise BagError(
+            f"{path}: its messages are compressed one by one: record without '--compression-mode message' (MCAP's own "
+            "chunks are compressed by '--storage-preset-profile zstd_fast'), or unpack it with 'ros2 bag convert'"
+        )
     try:
         return decode()
     except BagError as error:
@@ -171,7 +176,8 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        raise BagError(f"{path} has no topic .../{ending} of type {' or '.join(types)}; it has {_list(contents)}")
+        wanted = f"topic .../{ending} of type {' or '.join(types)}{_WHY.get(ending, '')}"
+        raise BagError(f"{path} has no {wanted}; it has {_list(contents)}")
     if len(found) > 1:
         names = ", ".join(f"{track.topic} ({track.message_type})" for track in found)
         raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
@@ -206,6 +212,9 @@ def _listed_files(metadata: Path) -> list[str] | None:
     """The files that a rosbag2 folder's metadata name, or None without metadata: a recorder that was killed."""
     if not metadata.exists():
         return None
+
+    import yaml
+
     try:
         information = yaml.safe_load(metadata.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
         names = [str(name) for name in information["relative_file_paths"]]

@@ -8,13 +8,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final
 
+import zstandard  # noqa: F401  # mcap would miss it only once the file is there
 from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch
-from lie_rigid_body.recording.output_file import OutputFile, reason
+from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
 POSE_TOPIC: Final = "/pose"
@@ -180,7 +181,7 @@ class BagWriter:
     def _what_remains(self) -> str:
         if self._file.replaces:
             return "the older file of that name is kept: make room and record again"
-        return f"make room and record again, or read what is whole after 'mcap recover {self.path} -o recovered.mcap'"
+        return f"make room and record again, or rescue what is whole: {rescue(self.path)}"
 
     def __enter__(self) -> BagWriter:
         return self

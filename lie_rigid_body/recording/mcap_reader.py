@@ -9,6 +9,7 @@ import struct
 import zlib
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
@@ -20,17 +21,20 @@ from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.output_file import reason, rescue
 
 T = TypeVar("T")
 
 _HEAD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
-_COMPRESSIONS: Final = ("", "lz4", "zstd")
+_LIBRARIES: Final = {"": "mcap", "lz4": "lz4", "zstd": "zstandard"}
+"""The library that unpacks chunks of each compression."""
+ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
+"""The first bytes of whatever zstd compressed."""
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
-    b"\x28\xb5\x2f\xfd": "it is zstd-compressed as a whole: unpack it with 'unzstd'",
+    ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
 }
 
 
@@ -149,7 +153,7 @@ class _FileReader:
         self._verify_section(opcode, head, content)
         try:
             self._take(opcode, content)
-        except BagError:
+        except (BagError, ModuleNotFoundError):
             raise
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
             raise self._damaged(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__) from None
@@ -194,11 +198,12 @@ class _FileReader:
         self._channels[channel.id] = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding))
 
     def _chunk(self, chunk: Chunk) -> None:
-        if chunk.compression not in _COMPRESSIONS:
+        if chunk.compression not in _LIBRARIES:
             raise BagError(
                 f"{self._path} is compressed with {chunk.compression!r}, which is unknown here: "
                 "rewrite it with 'mcap compress'"
             )
+        import_module(_LIBRARIES[chunk.compression])  # mcap goes on without, and fails like on a damaged file
         stream, size = get_chunk_data_stream(chunk, validate_crc=True)
         data, position = stream.read(size), 0
         while position < size:
@@ -230,7 +235,7 @@ class _FileReader:
         count = self._into.message_count - self._before
         return BagError(
             f"{self._path} was cut off, or is still being written: its {self._chunks} whole chunks hold {count} "
-            f"messages; rescue them with 'mcap recover {self._path} -o recovered.mcap'"
+            f"messages; rescue them: {rescue(self._path)}"
         )
 
     def _damaged(self, what: str) -> BagError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import stat
 import tempfile
 from pathlib import Path
@@ -92,6 +93,11 @@ class OutputFile:
 def reason(error: Exception) -> str:
     """The message of an error of the operating system, without its number and path."""
     return (isinstance(error, OSError) and error.strerror) or str(error)
+
+
+def rescue(path: Path) -> str:
+    """The commands that make a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
+    return f"{shlex.join(['mcap', 'recover', str(path), '-o', 'recovered.mcap'])}, or ros2 bag convert"
 
 
 def _new(path: Path) -> tuple[Path, BinaryIO]:

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from itertools import combinations
+from typing import Any, Final
 
 from rclpy.node import Node
 
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.ros.control import standard_services
 from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.control.services import Services
 from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.publishing import diagnostics, markers
 from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
 from lie_rigid_body.ros.publishing.markers import Markers
-from lie_rigid_body.ros.publishing.publisher import SamplePublisher
-from lie_rigid_body.ros.publishing.transforms import Transforms
+from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
+from lie_rigid_body.ros.publishing.transforms import TF, Transforms
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
+
+OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
+TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
+"""The topics of the node, wanted or not: each has a type of its own, or means something else."""
 
 
 class SimulatorNode(Node):
@@ -37,11 +45,12 @@ class SimulatorNode(Node):
     Raises
     ------
     LieRigidBodyError
-        If the parameters are not valid, or ROS refuses a topic.
+        If the parameters are not valid, two topics have one name, or ROS refuses a topic.
     """
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         super().__init__(NODE_NAME)
+        _require_distinct({topic: self.resolve_topic_name(topic) for topic in TOPICS})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         scenario, values = self.parameters.scenario(), self.parameters.values()
         self.publisher = SamplePublisher(
@@ -91,3 +100,10 @@ class SimulatorNode(Node):
                 self.publisher.set_factor(factor)
 
         return act
+
+
+def _require_distinct(full_names: Mapping[str, str]) -> None:
+    """Refuse two topics of one name: some middlewares do if their types differ, others send both without a word."""
+    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
+        if its_name == other_name:
+            raise InputError(f"the topics {one} and {other} would both be {its_name}: give each a name of its own")

@@ -137,7 +137,7 @@ def _recording(node: SimulatorNode, path: str) -> Iterator[BagWriter | None]:
         return
     with _open_bag(node, path) as bag:
         yield bag
-    _say(f"recorded {bag.sample_count} samples; certify them with: {console.program('check')} {path}")
+    _say(f"recorded {bag.sample_count} samples; {console.how_to_certify(path)}")
 
 
 def _open_bag(node: SimulatorNode, path: str) -> BagWriter:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from evo.core import metrics, trajectory
 from motions import STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body.evaluation import evaluate
 from lie_rigid_body.lie import quaternion
-
-metrics = pytest.importorskip("evo.core.metrics", reason="evo is not installed")
-trajectory = pytest.importorskip("evo.core.trajectory", reason="evo is not installed")
 
 
 def evo_trajectory(attitude_xyzw):

@@ -27,6 +27,7 @@ def rows(text: str) -> Table:
 @pytest.fixture(scope="module")
 def tables() -> tuple[Table, Table]:
     """Of the bag without errors of the sensors, and of the one with."""
+    pytest.importorskip("ahrs")
     run = subprocess.run([sys.executable, str(EXAMPLE)], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     perfect, mems = run.stdout.split("consumer MEMS")

@@ -101,8 +101,10 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     listed = layout.run("scenarios", cwd=tmp_path)
     assert [name for name in sorted(SCENARIOS) if name not in listed] == []
     name = min(SCENARIOS)
-    layout.run("record", "out.mcap", "--scenario", name, "--duration", "0.5", cwd=tmp_path)
-    layout.run("check", "out.mcap", cwd=tmp_path)
+    said = layout.run("record", "my out.mcap", "--scenario", name, "--duration", "0.5", cwd=tmp_path)
+    command = "ros2 run lie_rigid_body check" if layout.by_verb else "lie-rigid-body check"
+    assert said.splitlines()[-1] == f"certify them with: {command} 'my out.mcap'"
+    layout.run("check", "my out.mcap", cwd=tmp_path)
 
 
 # one kind of each tool's installation in every run: an installation takes as long as hundreds of other tests

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from bags import MakeBag
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
@@ -206,6 +208,34 @@ def test_a_topic_without_messages_is_refused(make_bag: MakeBag, tmp_path: Path) 
     path = rewrite(make_bag(), tmp_path / "x.mcap", keep=lambda number, topic: topic != "/twist")
     with pytest.raises(BagError, match="no message on /twist"):
         read_bag(path)
+
+
+def test_without_a_scenario_topic_an_inertia_is_not_enough(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", lambda topic: topic if topic in ("/pose", "/twist") else None)
+    with pytest.raises(BagError, match=r"tells inertia, rate, motion and frames: record it .* whatever --inertia says"):
+        read_bag(path)
+
+
+def test_messages_compressed_one_by_one_are_refused_by_the_name_of_the_option(
+    make_bag: MakeBag, tmp_path: Path
+) -> None:
+    """As ``ros2 bag record --compression-mode message --compression-format zstd`` writes them."""
+    path = rewrite(make_bag(), tmp_path / "x.mcap", change=lambda number, topic, data: zstandard.compress(data))
+    with pytest.raises(BagError, match="record without '--compression-mode message'"):
+        read_bag(path)
+
+
+@pytest.mark.parametrize(
+    ("compression", "library"), [(CompressionType.LZ4, "lz4"), (CompressionType.ZSTD, "zstandard")]
+)
+def test_a_library_that_is_missing_is_no_damage(
+    make_bag: MakeBag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: CompressionType, library: str
+) -> None:
+    path = rewrite(make_bag(), tmp_path / "x.mcap", compression=compression)
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(ModuleNotFoundError) as caught:
+        read_bag(path)
+    assert caught.value.name == library
 
 
 def test_a_malformed_message_is_named(make_bag: MakeBag, tmp_path: Path) -> None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -48,9 +52,11 @@ CASES = {
     "ros: pose on twist": (["--ros-args", "-r", "pose:=twist"], ["pose and twist", "/twist"]),
     "ros: two topics in one": (
         ["--ros-args", "-r", "twist:=/a", "-r", "~/scenario:=/a"],
-        ["twist and ~/scenario", "remapped to /a"],
+        ["twist and ~/scenario", "both be /a"],
     ),
-    "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["the topic pose as /rosout"]),
+    "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["pose and /rosout", "both be /rosout"]),
+    "ros: the clock is no twist": (["--ros-args", "-r", "twist:=/clock"], ["twist and /clock", "both be /clock"]),
+    "ros: bad topic name": (["--ros-args", "-r", "pose:=/a//b"], ["pose:=/a//b"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }
 FILES = {
@@ -81,6 +87,15 @@ def require_one_good_line(name: str, out: str, err: str) -> None:
     assert out == ""
     [line] = err.splitlines()
     assert [word for word in CASES[name][1] if word not in line] == []
+
+
+@pytest.fixture(autouse=True)
+def deadline() -> Iterator[None]:
+    """The end of a node that takes what it should refuse: it would run for ever, in this process."""
+    end = threading.Timer(DEADLINE, os.kill, (os.getpid(), signal.SIGTERM))
+    end.start()
+    yield
+    end.cancel()
 
 
 @pytest.mark.parametrize("name", CASES)

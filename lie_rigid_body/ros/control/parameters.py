@@ -58,7 +58,10 @@ class NodeParameters:
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
-        return Scenario.from_parameters(self.values())
+        scenario = Scenario.from_parameters(self.values())
+        if scenario.sensors.imu or scenario.sensors.magnetometer:
+            import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
+        return scenario
 
     def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
         """Call ``act`` with the new values, by name, when parameters in `IMMEDIATE` change."""

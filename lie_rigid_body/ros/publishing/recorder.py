@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
+
+if TYPE_CHECKING:
+    from lie_rigid_body.recording.bag_writer import BagWriter
 
 FLUSH_INTERVAL_NS: Final = 500_000_000
 """Steady time between two flushes of the bag, ns: a crash may cost one second of samples, and half of it is left for
