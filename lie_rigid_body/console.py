@@ -7,7 +7,7 @@ import functools
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
@@ -54,8 +54,9 @@ def program(verb: str) -> str:
 
 
 def complain(prog: str, message: str) -> None:
-    """Print an error as one line on stderr."""
-    print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
+    """Print an error as one line on stderr, if that can be written."""
+    with suppress(OSError):
+        print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
 
 
 def say(text: str) -> None:
