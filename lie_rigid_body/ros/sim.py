@@ -113,10 +113,11 @@ def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption
     mailbox = Mailbox()
     values = node.parameters.values()
     run = LiveRun(
-        Simulation(scenario, scenario.epoch_ns or time.time_ns()),
+        Simulation(scenario),
         [*node.sinks, *([recorder] if recorder else [])],
         mailbox,
         interruption,
+        wall=None if scenario.epoch_ns else time.time_ns,
         factor=values["real_time_factor"],
         paused=values["paused"],
     )
