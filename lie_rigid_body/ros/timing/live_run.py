@@ -28,7 +28,7 @@ STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
-FAR_BEHIND_NS: Final = NS
+FAR_BEHIND_NS: Final = 10 * NS
 """Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
 SELDOM_WOKEN: Final = Fraction(5, 4)
 """As many times as fast as simulated time passes it then sends at least."""

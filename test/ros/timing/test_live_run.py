@@ -10,7 +10,7 @@ from fake_time import NS, FakeTime, KeepingSink
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.timing.live_run import STEPS_PER_BATCH, LiveRun
+from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun
 from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
@@ -42,9 +42,9 @@ def test_stall_loses_nothing_and_is_caught_up_by_and_by() -> None:
 
 
 def test_a_run_that_is_woken_seldom_does_not_fall_behind_for_ever() -> None:
-    """Each wait takes 12 ms longer, as on a machine that is busy with other things."""
-    sink = run(FakeTime(dict.fromkeys(range(1000), 12_000_000)), 6000, rate=1000.0)
-    assert max(sink.latest) < 1.2 * NS
+    """Each wait takes 22 ms longer, as on a machine that is busy with other things."""
+    sink = run(FakeTime(dict.fromkeys(range(1000), 22_000_000)), 6000, rate=1000.0)
+    assert max(sink.latest) < 1.02 * FAR_BEHIND_NS
 
 
 def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
