@@ -87,7 +87,7 @@ EXTRAS = {
 }
 
 # Folders of their own: what lies in config/ itself is a scenario.
-VIEWS_AND_POLICY = ["foxglove", "plotjuggler", "rviz", "sros2"]
+VIEWS_AND_POLICIES = ["foxglove", "plotjuggler", "rosbag2", "rviz", "sros2"]
 
 setup(
     name=NAME,
@@ -111,12 +111,12 @@ setup(
     python_requires=">=3.10",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     # lie_rigid_body/config is a link to config/: one set of files, found beside the code however it was installed.
-    package_data={NAME: ["py.typed", "config/*.yaml", *(f"config/{folder}/*" for folder in VIEWS_AND_POLICY)]},
+    package_data={NAME: ["py.typed", "config/*.yaml", *(f"config/{folder}/*" for folder in VIEWS_AND_POLICIES)]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", sorted(glob("config/*.*"))),
-        *((f"share/{NAME}/config/{folder}", sorted(glob(f"config/{folder}/*"))) for folder in VIEWS_AND_POLICY),
+        *((f"share/{NAME}/config/{folder}", sorted(glob(f"config/{folder}/*"))) for folder in VIEWS_AND_POLICIES),
         (f"share/{NAME}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=REQUIRES,

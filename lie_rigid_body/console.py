@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
@@ -65,8 +65,9 @@ def how_to_certify(bag: str | Path) -> str:
 
 
 def complain(prog: str, message: str) -> None:
-    """Print an error as one line on stderr."""
-    print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
+    """Print an error as one line on stderr, if that can be written."""
+    with suppress(OSError):
+        print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
 
 
 def say(text: str) -> None:

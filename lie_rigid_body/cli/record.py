@@ -126,6 +126,7 @@ def _record(
             except KeyboardInterrupt:
                 return
             bag.write(encoder.encode(taken))
+            bag.require_intact()
             bar.update(len(taken.samples))
 
 

@@ -57,7 +57,7 @@ class BagWriter:
     Raises
     ------
     BagError
-        If the file cannot be created, or later not written.
+        If the file cannot be created, later not written, or is taken away by another program.
     """
 
     def __init__(
@@ -154,7 +154,13 @@ class BagWriter:
         """Finish the present chunk and hand it to the operating system: it survives the end of this process."""
         with self._writing():
             self._writer.flush()  # type: ignore[no-untyped-call]
+            self._file.require_intact()
             self._chunk_start_ns = None
+
+    def require_intact(self) -> None:
+        """Check that no other program has taken away what was written so far."""
+        with self._writing():
+            self._file.require_intact()
 
     def finish(self) -> None:
         """Write the indexes and close the file. Calling it again does nothing."""
@@ -173,10 +179,16 @@ class BagWriter:
             raise BagError(f"{self.path} is already finished: begin a new bag")
         try:
             yield
+        except BagError:
+            self._abandon()
+            raise
         except OSError as error:
-            self._open = False
-            self._file.abandon()
+            self._abandon()
             raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains()}") from None
+
+    def _abandon(self) -> None:
+        self._open = False
+        self._file.abandon()
 
     def _what_remains(self) -> str:
         if self._file.replaces:
@@ -192,6 +204,4 @@ class BagWriter:
         if kind is None or not self._file.replaces or issubclass(kind, KeyboardInterrupt | SystemExit):
             self.finish()
         elif self._open:
-            # a run that failed does not replace a bag that is whole
-            self._open = False
-            self._file.abandon()
+            self._abandon()  # a run that failed does not replace a bag that is whole

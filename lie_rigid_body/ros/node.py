@@ -61,12 +61,13 @@ class SimulatorNode(Node):
             keep_all=values["real_time_factor"] == 0.0,
         )
         self.publisher.set_factor(values["real_time_factor"])
+        self._diagnostics = Diagnostics(self)
         self._views = self._make_views(values)
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
 
     def _make_views(self, values: Mapping[str, Any]) -> list[Sink]:
-        views: list[Sink] = [Diagnostics(self)]
+        views: list[Sink] = [self._diagnostics]
         if marker_rate := values["marker_rate"]:
             views.append(Markers(self, marker_rate))
         if values["publish_tf"] and Transforms.is_available():
@@ -77,6 +78,11 @@ class SimulatorNode(Node):
     def sinks(self) -> list[Sink]:
         """The sinks that publish samples or what is made of them."""
         return [self.publisher, *self._views]
+
+    def report_failure(self, reason: str) -> None:
+        """Say in the log and in diagnostics why the bag can no longer be written."""
+        self.get_logger().error(f"{reason}; publishing goes on")
+        self._diagnostics.report_failure(reason)
 
     @property
     def reset_service(self) -> str:

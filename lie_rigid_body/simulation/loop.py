@@ -60,6 +60,11 @@ class Simulation:
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
+    def start_at(self, epoch_ns: int) -> None:
+        """Begin anew with another stamp of sample 0, ns, before anything was taken."""
+        self._imu = self._magnetometer = None
+        self._begin(replace(self._segment.scenario, epoch_ns=epoch_ns), 0)
+
     def _begin(self, scenario: Scenario, first: int) -> None:
         clock = SampleClock(scenario.epoch_ns, scenario.rate)
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))

@@ -6,6 +6,7 @@ import fcntl
 import os
 import pty
 import select
+import shutil
 import signal
 import struct
 import subprocess
@@ -122,7 +123,7 @@ def running(out: Path, *arguments: str, size: int = 300_000) -> subprocess.Popen
     return process
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_finishes_the_file(out: Path, number: signal.Signals) -> None:
     process = running(out, *ENDLESS)
     process.send_signal(number)
@@ -157,6 +158,30 @@ def test_many_signals_do_no_more_than_one(out: Path) -> None:
     assert process.communicate()[1].count("interrupted") == 1
     assert process.returncode == 130
     assert read_bag(out).expected_samples
+
+
+def test_a_terminal_that_closes_leaves_a_whole_file(out: Path) -> None:
+    ours, theirs = pty.openpty()
+    with subprocess.Popen([*RECORD, out, *ENDLESS], stdout=theirs, stderr=theirs) as process:
+        os.close(theirs)
+        while not (out.exists() and out.stat().st_size > 300_000):
+            assert process.poll() is None
+            time.sleep(0.01)
+        os.close(ours)
+        process.send_signal(signal.SIGHUP)
+        assert process.wait(20) == 130
+    assert read_bag(out).expected_samples
+
+
+def test_a_file_that_is_deleted_ends_it_at_once(tmp_path: Path) -> None:
+    out = tmp_path / "bags" / "out.mcap"
+    out.parent.mkdir()
+    process = running(out, *ENDLESS)
+    shutil.rmtree(out.parent)
+    stdout, stderr = process.communicate(timeout=20)
+    assert (process.returncode, stdout) == (2, "")
+    assert stderr.startswith(f"lie-rigid-body record: error: {out} is lost: the file was deleted")
+    assert stderr.count("\n") == 1
 
 
 def test_force_keeps_the_old_file_until_the_new_one_is_whole(out: Path) -> None:
