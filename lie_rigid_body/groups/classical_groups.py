@@ -15,7 +15,7 @@ from scipy.linalg import schur
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
-from lie_rigid_body.groups.elements import Elements
+from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
@@ -208,6 +208,11 @@ class SpecialUnitaryElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The logarithm of least norm in the algebra, by the series near the identity, else from the Schur form."""
         return batched_log(A, _log_of_unitary)
+
+    def one_to_one(self, X: Matrix) -> Array:
+        """Where the angles of two eigenvalues of tX first are 2π apart, and another logarithm is as short."""
+        angles = np.linalg.eigvalsh(-1j * X)
+        return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Elements by the Haar measure: as for SO(n), with the determinant divided out of the first column."""
