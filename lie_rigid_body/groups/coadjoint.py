@@ -63,7 +63,8 @@ def killing_form(group: MatrixLieGroup) -> Array:
     """The Killing form tr(ad Tᵃ ad Tᵇ) = f[a,c,d] f[b,d,c], which is invariant on every group.
 
     It is regular exactly on semisimple groups (Cartan). On compact groups it is negative semidefinite, and 0 only along
-    the centre; so it is wherever structure constants are totally antisymmetric in some basis.
+    the centre; so it is wherever structure constants are totally antisymmetric in some basis, as the text after eq.
+    (42) wants of every group.
 
     Parameters
     ----------

@@ -20,7 +20,8 @@ def connection_coefficients(lagrangian: Lagrangian) -> Array:
     """The connection of the metric M in the frame of the left-invariant fields Tᵃ: ∇_Tᵃ Tᵇ = Γ[a,b,c] Tᶜ.
 
     By Koszul's formula 2⟨∇_X Y, Z⟩ = ⟨[X, Y], Z⟩ − ⟨[Y, Z], X⟩ + ⟨[Z, X], Y⟩, with ⟨X, Y⟩ = MᵃᵇXᵃYᵇ. Geodesics have the
-    rates ω̇ᶜ = −Γ[a,b,c] ωᵃωᵇ, which is eq. (21). For a bi-invariant metric Γ[a,b,c] = ½ f[a,b,c], and ω is constant.
+    rates ω̇ᶜ = −Γ[a,b,c] ωᵃωᵇ, which is eq. (21); it is what the text after eq. (32) leaves open. For a bi-invariant
+    metric Γ[a,b,c] = ½ f[a,b,c], and ω is constant.
 
     Parameters
     ----------
@@ -39,8 +40,9 @@ def connection_coefficients(lagrangian: Lagrangian) -> Array:
 def christoffel_symbols(lagrangian: Lagrangian) -> Array:
     """The Christoffel symbols Γᶜ_ab at the centre of the chart A₀ exp(βᵃTᵃ), as [a, b, c]: symmetric in a and b.
 
-    There β̈ᶜ = −Γᶜ_ab β̇ᵃβ̇ᵇ. They are the part of `connection_coefficients` that is symmetric in the first two indices,
-    since ω̇ = β̈ at the centre. They vanish for a bi-invariant metric, whose geodesics are straight in this chart.
+    There β̈ᶜ = −Γᶜ_ab β̇ᵃβ̇ᵇ, as the text after eq. (32) asks for. They are the part of `connection_coefficients` that
+    is symmetric in the first two indices, since ω̇ = β̈ at the centre. They vanish for a bi-invariant metric, whose
+    geodesics are straight in this chart.
 
     Parameters
     ----------

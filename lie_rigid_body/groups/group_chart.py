@@ -50,7 +50,7 @@ class ChartReach(NamedTuple):
 
 
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
-    """How far the chart A₀ exp(βᵃTᵃ) reaches along a direction: where its coordinates end, and why it must move.
+    """How far the chart A₀ exp(βᵃTᵃ), eq. (38), reaches along a direction: where its coordinates end.
 
     Both are infinite where nothing turns, as along translations. `GroupChart` stops its steps at half of `regular`.
 

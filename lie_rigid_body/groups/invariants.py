@@ -30,7 +30,7 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     """The momentum as a matrix P of the algebra, for which Euler's equations are Ṗ = [P, Ω] with Ω = A⁻¹Ȧ.
 
     P = hat(g⁻¹p) with `invariant_form` g: pᵃTᵃ on SO(n) and SU(n), as before eq. (23), and KΩ + ΩK for a body with
-    second moment K.
+    second moment K. The trace of its square is the invariant of eq. (24).
 
     Parameters
     ----------
@@ -88,7 +88,8 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
 def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n), SU(n), U(1) and their products, those of a product factor by factor.
 
-    They are `rotation_casimirs` of SO(n), `unitary_casimirs` of SU(n), and of U(1) its charge, the momentum itself.
+    On all of them eq. (24) is one of several. They are `rotation_casimirs` of SO(n), `unitary_casimirs` of SU(n), and
+    of U(1) its charge, the momentum itself.
 
     Parameters
     ----------

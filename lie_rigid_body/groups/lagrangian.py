@@ -61,7 +61,7 @@ class Lagrangian:
         return f"Lagrangian({self.group.name}, {self.metric.tolist()})"
 
     def value(self, rate: ArrayLike) -> Array:
-        """L(ω), eq. (14), which for free motion is the kinetic energy.
+        """L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Lagrangian:
         """The rate of change ω̇ by the equations of motion, Mᵃᵇω̇ᵇ = f[c,a,d] Mᵈᵇ ωᵇωᶜ: the geodesics of the metric M.
 
         For totally antisymmetric structure constants this is eq. (21), Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ, and on SO(3) Euler's
-        equation Mω̇ = Mω × ω, eq. (29).
+        equation Mω̇ = Mω × ω, eq. (29). At the centre of the chart it is α̈, as in eq. (20).
 
         Parameters
         ----------

@@ -22,9 +22,9 @@ _GENERATOR_ROUND_OFF: Final = 1e-12
 def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: ArrayLike | None = None) -> Array:
     """The metric of a rigid body on its rotation group, Mᵃᵇ = −½ tr[A₀ K A₀ᵀ {Tᵃ, Tᵇ}]: eq. (13).
 
-    The kinetic energy ½ ∫ρ |ẋ|² of ẋ = ωᵃTᵃ x, eq. (7), is then ½ Mᵃᵇωᵃωᵇ, eqs. (12) and (14). For n = 3 in the basis
-    Tᵃ = hat(eₐ) it is the inertia tensor, eq. (28). For diagonal K on SO(n), in the basis of the coordinate planes
-    (i, j), it is diagonal with the entries Kᵢᵢ + Kⱼⱼ.
+    The kinetic energy ½ ∫ρ |ẋ|² = ½ tr[K ȦᵀȦ] of ẋ = ωᵃTᵃ x, eqs. (7) and (9), is then ½ Mᵃᵇωᵃωᵇ, eqs. (12) and (14).
+    For n = 3 in the basis Tᵃ = hat(eₐ), with the anticommutators (27), it is the inertia tensor, eq. (28). For diagonal
+    K on SO(n), in the basis of the coordinate planes (i, j), it is diagonal with the entries Kᵢᵢ + Kⱼⱼ.
 
     Parameters
     ----------

@@ -22,7 +22,8 @@ _TIE: Final = 1e-8
 def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
     """The momentum in the space frame, Ad(A)⁻ᵀ p, of which every component is conserved.
 
-    The symmetry is that of L under left translations A ↦ BA with a constant B, as B = exp(αᵃTᵃ).
+    The symmetry is that of L under left translations A ↦ BA with a constant B, as B = exp(αᵃTᵃ): shifts of the
+    paper's chart. Eq. (22) is not needed for it, which is about components in the body.
 
     Parameters
     ----------

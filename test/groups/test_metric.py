@@ -98,6 +98,21 @@ def test_the_inertia_of_a_density_is_its_integrals():
     np.testing.assert_allclose(inertia_from_second_moment(K), expected, rtol=1e-11)
 
 
+def test_the_inertia_of_a_point_reads_off_the_anticommutators():
+    """−½ xᵀ{Tᵃ, Tᵇ}x of a unit mass at x, with the printed anticommutators (27a), (27b) and their permutations."""
+    square, mixed = np.diag([0.0, -2.0, -2.0]), np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    T, shift = SO(3).generators, np.eye(3)[[1, 2, 0]]
+    for a in range(3):
+        b = (a + 1) % 3
+        np.testing.assert_array_equal(T[a] @ T[a] + T[a] @ T[a], square)
+        np.testing.assert_array_equal(T[a] @ T[b] + T[b] @ T[a], mixed)
+        for x in np.random.default_rng(a).normal(size=(4, 3)):
+            found = mass_matrix(np.outer(x, x), T)
+            assert found[a, a] == pytest.approx(-0.5 * x @ square @ x, rel=1e-13)
+            assert found[a, b] == pytest.approx(-0.5 * x @ mixed @ x, rel=1e-13)
+        square, mixed = shift.T @ square @ shift, shift.T @ mixed @ shift
+
+
 @pytest.mark.parametrize("name", GROUPS)
 def test_the_derivative_of_the_metric_is_its_change_along_the_group(name):
     """∂M/∂α of M at exp(αᵃTᵃ)A₀, by central differences: minus the right-hand side that is printed as (32)."""
