@@ -56,9 +56,9 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     """The symmetric matrices C for which p·Cp is conserved by every motion on the group, whatever its metric.
 
     They are the solutions of f[a,b,c] Cᵇᵈ p_c p_d = 0 for all p. Eqs. (23) and (24) have the case C = 1, of totally
-    antisymmetric structure constants. On a simple group it is the inverse of the invariant form and no other; a product
-    has one for each simple factor, and products of the charges of its circles. On groups that are not semisimple C may
-    be singular, as on rigid motions of the plane, and there may be none, as on x ↦ ax + b.
+    antisymmetric structure constants. On a compact simple group it is the inverse of the invariant form and no other; a
+    product has one for each simple factor, and products of the charges of its circles. On groups that are not
+    semisimple C may be singular, as on rigid motions of the plane, and there may be none, as on x ↦ ax + b.
 
     Parameters
     ----------
@@ -70,19 +70,13 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     ndarray, shape (k, d, d)
         A basis of them, of Frobenius norm 1; a function of their span, by `canonical_basis`.
     """
-    d, f = group.dimension, group.structure_constants
-    rows, columns = np.triu_indices(d)
-    symmetric = np.zeros((len(rows), d, d))
-    symmetric[range(len(rows)), rows, columns] = symmetric[range(len(rows)), columns, rows] = np.where(
-        rows == columns, 1.0, math.sqrt(0.5)
-    )
+    f, symmetric = group.structure_constants, _symmetric_basis(group.dimension)
     # d/dt p·Cp along ad*_{Tᵃ} p has the coefficients f[a,b,c] Cᵇᵈ of p_c p_d, symmetrised
     change = np.einsum("abc,kbd->kacd", f, symmetric)
-    conditions = (change + np.swapaxes(change, -1, -2)).reshape(len(rows), -1)
+    conditions = (change + np.swapaxes(change, -1, -2)).reshape(len(symmetric), -1)
     directions, sizes, _ = np.linalg.svd(conditions, full_matrices=False)
-    kept = sizes <= _CASIMIR_TOLERANCE * np.abs(f).max()
-    flat = (directions[:, kept].T @ symmetric.reshape(len(rows), -1)).reshape(-1, d * d)
-    return canonical_basis(flat).reshape(-1, d, d)
+    kept = directions[:, sizes <= _CASIMIR_TOLERANCE * np.abs(f).max()]
+    return canonical_basis(kept.T @ symmetric.reshape(len(symmetric), -1)).reshape(-1, *symmetric.shape[1:])
 
 
 def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
@@ -243,6 +237,15 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
         words = _next_power(words, p, square)
         integrals += [np.trace(words[m], axis1=-2, axis2=-1) for m in range(2, power + 1, 2)]
     return np.stack(integrals, axis=-1) if integrals else np.zeros((*p.shape[:-2], 0))
+
+
+def _symmetric_basis(d: int) -> Array:
+    """The symmetric d×d matrices: an orthonormal basis of them, shape (d(d+1)/2, d, d)."""
+    rows, columns = np.triu_indices(d)
+    basis = np.zeros((len(rows), d, d))
+    each = range(len(rows))
+    basis[each, rows, columns] = basis[each, columns, rows] = np.where(rows == columns, 1.0, math.sqrt(0.5))
+    return basis
 
 
 def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
