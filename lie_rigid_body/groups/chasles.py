@@ -1,6 +1,7 @@
 """Chasles' theorem: every displacement of a rigid body is a rotation and a translation; here both from points.
 
-The theorem and its proof are eqs. (1)-(6) of A. Lucas, arXiv 1111.1275.
+The theorem and its proof are eqs. (1) to (6) of A. Lucas, arXiv 1111.1275, whose numbers are used below. Eq. (2) alone
+does not make the rotation the same for all points, as x ↦ R(|x|)x obeys it; eq. (1) does.
 
 References
 ----------
@@ -29,7 +30,7 @@ _THIN: Final = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Displacement:
-    """A displacement x ↦ A x + t of a rigid body in n dimensions.
+    """A displacement x ↦ A x + t of a rigid body in n dimensions: eq. (3), with the translation.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ class Displacement:
     determinacy: float
 
     def apply(self, points: ArrayLike) -> Array:
-        """The positions of displaced points of the body.
+        """The positions of displaced points of the body, whose distances are unchanged: eqs. (1) and (2).
 
         Parameters
         ----------
@@ -68,7 +69,7 @@ class Displacement:
 
 
 def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None = None) -> Displacement:
-    """The rotation and the translation that best fit points of a body before and after a displacement.
+    """The rotation and the translation that best fit points of a body before and after a displacement, eq. (1).
 
     They minimise Σ wᵢ |yᵢ − A xᵢ − t|² over A in SO(n) and t. The determinant of A is 1 also when the points lie in one
     hyperplane, and when the data are a mirror image, which no rotation fits: see the residual.

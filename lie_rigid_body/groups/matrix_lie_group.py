@@ -46,12 +46,15 @@ class MatrixLieGroup:
         bases, and 1 for U(1) and for groups from generators; g of a product has the blocks of its factors.
     elements : Elements
         Membership, projection, logarithm and random elements.
+    factors : tuple of MatrixLieGroup, optional
+        The groups that `product` made it of, in the order of their blocks and coordinates; none for other groups.
     """
 
     name: str
     algebra: MatrixLieAlgebra
     trace_metric: Array
     elements: Elements
+    factors: tuple[MatrixLieGroup, ...] = ()
 
     @classmethod
     def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:

@@ -1,4 +1,7 @@
-"""The rigid body: its inertia, momentum and kinetic energy."""
+"""The rigid body: its inertia, momentum and kinetic energy.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ from lie_rigid_body.mechanics.state import State
 
 
 class RigidBody:
-    """A free rigid body, given by its inertia about its centre of mass, or a batch of bodies.
+    """A free rigid body, given by its inertia about its centre of mass, eq. (28), or a batch of bodies.
 
     Parameters
     ----------
@@ -56,7 +59,7 @@ class RigidBody:
 
     @classmethod
     def from_principal_moments(cls, moments: ArrayLike) -> RigidBody:
-        """The body, or the batch of bodies, with these principal moments along the body axes.
+        """The body, or the batch of bodies, with these principal moments along the body axes, as in eq. (29).
 
         Parameters
         ----------
@@ -76,7 +79,7 @@ class RigidBody:
 
     @classmethod
     def from_second_moment(cls, second_moment: ArrayLike) -> RigidBody:
-        """The body with a given second moment K about its centre of mass, of inertia tr(K) 1 − K.
+        """The body with a given second moment K about its centre of mass, of inertia tr(K) 1 − K, eq. (28).
 
         Parameters
         ----------
@@ -96,7 +99,7 @@ class RigidBody:
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M about the centre of mass in the body frame, shape (..., 3, 3), kg m²."""
+        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (..., 3, 3), kg m²."""
         tensors = self.inertia.reshape(-1, 3, 3)
         return np.array([second_moment_from_inertia(tensor) for tensor in tensors]).reshape(self.inertia.shape)
 
@@ -125,7 +128,7 @@ class RigidBody:
         return f"RigidBody({self.inertia.tolist()})"
 
     def body_momentum(self, states: State) -> Array:
-        """Angular momentum in the body frame, π = Mω; Lucas (arXiv 1111.1275), eq. (19).
+        """Angular momentum in the body frame, π = Mω, eq. (19).
 
         Parameters
         ----------
@@ -140,7 +143,7 @@ class RigidBody:
         return apply_tensor(self._inertia_for(states), states.body_rate)
 
     def angular_acceleration(self, states: State) -> Array:
-        """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω.
+        """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω, eq. (29).
 
         Parameters
         ----------
@@ -155,7 +158,8 @@ class RigidBody:
         return np.asarray(np.linalg.solve(self._inertia_for(states), torque[..., np.newaxis])[..., 0])
 
     def angular_momentum(self, states: State) -> Array:
-        """Angular momentum in the world frame, L = A M ω: every component is conserved.
+        """Angular momentum in the world frame, L = A M ω: every component is conserved, by the symmetry
+        A ↦ BA of eq. (9).
 
         Parameters
         ----------
@@ -169,7 +173,7 @@ class RigidBody:
         return quaternion.rotate(states.attitude_xyzw, self.body_momentum(states))
 
     def kinetic_energy(self, states: State) -> Array:
-        """Kinetic energy ½ ω·Mω, which is conserved; Lucas (arXiv 1111.1275), eq. (14).
+        """Kinetic energy ½ ω·Mω, which is conserved, eq. (14).
 
         Parameters
         ----------

@@ -90,6 +90,8 @@ def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Arra
 def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
     """K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
 
+    It is eq. (10) of Lucas (arXiv 1111.1275) with x − o for x.
+
     Parameters
     ----------
     second_moment : array_like, shape (n, n)
@@ -148,7 +150,7 @@ def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
 
 
 def second_moment_from_inertia(inertia: ArrayLike) -> Array:
-    """The second moment K = ½ tr(I) 1 − I of a body with a given inertia tensor.
+    """The second moment K = ½ tr(I) 1 − I of a given inertia tensor: Lucas (arXiv 1111.1275), eq. (28) solved for K.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The state of a rotating body: attitude and body rate."""
+"""The state of a rotating body: attitude and body rate; equation numbers are those of A. Lucas, arXiv 1111.1275."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNIT_NORM_TOLERANCE: Final = 1e-6
 
 
 class State:
-    """Attitude and body rate, of one instant or of many.
+    """Attitude and body rate, of one instant or of many: A of eq. (3), and ω of eq. (11) in the body frame.
 
     Parameters
     ----------
