@@ -27,6 +27,7 @@ ROS_NAMES = [
     f"plot = {NAME}.cli.plot:main",
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
+    f"campaign = {NAME}.cli.campaign:main",
 ]
 
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
@@ -42,6 +43,7 @@ REQUIRES = [
 ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
 # PyBullet has to be compiled elsewhere, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
+CAMPAIGN = ["dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
 FLINT_WHEELS_EXIST = (
@@ -58,7 +60,10 @@ EXTRAS = {
     "fast": ["numba>=0.58"],
     # check --prove: the true motion in balls that are proved to hold it
     "proof": [PYTHON_FLINT],
+    # many runs on all cores or a cluster, and their table
+    "campaign": CAMPAIGN,
     "test": [
+        *CAMPAIGN,
         "ahrs",
         "allantools",
         "colcon-core",

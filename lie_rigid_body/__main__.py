@@ -29,6 +29,7 @@ VERBS = {
     "plot": Verb("lie_rigid_body.cli.plot", "draw a bag: body rate, drifts and polhode"),
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
+    "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
 }
 
 ROS_PARTS = frozenset({"rclpy", "rcl_interfaces", "geometry_msgs", "std_msgs", "std_srvs"})

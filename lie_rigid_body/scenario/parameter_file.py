@@ -77,13 +77,24 @@ def read_sections(path: str | Path) -> list[tuple[str, Mapping[str, object]]]:
     InputError
         If the file cannot be read, or is not such a file.
     """
-    content = _load(_read_text(Path(path)), str(path))
+    content = read_yaml(path)
     if not isinstance(content, dict):
         raise InputError(f"{path} is not a parameter file: begin it with '/**:' and '{PARAMETERS_KEY}:' below that")
     sections = list(_sections(content, "", str(path)))
     if not sections:
         raise InputError(f"{path} has no '{PARAMETERS_KEY}:': put it below '/**:', and 'name: value' lines below it")
     return sections
+
+
+def read_yaml(path: str | Path) -> Any:
+    """The content of a YAML file whose plain scalars are read as rcl reads them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not YAML, or gives a key twice.
+    """
+    return _load(_read_text(Path(path)), str(path))
 
 
 def parse_assignment(text: str) -> tuple[str, object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -69,6 +70,12 @@ class SampleClock:
     def count_before(self, duration: Fraction) -> int:
         """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""
         return -int(-(duration * Fraction(repr(self.rate))) // 1)
+
+    def last_ns_before(self, duration: Fraction) -> int:
+        """The last stamp, ns, that a reading may have in this time (s) after the epoch, rounded as for samples."""
+        count = self.count_before(duration)
+        end = self.epoch_ns + math.ceil(duration * NS) - 1
+        return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 
 def _round_ratio(n: int, d: int) -> int:
