@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -17,6 +18,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
+    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.certificate.segments import recorded_segments
     from lie_rigid_body.cli.figure import draw
     from lie_rigid_body.recording.bag_reader import read_bag
@@ -34,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if not isinstance(error, OSError):
             raise
         raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
-    console.say(f"wrote {given.out}")
+    console.say(f"wrote {given.out}", done=f"{given.out} is written")
     return console.SUCCESS
 
 

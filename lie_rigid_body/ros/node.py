@@ -16,6 +16,7 @@ from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
 from lie_rigid_body.ros.publishing.markers import Markers
 from lie_rigid_body.ros.publishing.publisher import SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import Transforms
+from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
@@ -41,7 +42,8 @@ class SimulatorNode(Node):
     """
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
-        super().__init__(NODE_NAME)
+        with translated_errors("this node"):
+            super().__init__(NODE_NAME)
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         scenario, values = self.parameters.scenario(), self.parameters.values()
         self.publisher = SamplePublisher(

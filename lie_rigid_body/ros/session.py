@@ -6,6 +6,7 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import Thread
@@ -17,7 +18,7 @@ from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
 LONGEST_JOIN: Final = 0.5
@@ -79,7 +80,7 @@ def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
 
 @contextmanager
 def translated_errors(request: str) -> Iterator[None]:
-    """Turn any error of rclpy into an InputError of one line.
+    """Turn any error but our own, so of rclpy, into an InputError of one line.
 
     Parameters
     ----------
@@ -91,7 +92,11 @@ def translated_errors(request: str) -> Iterator[None]:
     InputError
     """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of what it cannot undo after the error
+            yield
+    except LieRigidBodyError:
+        raise
     except Exception as error:
         raise InputError(f"ROS refuses {request}: {_reason(error)}") from None
 

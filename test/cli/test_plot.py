@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Any, cast
 
@@ -160,3 +163,10 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
         assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
     assert list(tmp_path.glob("*.png")) == []
     assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 0
+
+
+def test_the_window_that_jupyter_names_is_not_asked_for(bag, tmp_path):
+    command = [sys.executable, "-m", "lie_rigid_body", "plot", str(bag), "-o", str(tmp_path / "out.png")]
+    environment = os.environ | {"MPLBACKEND": "module://none.such"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -53,6 +54,9 @@ CASES = {
         ["twist and ~/scenario", "remapped to /a"],
     ),
     "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["the topic pose as /rosout"]),
+    "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "255"]),
+    "ros: node name too long for services": (["--ros-args", "-r", f"__node:={240 * 'n'}"], ["this node", "255"]),
+    "ros: params file a device": (["--ros-args", "--params-file", "/dev/zero"], ["/dev/zero is a device"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }
 FILES = {
@@ -64,7 +68,10 @@ FILES = {
 }
 
 # Before rclpy is initialised, while it is, and while the node is made.
-IN_A_PROCESS_OF_ITS_OWN = ["ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"]
+IN_A_PROCESS_OF_ITS_OWN = [
+    *("ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"),
+    "ros: long node name",
+]
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +117,13 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     )
     assert done.returncode == 2
     require_one_good_line(name, done.stdout, done.stderr)
+
+
+@pytest.mark.usefixtures("own_signals")
+def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.CaptureFixture[str]) -> None:
+    ours, theirs = os.pipe()
+    os.write(theirs, b"/**: {ros__parameters: {rate: 10.0}}")
+    os.close(theirs)
+    assert main(["--ros-args", "--params-file", f"/dev/fd/{ours}"]) == 2
+    os.close(ours)
+    assert f"/dev/fd/{ours} is a pipe" in capfd.readouterr().err
