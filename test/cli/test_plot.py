@@ -165,8 +165,8 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
     assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 0
 
 
-def test_the_window_that_jupyter_names_is_not_asked_for(bag, tmp_path):
+def test_the_window_that_the_environment_names_is_not_asked_for(bag, tmp_path):
     command = [sys.executable, "-m", "lie_rigid_body", "plot", str(bag), "-o", str(tmp_path / "out.png")]
-    environment = os.environ | {"MPLBACKEND": "module://none.such"}
+    environment = os.environ | {"MPLBACKEND": "no_such_window"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
