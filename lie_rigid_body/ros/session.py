@@ -6,6 +6,7 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,8 @@ from rclpy.signals import SignalHandlerOptions
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
+LARGEST_DOMAIN: Final = 232
+"""Largest domain number of DDS, by its numbers of ports."""
 LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
@@ -41,6 +44,7 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
     InputError
         If ROS does not understand them.
     """
+    _require_domain(os.environ.get("ROS_DOMAIN_ID", ""))
     # what rcl logs of bad arguments is in the exception as well
     set_logger_level(_RCL, LoggingSeverity.FATAL)
     with translated_errors(" ".join(arguments) or "to start"):
@@ -51,6 +55,12 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         rclpy.try_shutdown()
+
+
+def _require_domain(text: str) -> None:
+    """Refuse a domain for which there are no ports: Fast DDS would end the process, with status 1."""
+    if text.isdecimal() and int(text[:9]) > LARGEST_DOMAIN:
+        raise InputError(f"ROS_DOMAIN_ID {text} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}")
 
 
 @contextmanager

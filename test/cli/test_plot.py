@@ -17,7 +17,12 @@ from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.cli.figure import draw
 from lie_rigid_body.cli.plot import main
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
 
 
 @pytest.fixture
@@ -170,3 +175,17 @@ def test_the_window_that_the_environment_names_is_not_asked_for(bag, tmp_path):
     environment = os.environ | {"MPLBACKEND": "no_such_window"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("number", [np.inf, -np.inf, np.nan, 1e308, 5e-324])
+def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys):
+    simulation = Simulation(Scenario.from_parameters())
+    samples = simulation.take(5)
+    rates = np.where(np.arange(5)[:, np.newaxis] == 2, number, samples.states.body_rate)
+    samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
+    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
+        bag.begin_segment(simulation.segment)
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+    assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
+    assert capsys.readouterr().err == ""

@@ -119,6 +119,15 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     require_one_good_line(name, done.stdout, done.stderr)
 
 
+def test_a_domain_without_ports_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a process of its own, which Fast DDS would end."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "99999")
+    done = subprocess.run(sim_command(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert done.returncode == 2
+    [line] = done.stderr.splitlines()
+    assert "ROS_DOMAIN_ID 99999 is above 232" in line
+
+
 @pytest.mark.usefixtures("own_signals")
 def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.CaptureFixture[str]) -> None:
     ours, theirs = os.pipe()
