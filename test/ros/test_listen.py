@@ -42,7 +42,7 @@ def test_process_ends_with_status_2() -> None:
 
 @pytest.mark.ros
 def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("lie_rigid_body.ros.listen.LONGEST_WAIT", 0.1)
+    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
     assert main(["--reset", "/nobody"]) == 2
     [line] = capfd.readouterr().err.splitlines()
     assert "no service /nobody" in line
