@@ -32,6 +32,7 @@ ROS_NAMES = [
 
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
 REQUIRES = [
+    "lz4>=4.0",
     "mcap>=1.5",
     "matplotlib>=3.6.3",
     "numpy>=1.26",

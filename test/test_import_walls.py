@@ -8,12 +8,23 @@ from rooms import MODULES, PACKAGE, imports, room
 
 # What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
 # package, and its own __init__ is the room "".
-SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
+SCENARIO = {
+    "arithmetic",
+    "bounded_input",
+    "compilation",
+    "lie",
+    "mechanics",
+    "motion",
+    "parameters",
+    "sensors",
+    "scenario",
+}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "arrays": set(),
+    "bounded_input": set(),
     "compilation": set(),
     "arithmetic": {"compilation"},
     "lie": set(),

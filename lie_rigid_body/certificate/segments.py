@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
+
+MOST_SEGMENTS: Final = 10_000
+"""Most segments of a bag: each takes up to 1 ms, and a look at all samples."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ def declared_segments(recording: Recording) -> list[Segment]:
         If one declares what cannot be, such as an impossible inertia.
     """
     texts = dict.fromkeys(text for _, text in recording.scenario_texts)
+    if len(texts) > MOST_SEGMENTS:
+        raise BagError(f"the bag declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
     try:
         segments = [Segment.from_json(text) for text in texts]
     except ParameterError:

@@ -108,7 +108,8 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -
     rows = journal.rows.values()
     broken = sorted(row.run for row in rows if not row.certified)
     worst = max(row.attitude_accuracy_rad for row in rows)
-    console.say(f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}")
+    lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
-        console.say(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+        lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    console.say("\n".join(lines), done=f"{table} is written")
     return NOT_CERTIFIED if broken else console.SUCCESS

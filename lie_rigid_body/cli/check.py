@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if given.json:
         content = certificate_text.as_json(given.bag, certificate)
         content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
-        console.say(json.dumps(content, indent=2, ensure_ascii=False))
+        console.say(json.dumps(content, indent=2))
     else:
         console.say(certificate_text.as_table(given.bag, certificate))
         if proof is not None:
@@ -78,9 +78,12 @@ def _inertia(text: str) -> list[float]:
 
     try:
         numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
+    if len(numbers) not in (3, 6):
+        raise InputError(f"--inertia {text}: {len(numbers)} numbers: give 3 principal moments or 6 tensor entries")
+    try:
         RigidBody(numbers)
     except ParameterError as error:
         raise InputError(f"--inertia {text}: {error}") from None
-    except ValueError:
-        raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
     return numbers

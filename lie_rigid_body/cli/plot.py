@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -17,14 +18,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
+    import numpy as np
+
+    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.certificate.segments import recorded_segments
     from lie_rigid_body.cli.figure import draw
     from lie_rigid_body.recording.bag_reader import read_bag
     from lie_rigid_body.recording.output_file import OutputFile, reason
 
-    figure = draw(recorded_segments(read_bag(given.bag)))
     picture = BytesIO()
-    figure.savefig(picture, format="png")
+    with np.errstate(all="ignore"):  # recorded numbers may be anything
+        draw(recorded_segments(read_bag(given.bag))).savefig(picture, format="png")
     out = OutputFile(given.out, overwrite=given.force)
     try:
         out.stream.write(picture.getbuffer())
@@ -34,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if not isinstance(error, OSError):
             raise
         raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
-    console.say(f"wrote {given.out}")
+    console.say(f"wrote {given.out}", done=f"{given.out} is written")
     return console.SUCCESS
 
 

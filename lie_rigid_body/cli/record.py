@@ -44,11 +44,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-    with console.files_named(given):
-        scenario = Scenario.from_parameters(console.parameters(given))
+    scenario = console.scenario(given)
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
     last_ns = simulation.clock.last_ns_before(duration)
@@ -140,8 +138,11 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
     if not quiet:
         clock = simulation.clock
         first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
-        console.say(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
-        console.say(console.how_to_certify(bag.path))
+        console.say(
+            f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})\n"
+            f"{console.how_to_certify(bag.path)}",
+            done=f"{bag.path} is written and whole",
+        )
     return console.SUCCESS
 
 

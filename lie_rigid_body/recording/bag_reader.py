@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,15 +13,19 @@ import numpy as np
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.bounded_input import load_yaml, read_text
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawTrack, read_file
+from lie_rigid_body.recording.output_file import reason
 
 T = TypeVar("T")
 
 _WHY: Final = {"scenario": ", which tells inertia, rate, motion and frames: record it as well, whatever --inertia says"}
+LARGEST_METADATA: Final = 2**20
+"""Largest size of the metadata.yaml of a folder, bytes."""
 _WANTED: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
 
 
@@ -116,7 +121,11 @@ def read_bag(path: str | Path) -> Recording:
     """
     path = Path(path)
     contents = McapContents()
-    for file in _files(path):
+    try:
+        files = _files(path)
+    except OSError as error:
+        raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
+    for file in files:
         read_file(file, _WANTED, contents)
     pose = _find(path, contents, "pose", POSE_STAMPED)
     twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
@@ -213,15 +222,15 @@ def _listed_files(metadata: Path) -> list[str] | None:
     if not metadata.exists():
         return None
 
-    import yaml
-
     try:
-        information = yaml.safe_load(metadata.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+        information = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))["rosbag2_bagfile_information"]
         names = [str(name) for name in information["relative_file_paths"]]
-    except (OSError, ValueError, TypeError, LookupError, yaml.YAMLError):
+    except (InputError, TypeError, LookupError):
         raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
     return names
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]

@@ -9,7 +9,6 @@ import struct
 import zlib
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
@@ -17,20 +16,28 @@ from typing import BinaryIO, Final, TypeVar
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Footer, Header, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.bounded_input import open_file
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated
 from lie_rigid_body.recording.output_file import reason, rescue
 
 T = TypeVar("T")
 
 _HEAD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
-_LIBRARIES: Final = {"": "mcap", "lz4": "lz4", "zstd": "zstandard"}
-"""The library that unpacks chunks of each compression."""
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of whatever zstd compressed."""
+_IN_CHUNKS: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+"""The only records that a chunk may hold."""
+LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
+"""Largest size of a record, bytes."""
+_KEPT_AT_LEAST: Final = 64 * 2**20
+_KEPT_PER_BYTE: Final = 200
+"""Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
+_PER_MESSAGE: Final = 100
+"""About the bytes that a message takes beside its content."""
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
@@ -98,13 +105,22 @@ def read_file(path: Path, wanted: Collection[str], into: McapContents) -> None:
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    try:
-        with open(path, "rb") as stream:
+    with _opened(path) as stream:
+        try:
             _FileReader(path, stream, wanted, into).read()
+        except OSError as error:
+            raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
+
+
+def _opened(path: Path) -> BinaryIO:
+    try:
+        return open_file(path)
+    except InputError as error:
+        raise BagError(str(error)) from None
     except FileNotFoundError:
         raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
-    except OSError as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}") from None
+    except (OSError, ValueError) as error:
+        raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None
 
 
 class _FileReader:
@@ -117,6 +133,7 @@ class _FileReader:
         self._channels: dict[int, RawTrack] = {}
         self._chunks = 0
         self._before = into.message_count
+        self._kept = 0  # bytes, about
         self._crc = 0  # of the data section, then of the summary
         self._position = 0
 
@@ -149,6 +166,8 @@ class _FileReader:
             raise self._damaged("a record is longer than the file")
         if too_long or opcode == 0:
             raise self._cut_off()
+        if length > LARGEST_RECORD:
+            raise self._too_large(f"a record of {length} bytes")
         content = self._stream.read(length)
         self._verify_section(opcode, head, content)
         try:
@@ -198,14 +217,18 @@ class _FileReader:
         self._channels[channel.id] = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding))
 
     def _chunk(self, chunk: Chunk) -> None:
-        if chunk.compression not in _LIBRARIES:
+        if chunk.compression not in COMPRESSIONS:
             raise BagError(
                 f"{self._path} is compressed with {chunk.compression!r}, which is unknown here: "
                 "rewrite it with 'mcap compress'"
             )
-        import_module(_LIBRARIES[chunk.compression])  # mcap goes on without, and fails like on a damaged file
-        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-        data, position = stream.read(size), 0
+        if chunk.uncompressed_size > LARGEST_CHUNK:
+            raise self._too_large(f"a chunk of {chunk.uncompressed_size} bytes")
+        try:
+            data, position = inflated(chunk), 0
+        except ValueError as error:
+            raise self._damaged(str(error)) from None
+        size = len(data)
         while position < size:
             opcode, length = _HEAD.unpack_from(data, position)
             position += _HEAD.size
@@ -214,8 +237,10 @@ class _FileReader:
                 raise self._damaged("a record is longer than its chunk")
             if opcode == Opcode.MESSAGE:
                 self._message(data, position, end)
-            else:
+            elif opcode in _IN_CHUNKS:
                 self._take(opcode, data[position:end])
+            else:
+                raise self._damaged(f"a record of kind {opcode:#04x} in a chunk")
             position = end
         self._chunks += 1
 
@@ -226,6 +251,9 @@ class _FileReader:
         if track.message_type in self._wanted:
             track.log_times_ns.append(log_time)
             track.payloads.append(data[start + _MESSAGE.size : end])
+            self._kept += end - start + _PER_MESSAGE
+            if self._kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size):
+                raise self._too_large(f"messages of {self._kept} bytes in a file of {self._size}")
 
     def _ends_well(self) -> bool:
         self._stream.seek(-len(MAGIC), 2)
@@ -237,6 +265,9 @@ class _FileReader:
             f"{self._path} was cut off, or is still being written: its {self._chunks} whole chunks hold {count} "
             f"messages; rescue them: {rescue(self._path)}"
         )
+
+    def _too_large(self, what: str) -> BagError:
+        return BagError(f"{self._path} has at byte {self._position} {what}, more than is read: record it again")
 
     def _damaged(self, what: str) -> BagError:
         return BagError(f"{self._path} is damaged at byte {self._position}: {what}: restore a copy, or record again")

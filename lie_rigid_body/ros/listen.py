@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ LONGEST_WAIT: Final = 5.0
 """Longest wait, s: for the first pose, whose absence is then reported; for the reset service, and for its answer."""
 SIGNAL_INTERVAL: Final = 0.1
 """Longest time between two looks whether a signal has come, s."""
-NO_ANSWER: Final = 1
-"""Exit status without a pose or an answer."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -36,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, 1 when there is no answer, 2 when the input is unusable, 130 when interrupted before an answer.
+        Exit status: 0, 2 when the input is unusable or there is no answer, 130 when interrupted before an answer.
     """
     return console.status_of(PROGRAM, lambda: _main(argv))
 
@@ -58,10 +57,11 @@ def _main(argv: Sequence[str] | None) -> int:
 def _connected(pose: str, service: str | None, interruption: Interruption) -> int:
     import rclpy
 
-    from lie_rigid_body.ros.session import initialised
+    from lie_rigid_body.ros.session import initialised, translated_errors
 
     with initialised([]):
-        node = rclpy.create_node("lie_rigid_body_listener")
+        with translated_errors("a node"):
+            node = rclpy.create_node("lie_rigid_body_listener")
         return listen(node, pose, interruption) if service is None else reset(node, service, interruption)
 
 
@@ -72,15 +72,15 @@ def listen(node: Node, topic: str, interruption: Interruption) -> int:
 
     from lie_rigid_body.ros.session import translated_errors
 
-    shown = 0.0
+    shown, heard = 0.0, True
 
     def show(pose: PoseStamped) -> None:
-        nonlocal shown
+        nonlocal shown, heard
         silence.cancel()
         if time.monotonic() - shown < SHOWN_EVERY:
             return
         shown = time.monotonic()
-        console.say(line(pose))
+        heard = console.say(line(pose))
 
     def report_silence() -> None:
         silence.cancel()
@@ -89,7 +89,7 @@ def listen(node: Node, topic: str, interruption: Interruption) -> int:
     with translated_errors(f"--pose {topic!r}"):
         node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
     silence = node.create_timer(LONGEST_WAIT, report_silence)
-    _spin_while(node, lambda: not interruption.requested)
+    _spin_while(node, lambda: heard and not interruption.requested)
     return console.SUCCESS
 
 
@@ -127,22 +127,21 @@ def reset(node: Node, service: str, interruption: Interruption) -> int:
     _spin_while(node, lambda: waiting() and not client.service_is_ready())
     if not client.service_is_ready():
         domain = node.context.get_domain_id()
-        return _unanswered(f"no service {service} in domain {domain}: is the node running?", interruption)
+        raise _unanswered(f"no service {service} in domain {domain}: is the node running?", interruption)
     answer = client.call_async(Trigger.Request())
     end = time.monotonic() + LONGEST_WAIT
     _spin_while(node, lambda: waiting() and not answer.done())
     response = answer.result()
     if response is None:
-        return _unanswered(f"{service} does not answer", interruption)
+        raise _unanswered(f"{service} does not answer: is the node well?", interruption)
+    if not response.success:
+        raise LieRigidBodyError(f"{service} refuses: {response.message}")
     console.say(response.message)
-    return console.SUCCESS if response.success else NO_ANSWER
+    return console.SUCCESS
 
 
-def _unanswered(complaint: str, interruption: Interruption) -> int:
-    if interruption.requested:
-        raise KeyboardInterrupt
-    console.complain(PROGRAM, complaint)
-    return NO_ANSWER
+def _unanswered(complaint: str, interruption: Interruption) -> BaseException:
+    return KeyboardInterrupt() if interruption.requested else LieRigidBodyError(complaint)
 
 
 if __name__ == "__main__":

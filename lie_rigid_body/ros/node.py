@@ -20,6 +20,7 @@ from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
 from lie_rigid_body.ros.publishing.markers import Markers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import TF, Transforms
+from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
@@ -49,7 +50,8 @@ class SimulatorNode(Node):
     """
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
-        super().__init__(NODE_NAME)
+        with translated_errors("this node"):
+            super().__init__(NODE_NAME)
         _require_distinct({topic: self.resolve_topic_name(topic) for topic in TOPICS})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         scenario, values = self.parameters.scenario(), self.parameters.values()

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
@@ -82,7 +82,7 @@ def _require_readable(given: Arguments) -> None:
     from lie_rigid_body.scenario.parameter_file import parse_assignment, read_sections
 
     for path in given.ros_params_files:
-        read_sections(path)
+        read_sections(path, pipes=False)
     for text in given.ros_assignments:
         parse_assignment(text)
 
@@ -189,7 +189,5 @@ def _names(node: SimulatorNode) -> Names:
 
 def _say(text: str) -> None:
     """Print, if the standard output is open: the node works without it."""
-    try:
-        print(text, flush=True)
-    except OSError:
-        console.silence()
+    with suppress(InputError):
+        console.say(text)

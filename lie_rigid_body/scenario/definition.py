@@ -234,8 +234,8 @@ def _require_normal_motion(body: RigidBody, start: State) -> None:
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",
-            f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J and the momentum {momentum:g} kg m²/s, "
-            "which leave the range of double precision: give an ordinary rate, or zeros",
+            f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J, the momentum {momentum:g} kg m²/s, "
+            "which leave the range of doubles: give an ordinary rate, or zeros",
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from lie_rigid_body.errors import InputError
@@ -11,6 +12,8 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.sample_clock import SampleClock
 
 SOFTWARE: Final = "lie_rigid_body"
+LONGEST_TEXT: Final = 64 * 1024
+"""Characters of the longest scenario message that is read; those of this package have about 2000."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +55,25 @@ class Segment:
         InputError
             If the text is not such a message.
         """
+        if len(text) > LONGEST_TEXT:
+            raise InputError(f"the scenario message has {len(text)} characters: at most {LONGEST_TEXT} are read")
         try:
             content = json.loads(text)
             first, start = content.pop("first_sample"), content.pop("start_ns")
             content.pop("software", None)
-        except (ValueError, KeyError, AttributeError, TypeError) as error:
+        except (ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
             raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error!r}") from None
         for name, value in (("first_sample", first), ("start_ns", start)):
             if isinstance(value, bool) or not isinstance(value, int) or value < 0:
                 raise InputError(f"the scenario message gives {name} {value!r}: it must be an integer of at least 0")
-        return cls(Scenario.from_parameters(content), first, start)
+        return cls(_scenario(json.dumps(content)), first, start)
 
     def clock(self) -> SampleClock:
         """The clock of the segment's stamps."""
         return SampleClock(self.scenario.epoch_ns, self.scenario.rate)
+
+
+@lru_cache(maxsize=1)
+def _scenario(parameters: str) -> Scenario:
+    """The scenario of a JSON object; most resets repeat the one before, and to validate it takes most of the time."""
+    return Scenario.from_parameters(json.loads(parameters))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Any, cast
 
@@ -14,7 +17,12 @@ from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.cli.figure import draw
 from lie_rigid_body.cli.plot import main
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
 
 
 @pytest.fixture
@@ -160,3 +168,24 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
         assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
     assert list(tmp_path.glob("*.png")) == []
     assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 0
+
+
+def test_the_window_that_the_environment_names_is_not_asked_for(bag, tmp_path):
+    command = [sys.executable, "-m", "lie_rigid_body", "plot", str(bag), "-o", str(tmp_path / "out.png")]
+    environment = os.environ | {"MPLBACKEND": "no_such_window"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("number", [np.inf, -np.inf, np.nan, 1e308, 5e-324])
+def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys):
+    simulation = Simulation(Scenario.from_parameters())
+    samples = simulation.take(5)
+    rates = np.where(np.arange(5)[:, np.newaxis] == 2, number, samples.states.body_rate)
+    samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
+    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
+        bag.begin_segment(simulation.segment)
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+    assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
+    assert capsys.readouterr().err == ""

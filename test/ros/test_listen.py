@@ -41,6 +41,14 @@ def test_process_ends_with_status_2() -> None:
 
 
 @pytest.mark.ros
+def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
+    assert main(["--reset", "/nobody"]) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert "no service /nobody" in line
+
+
+@pytest.mark.ros
 def test_silence_is_told_once() -> None:
     soon = "from lie_rigid_body.ros import listen; listen.LONGEST_WAIT = 0.2; listen.main(['--pose', '/nobody'])"
     with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:

@@ -57,6 +57,9 @@ CASES = {
     "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["pose and /rosout", "both be /rosout"]),
     "ros: the clock is no twist": (["--ros-args", "-r", "twist:=/clock"], ["twist and /clock", "both be /clock"]),
     "ros: bad topic name": (["--ros-args", "-r", "pose:=/a//b"], ["pose:=/a//b"]),
+    "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "255"]),
+    "ros: node name too long for services": (["--ros-args", "-r", f"__node:={240 * 'n'}"], ["this node", "255"]),
+    "ros: params file a device": (["--ros-args", "--params-file", "/dev/zero"], ["/dev/zero is a device"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }
 FILES = {
@@ -68,7 +71,10 @@ FILES = {
 }
 
 # Before rclpy is initialised, while it is, and while the node is made.
-IN_A_PROCESS_OF_ITS_OWN = ["ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"]
+IN_A_PROCESS_OF_ITS_OWN = [
+    *("ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"),
+    "ros: long node name",
+]
 
 
 @pytest.fixture(scope="module")
@@ -112,3 +118,22 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     )
     assert done.returncode == 2
     require_one_good_line(name, done.stdout, done.stderr)
+
+
+def test_a_domain_without_ports_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a process of its own, which Fast DDS would end."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "99999")
+    done = subprocess.run(sim_command(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert done.returncode == 2
+    [line] = done.stderr.splitlines()
+    assert "ROS_DOMAIN_ID 99999 is above 232" in line
+
+
+@pytest.mark.usefixtures("own_signals")
+def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.CaptureFixture[str]) -> None:
+    ours, theirs = os.pipe()
+    os.write(theirs, b"/**: {ros__parameters: {rate: 10.0}}")
+    os.close(theirs)
+    assert main(["--ros-args", "--params-file", f"/dev/fd/{ours}"]) == 2
+    os.close(ours)
+    assert f"/dev/fd/{ours} is a pipe" in capfd.readouterr().err

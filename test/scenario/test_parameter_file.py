@@ -51,6 +51,9 @@ SCALARS = [
     ("0x1F", 31),
     ("-0x1f", -31),
     ("9223372036854775807", 2**63 - 1),
+    ("9223372036854775808", 2.0**63),
+    ("-9223372036854775809", -(2.0**63)),
+    ("0x10000000000000000", 2.0**64),
     ("true", True),
     ("Yes", True),
     ("on", True),
@@ -176,7 +179,7 @@ REFUSED = [
     ("/**:\n  ros__parameters: 3\n", "of /\\*\\* holds 3"),
     ("talker: {ros__parameters: {a: 1}}\n/x/*: {ros__parameters: {a: 1}}", "only for /talker, /x/\\*"),
     ("/**: {ros__parameters: {a: !!python/object:os.system 1}}", "not readable as YAML"),
-    ("/**: {ros__parameters: {a: *b}}", "undefined alias"),
+    ("/**: {ros__parameters: {a: *b}}", "aliases .* are not read"),
     ("--- 1\n--- 2\n", "not readable as YAML"),
     ("\x07", "not readable as YAML"),
     ("[" * 5000, "not readable as YAML"),
@@ -244,3 +247,11 @@ def test_shipped_files_suit_a_node_as_well(name: str) -> None:
         assert {type(item) for item in items} == kinds
     plain = yaml.safe_load(path.read_text())
     assert list(plain) == ["/**"]
+
+
+def test_long_numbers_take_little_time() -> None:
+    """Were a digit looked at again for each one after it, this would not end."""
+    assert parse_assignment(f"rate:={10**5 * '1'}x")[1] == f"{10**5 * '1'}x"
+    assert parse_assignment(f"rate:={10**5 * '1'}")[1] == math.inf
+    with pytest.raises(InputError, match="too large"):
+        parse_assignment(f"rate:=0x{10**5 * 'F'}")
