@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, cast
 
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.wording import short_repr
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
 Vector: TypeAlias = tuple[float, ...]
@@ -52,6 +53,8 @@ class Parameter:
     minimum: float = -math.inf
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     def read(self, value: object) -> Value:
         """The value in this parameter's own type.

@@ -6,12 +6,13 @@ import pytest
 
 from rooms import MODULES, PACKAGE, imports, room
 
-# What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
-# package, and its own __init__ is the room "".
+# What each room may import of the package besides itself, `wording`, `errors` and `arrays`. A room is a folder
+# or a module of the package, and its own __init__ is the room "".
 SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
+    "wording": set(),
     "errors": set(),
     "arrays": set(),
     "compilation": set(),
@@ -33,10 +34,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     "console": {"scenario", "interruption"},
     "cli": EDGE,
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation"},
+    "run": BAG | {"certificate"},
+    "": SCENARIO | {"simulation", "evaluation", "run"},
     "__main__": {"console"},
 }
-FOR_ALL = {"errors", "arrays"}
+FOR_ALL = {"wording", "errors", "arrays"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}

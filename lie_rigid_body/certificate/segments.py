@@ -14,6 +14,7 @@ from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ class RecordedSegment:
     stamps_ns: Integers
     states: State
     stamps: LawResult
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)

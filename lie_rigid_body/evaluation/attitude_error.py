@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 
 class AttitudeError(NamedTuple):
@@ -41,6 +42,9 @@ class AttitudeError(NamedTuple):
     total: Array
     heading: Array
     inclination: Array
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeError:

@@ -16,6 +16,7 @@ from scipy.stats import chi2
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class Consistency:
     bounds: tuple[float, float]
     share_inside: float
     probability: float
+
+    __repr__ = short_repr
 
     @property
     def verdict(self) -> str:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.wording import short_repr
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
@@ -50,6 +51,8 @@ class Displacement:
     translation: Array
     residual: float
     determinacy: float
+
+    __repr__ = short_repr
 
     def apply(self, points: ArrayLike) -> Array:
         """The positions of displaced points of the body.

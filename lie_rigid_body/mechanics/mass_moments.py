@@ -11,6 +11,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import orthogonal_matrix, real_array
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +47,8 @@ class MassMoments:
     mass: float
     centre: Array
     central_second_moment: Array
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")

@@ -18,6 +18,7 @@ from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
+from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
 
@@ -47,6 +48,8 @@ class PoseTrack:
     positions: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class TwistTrack:
@@ -73,6 +76,8 @@ class TwistTrack:
     linear: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -95,6 +100,8 @@ class Recording:
     poses: PoseTrack
     twists: TwistTrack
     expected_samples: int | None
+
+    __repr__ = short_repr
 
 
 def read_bag(path: str | Path) -> Recording:

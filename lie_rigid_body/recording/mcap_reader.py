@@ -21,6 +21,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
 
@@ -55,6 +56,8 @@ class RawTrack:
     payloads: list[bytes] = field(default_factory=list)
     count: int = 0
 
+    __repr__ = short_repr
+
 
 @dataclass
 class McapContents:
@@ -72,6 +75,8 @@ class McapContents:
     library: str = ""
     tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     @property
     def message_count(self) -> int:

@@ -10,6 +10,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
+from lie_rigid_body.wording import short_repr
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate accepted, Hz."""
@@ -107,6 +108,8 @@ class Sensors:
 
     imu: ImuModel | None
     magnetometer: MagnetometerModel | None
+
+    __repr__ = short_repr
 
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:

@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class SampleClock:
 
     epoch_ns: int
     rate: float
+
+    __repr__ = short_repr
 
     @cached_property
     def period_ns(self) -> Fraction:
