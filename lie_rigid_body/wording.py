@@ -20,7 +20,9 @@ LONGEST_VALUE: Final = 60
 MOST_NAMES: Final = 8
 """Largest number of names listed in a line."""
 
-_GAP: Final = " … "
+_GAP: Final = "..."
+_SHORT_WORD: Final = 40
+_MOST_READ: Final = 50
 _MOST_NUMBERS: Final = 7
 _MOST_BITS: Final = 128
 
@@ -81,7 +83,10 @@ def shown(value: object, most: int = LONGEST_VALUE) -> str:
 
 
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
-    """A text on one line, without its middle if it is too long: the end of a message tells limit and remedy.
+    """A text on one line of bounded length.
+
+    Words that are long lose their middle first, such as values and paths; then the text does. What is left ends with
+    the end of the text: in a message that is the remedy.
 
     Parameters
     ----------
@@ -93,11 +98,18 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
     -------
     str
     """
-    line = " ".join(text.splitlines())
-    if len(line) <= most:
-        return line
+    words = _without_middle(" ".join(text.splitlines()), _MOST_READ * most).split(" ")
+    while (excess := len(" ".join(words)) - most) > 0:
+        longest = max(words, key=len)
+        if len(longest) <= _SHORT_WORD:
+            break
+        words[words.index(longest)] = _without_middle(longest, max(_SHORT_WORD, len(longest) - excess))
+    return _without_middle(" ".join(words), most)
+
+
+def _without_middle(text: str, most: int) -> str:
     head = (most - len(_GAP)) // 3
-    return f"{line[:head]}{_GAP}{line[head + len(_GAP) - most :]}"
+    return text if len(text) <= most else f"{text[:head]}{_GAP}{text[head + len(_GAP) - most :]}"
 
 
 def listed(names: Collection[object]) -> str:

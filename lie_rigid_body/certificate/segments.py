@@ -76,7 +76,7 @@ def declared_segments(recording: Recording) -> list[Segment]:
     except ParameterError:
         raise
     except InputError as error:
-        raise BagError(f"the bag does not explain itself: {error}") from None
+        raise BagError(f"the bag does not explain itself: {error}: record it anew") from None
     return sorted(segments, key=lambda segment: segment.start_ns)
 
 

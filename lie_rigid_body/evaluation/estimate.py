@@ -78,7 +78,9 @@ class Estimate:
         """
         stamps, attitude = read_stamps("estimate", stamps_ns), unit("estimate", attitude_xyzw)
         if attitude.shape != (len(stamps), 4):
-            raise InputError(f"estimate: {len(stamps)} stamps do not go with attitudes of shape {attitude.shape}")
+            raise InputError(
+                f"estimate: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"
+            )
         new = np.concatenate([[True], np.diff(stamps) > 0])
         found = (_doubles(stamps, new), _gaps(stamps[new]), _norms(np.asarray(attitude_xyzw, dtype=np.float64)))
         return cls(stamps[new], attitude[new], tuple(remark for remark in found if remark))

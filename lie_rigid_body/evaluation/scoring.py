@@ -244,6 +244,8 @@ def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Arr
         return covariance
     stamps = np.asarray(stamps_ns)
     if len(covariance) != len(stamps):
-        raise InputError(f"covariance: {len(covariance)} of them do not go with {len(stamps)} estimates")
+        raise InputError(
+            f"covariance: {len(covariance)} of them for {len(stamps)} estimates: give one, or one for each"
+        )
     first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
     return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)

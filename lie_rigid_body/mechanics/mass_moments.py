@@ -54,7 +54,7 @@ class MassMoments:
         mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")
         central = second_moment_matrix(self.central_second_moment)
         if not mass > 0.0:
-            raise InputError(f"mass: {mass:.9g} kg is not positive: every body has a mass above 0 kg")
+            raise InputError(f"mass: {mass:.9g} kg is not positive: give a mass above 0 kg")
         _require_size("second moment", len(central), len(centre))
         centre.setflags(write=False)
         central.setflags(write=False)

@@ -165,7 +165,7 @@ def enclose_by_taylor(
 def _thin(state: Callable[[int], tuple[Balls, Balls]], width: float) -> Enclosure:
     """The first enclosure that is thin enough, with twice the bits each time."""
     if not 0.0 < width < 1.0:
-        raise InputError(f"width: {width!r} is not between 0 and 1")
+        raise InputError(f"width: {width!r} is not between 0 and 1: give for example 1e-20")
     bits = _FIRST_BITS
     while bits <= _MOST_BITS:
         with ctx.workprec(bits), suppress(UndecidedError):
@@ -184,7 +184,7 @@ def _relative_width(rate: Balls) -> float:
 def _balls(values: ArrayLike, size: int) -> Balls:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (size,):
-        raise InputError(f"shape {array.shape} is not ({size},)")
+        raise InputError(f"shape {array.shape} is not ({size},): give {size} numbers")
     return tuple(arb(x) for x in array.tolist())
 
 

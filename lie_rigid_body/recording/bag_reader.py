@@ -18,7 +18,7 @@ from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import listed, short_repr
 
 T = TypeVar("T")
 
@@ -164,7 +164,7 @@ def _log_times(track: RawTrack) -> Integers:
 
 def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
     if track.encoding != "cdr":
-        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
+        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
     try:
         return decode()
     except BagError as error:
@@ -178,9 +178,11 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        raise BagError(f"{path} has no topic .../{ending} of type {' or '.join(types)}; it has {_list(contents)}")
+        raise BagError(
+            f"{path} has no topic .../{ending} ({' or '.join(types)}): record it; there are {_list(contents)}"
+        )
     if len(found) > 1:
-        names = ", ".join(f"{track.topic} ({track.message_type})" for track in found)
+        names = listed([f"{track.topic} ({track.message_type})" for track in found])
         raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
     if not found[0].count:
         raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
@@ -188,7 +190,7 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
 
 
 def _list(contents: McapContents) -> str:
-    return ", ".join(f"{topic} ({kind})" for topic, kind in contents.tracks) or "no topic at all"
+    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:

@@ -180,7 +180,7 @@ class BagWriter:
     def _what_remains(self) -> str:
         if self._file.replaces:
             return "the older file of that name is kept: make room and record again"
-        return f"make room and record again, or read what is whole after 'mcap recover {self.path} -o recovered.mcap'"
+        return "make room and record again, or rescue what is whole with 'mcap recover'"
 
     def __enter__(self) -> BagWriter:
         return self

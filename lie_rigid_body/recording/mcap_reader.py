@@ -235,7 +235,7 @@ class _FileReader:
         count = self._into.message_count - self._before
         return BagError(
             f"{self._path} was cut off, or is still being written: its {self._chunks} whole chunks hold {count} "
-            f"messages; rescue them with 'mcap recover {self._path} -o recovered.mcap'"
+            "messages; rescue them with 'mcap recover'"
         )
 
     def _damaged(self, what: str) -> BagError:

@@ -64,8 +64,8 @@ class SampleClock:
         if stamps and stamps[-1] > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
-                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond {MAX_EPOCH_NS}, the last "
-                "second of builtin_interfaces/Time: start earlier or sample for a shorter time",
+                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
+                "ns: start earlier, or sample for a shorter time",
             )
         return np.array(stamps, dtype=np.int64)
 

@@ -213,7 +213,9 @@ class LiveRun:
         first = self._simulation.next_sample
         last_ns = self._simulation.clock.stamp_ns(first + count - 1)
         if last_ns > MAX_EPOCH_NS:
-            raise ParameterError("steps", f"{count} steps lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}")
+            raise ParameterError(
+                "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
+            )
         self._pace = Halted(last_ns)
         self._request = StepRequest(first, count)
         return self._request
