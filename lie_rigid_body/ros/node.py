@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Final
 
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from lie_rigid_body.ros.control import standard_services
+from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.control.services import Services
@@ -18,6 +22,10 @@ from lie_rigid_body.ros.publishing.publisher import SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import Transforms
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
+
+LOOK_INTERVAL: Final = 1.0
+"""Time between two looks for other nodes of the same name, s."""
+LOOKS: Final = 10
 
 
 class SimulatorNode(Node):
@@ -41,8 +49,9 @@ class SimulatorNode(Node):
     """
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
-        super().__init__(NODE_NAME)
+        super().__init__(NODE_NAME, start_parameter_services=False)
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
+        self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
         self.publisher = SamplePublisher(
             self,
@@ -53,8 +62,29 @@ class SimulatorNode(Node):
         )
         self.publisher.set_factor(values["real_time_factor"])
         self._views = self._make_views(values)
+        self._looks = 0
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._look = self.create_timer(LOOK_INTERVAL, self._look_for_namesakes, clock=steady)
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """As rclpy does, but what is refused is told as everywhere in the package: value, limit and remedy."""
+        return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
+
+    def _look_for_namesakes(self) -> None:
+        """Warn of another node of the same name, which discovery may show some seconds late."""
+        self._looks += 1
+        own = self.get_name(), self.get_namespace()
+        found = self.get_node_names_and_namespaces().count(own) > 1
+        if found:
+            name = self.get_fully_qualified_name()
+            self.get_logger().warning(
+                f"another node is called {name}, or was until it was killed: requests may reach either; give one "
+                "another name by -r __node:=NAME or -r __ns:=/NAMESPACE"
+            )
+        if found or self._looks == LOOKS:
+            self._look.cancel()
 
     def _make_views(self, values: Mapping[str, Any]) -> list[Sink]:
         views: list[Sink] = [Diagnostics(self)]

@@ -107,6 +107,11 @@ class LiveRun:
         """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
         return self._latest
 
+    @property
+    def punctuality(self) -> Punctuality:
+        """How many samples were sent so far, and how late."""
+        return self._punctuality
+
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
 
