@@ -7,7 +7,7 @@ import shlex
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
@@ -139,23 +139,19 @@ def test_what_every_node_has_can_be_set(peer: Peer) -> None:
 
 
 def test_a_second_node_of_one_name_is_warned_about_and_ends_with_its_counts() -> None:
-    with (
-        SimulatorProcess("--ros-args", "-r", "__ns:=/twin") as first,
-        SimulatorProcess("--ros-args", "-r", "__ns:=/twin") as second,
-    ):
-        for one in (first, second):
-            wait_until(
-                lambda one=one: any("another node is called /twin/lie_rigid_body" in line for line in one.complained)
-            )
+    twin = ("--ros-args", "-r", "__ns:=/twin")
+    with SimulatorProcess(*twin) as first, SimulatorProcess(*twin) as second:
+        for complained in (first.complained, second.complained):
+            wait_for_line(complained, "another node is called /twin/lie_rigid_body")
         assert second.end(signal.SIGINT) == 0
         [said] = [line for line in second.said if " ends: " in line]
         assert re.fullmatch(r"/twin/lie_rigid_body ends: \d+ samples sent, (none|\d+) of them late.*", said)
         assert first.end(signal.SIGTERM) == 0
 
 
-def wait_until(condition: Callable[[], bool]) -> None:
+def wait_for_line(lines: list[str], words: str) -> None:
     end = time.monotonic() + DEADLINE
-    while not condition():
+    while not any(words in line for line in lines):
         assert time.monotonic() < end
         time.sleep(0.05)
 
