@@ -134,7 +134,7 @@ def _draw_envelope(
 ) -> None:
     """The smallest and the largest value in each interval of time, as a band: others are seen through it."""
     t, lowest, highest = envelope(np.concatenate([_times(piece, pieces) for piece in pieces]), values)
-    dots = {"marker": "o", "ms": 4.0} if len(t) <= FEW_SAMPLES else {}
+    dots: dict[str, Any] = {"marker": "o", "ms": 4.0} if len(t) <= FEW_SAMPLES else {}
     axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
     axes.plot(t, lowest, color=colour, lw=0.9, **dots)
     axes.plot(t, highest, color=colour, lw=0.9, label=label)

@@ -23,9 +23,9 @@ from lie_rigid_body.ros.publishing.transforms import Transforms
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
-LOOK_INTERVAL: Final = 1.0
-"""Time between two looks for other nodes of the same name, s."""
-LOOKS: Final = 10
+LOOK_INTERVAL: Final = 25.0
+"""Time between two looks for other nodes of the same name, s: one that was killed is seen for 20 s more."""
+LOOKS: Final = 2
 
 
 class SimulatorNode(Node):
@@ -73,15 +73,15 @@ class SimulatorNode(Node):
         return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
 
     def _look_for_namesakes(self) -> None:
-        """Warn of another node of the same name, which discovery may show some seconds late."""
+        """Warn of another node of the same name, once those that were killed are forgotten."""
         self._looks += 1
         own = self.get_name(), self.get_namespace()
         found = self.get_node_names_and_namespaces().count(own) > 1
         if found:
             name = self.get_fully_qualified_name()
             self.get_logger().warning(
-                f"another node is called {name}, or was until it was killed: requests may reach either; give one "
-                "another name by -r __node:=NAME or -r __ns:=/NAMESPACE"
+                f"another node is called {name}: requests may reach either; give one another name "
+                "by -r __node:=NAME or -r __ns:=/NAMESPACE"
             )
         if found or self._looks == LOOKS:
             self._look.cancel()
