@@ -193,7 +193,6 @@ def _too_flat(rank: int, n: int) -> str:
 
 def _no_mirror(sigma: Array) -> str:
     return (
-        f"the rotation is not determined: the displaced points are a mirror image, and the smallest singular values "
-        f"{sigma[-2]:.9g} and {sigma[-1]:.9g} (largest {sigma[0]:.9g}) of the cross covariance must differ: "
-        "undo the reflection, or add or weight points so that the body is less symmetric"
+        f"not determined for a mirror image: the smallest singular values {sigma[-2]:.6g} and {sigma[-1]:.6g} "
+        f"(largest {sigma[0]:.6g}) must differ: undo the reflection, or add points that break the symmetry"
     )
