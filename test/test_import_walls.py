@@ -6,8 +6,8 @@ import pytest
 
 from rooms import MODULES, PACKAGE, imports, room
 
-# What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
-# package, and its own __init__ is the room "".
+# What each room may import of the package besides itself, `wording`, `errors` and `arrays`. A room is a folder
+# or a module of the package, and its own __init__ is the room "".
 SCENARIO = {
     "arithmetic",
     "bounded_input",
@@ -22,6 +22,7 @@ SCENARIO = {
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
+    "wording": set(),
     "errors": set(),
     "arrays": set(),
     "bounded_input": set(),
@@ -45,10 +46,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     "console": {"scenario", "interruption"},
     "cli": EDGE | {"campaign"},
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation"},
+    "run": BAG | {"certificate"},
+    "": SCENARIO | {"simulation", "evaluation", "run"},
     "__main__": {"console"},
 }
-FOR_ALL = {"errors", "arrays"}
+FOR_ALL = {"wording", "errors", "arrays"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}

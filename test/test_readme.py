@@ -27,23 +27,27 @@ def commands(language: str, program: str, text: str = README) -> list[list[str]]
     return [shlex.split(line, comments=True) for line in lines if line.removeprefix("$ ").startswith(program)]
 
 
-def test_headless_commands_run_in_their_order(tmp_path):
-    shown = commands("bash", "lie-rigid-body")
-    assert len(shown) >= 6
-    for _, *arguments in shown:
-        run = subprocess.run(
-            [sys.executable, "-m", "lie_rigid_body", *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert run.returncode == 0, (arguments, run.stderr)
-    assert (tmp_path / "flips.png").read_bytes().startswith(b"\x89PNG")
+@pytest.fixture(scope="module")
+def worked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[list[str], int, str]]]:
+    """A folder in which the headless commands ran in their order, and each with its status and errors."""
+    folder, runs = tmp_path_factory.mktemp("readme"), []
+    for _, *arguments in commands("bash", "lie-rigid-body"):
+        command = [sys.executable, "-m", "lie_rigid_body", *arguments]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        runs.append((arguments, run.returncode, run.stderr))
+    return folder, runs
+
+
+def test_headless_commands_run_in_their_order(worked):
+    folder, runs = worked
+    assert len(runs) >= 6
+    assert [run for run in runs if run[1] != 0] == []
+    assert (folder / "flips.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("code", blocks("python"))
-def test_python_runs(code):
+def test_python_runs(code, worked, monkeypatch):
+    monkeypatch.chdir(worked[0])
     exec(compile(code, "README.md", "exec"), {})
 
 

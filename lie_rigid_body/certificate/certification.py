@@ -24,6 +24,7 @@ from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class SegmentCertificate:
     samples: int
     laws: tuple[LawResult, ...]
     notes: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:
@@ -72,6 +75,8 @@ class Certificate:
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,8 @@ class LawResult:
     broken: int
     checked: int
     message: str = ""
+
+    __repr__ = short_repr
 
     @property
     def holds(self) -> bool:

@@ -13,6 +13,7 @@ from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, flow
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,8 @@ class Comparison:
     t: Array
     unit: State
     exact: State
+
+    __repr__ = short_repr
 
     def judge(self, name: str, unit: str, residuals: Array, limits: Array | float, what: str) -> LawResult:
         """`law_result.judge` over all samples, or over all intervals, each of which belongs to its later sample."""

@@ -13,6 +13,7 @@ from lie_rigid_body.certificate.segments import RecordedSegment, recorded_segmen
 from lie_rigid_body.certificate.tolerance import tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.wording import short_repr
 
 MOST_SAMPLES: Final = 10_000
 """Largest number of samples to prove; takes half a minute."""
@@ -47,6 +48,8 @@ class ProvedSample:
     rate_at_most: float
     limit: float
 
+    __repr__ = short_repr
+
     @property
     def holds(self) -> bool:
         """Whether the true error may be within the limit."""
@@ -58,6 +61,8 @@ class Proof:
     """What is proved of the samples of a bag that were enclosed."""
 
     samples: tuple[ProvedSample, ...]
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:

@@ -15,6 +15,7 @@ from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
 
 MOST_SEGMENTS: Final = 10_000
 """Most segments of a bag: each takes up to 1 ms, and a look at all samples."""
@@ -43,6 +44,8 @@ class RecordedSegment:
     stamps_ns: Integers
     states: State
     stamps: LawResult
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ def declared_segments(recording: Recording) -> list[Segment]:
     except ParameterError:
         raise
     except InputError as error:
-        raise BagError(f"the bag does not explain itself: {error}") from None
+        raise BagError(f"the bag does not explain itself: {error}: record it anew") from None
     return sorted(segments, key=lambda segment: segment.start_ns)
 
 

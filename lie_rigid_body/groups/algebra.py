@@ -17,6 +17,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.mechanics.array_input import as_numbers
+from lie_rigid_body.wording import short_repr
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
@@ -78,8 +79,13 @@ class MatrixLieAlgebra:
 
     generators: Matrix
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         self.generators.setflags(write=False)
+
+    def __reduce__(self) -> tuple[type[MatrixLieAlgebra], tuple[Matrix]]:
+        return MatrixLieAlgebra, (self.generators,)
 
     @property
     def dimension(self) -> int:

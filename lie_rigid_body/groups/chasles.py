@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.wording import short_repr
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
@@ -51,6 +52,8 @@ class Displacement:
     translation: Array
     residual: float
     determinacy: float
+
+    __repr__ = short_repr
 
     def apply(self, points: ArrayLike) -> Array:
         """The positions of displaced points of the body, whose distances are unchanged: eqs. (1) and (2).
@@ -191,7 +194,6 @@ def _too_flat(rank: int, n: int) -> str:
 
 def _no_mirror(sigma: Array) -> str:
     return (
-        f"the rotation is not determined: the displaced points are a mirror image, and the smallest singular values "
-        f"{sigma[-2]:.9g} and {sigma[-1]:.9g} (largest {sigma[0]:.9g}) of the cross covariance must differ: "
-        "undo the reflection, or add or weight points so that the body is less symmetric"
+        f"not determined for a mirror image: the smallest singular values {sigma[-2]:.6g} and {sigma[-1]:.6g} "
+        f"(largest {sigma[0]:.6g}) must differ: undo the reflection, or add points that break the symmetry"
     )

@@ -24,6 +24,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric, symmetrised
+from lie_rigid_body.wording import call_repr
 
 
 class Lagrangian:
@@ -57,8 +58,11 @@ class Lagrangian:
         for array in (self.metric, self.inverse_metric):
             array.setflags(write=False)
 
+    def __reduce__(self) -> tuple[type[Lagrangian], tuple[MatrixLieGroup, Array]]:
+        return Lagrangian, (self.group, self.metric)
+
     def __repr__(self) -> str:
-        return f"Lagrangian({self.group.name}, {self.metric.tolist()})"
+        return call_repr(self, {"group": self.group, "metric": self.metric})
 
     def value(self, rate: ArrayLike) -> Array:
         """L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).

@@ -114,9 +114,8 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
         raise InputError(
-            f"M is not positive definite beyond round-off: its smallest eigenvalue is {eigenvalues[0]:.6g} where the "
-            f"largest is {eigenvalues[-1]:.6g}, and must be above {ROUND_OFF:.2g} of that: give inertia about every "
-            "axis, or scale the generators so that inertias are alike"
+            f"M is not positive definite: its smallest eigenvalue is {eigenvalues[0]:.6g} where the largest is "
+            f"{eigenvalues[-1]:.6g} (limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale"
         )
     return m
 

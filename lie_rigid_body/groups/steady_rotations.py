@@ -14,6 +14,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF
+from lie_rigid_body.wording import short_repr
 
 STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
@@ -57,6 +58,8 @@ class SteadyRotation:
     rate: Array
     eigenvalues: NDArray[np.complex128]
     stability: Stability
+
+    __repr__ = short_repr
 
     @property
     def growth_rate(self) -> float:

@@ -126,8 +126,7 @@ def moments_of_density(
     if not error <= tolerance:
         raise InputError(
             f"density: quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
-            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps and "
-            "add the parts, with limits as functions along curved faces"
+            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps"
         )
     return fine
 

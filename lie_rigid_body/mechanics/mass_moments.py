@@ -14,6 +14,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import orthogonal_matrix, real_array
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +51,13 @@ class MassMoments:
     centre: Array
     central_second_moment: Array
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")
         central = second_moment_matrix(self.central_second_moment)
         if not mass > 0.0:
-            raise InputError(f"mass: {mass:.9g} kg is not positive: every body has a mass above 0 kg")
+            raise InputError(f"mass: {mass:.9g} kg is not positive: give a mass above 0 kg")
         _require_size("second moment", len(central), len(centre))
         centre.setflags(write=False)
         central.setflags(write=False)

@@ -5,6 +5,8 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -19,6 +21,7 @@ from lie_rigid_body.mechanics.inertia import (
 )
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
+from lie_rigid_body.wording import LONGEST_LINE, shown
 
 
 class RigidBody:
@@ -117,15 +120,22 @@ class RigidBody:
         """The bodies at an index of the first leading axis."""
         if not self.batch_shape:
             raise TypeError("one RigidBody cannot be indexed")
-        part = RigidBody.__new__(RigidBody)
-        for name in self.__slots__:
-            setattr(part, name, getattr(self, name)[index])
-        return part
+        return RigidBody._of(*(getattr(self, name)[index] for name in self.__slots__))
+
+    @classmethod
+    def _of(cls, *arrays: Array) -> RigidBody:
+        """The body of arrays that are not checked or copied, in the order of the slots."""
+        body = cls.__new__(cls)
+        for name, array in zip(cls.__slots__, arrays, strict=True):
+            array.setflags(write=False)
+            setattr(body, name, array)
+        return body
+
+    def __reduce__(self) -> tuple[Callable[..., RigidBody], tuple[Array, ...]]:
+        return RigidBody._of, tuple(getattr(self, name) for name in self.__slots__)
 
     def __repr__(self) -> str:
-        if self.inertia.size > 9:
-            return f"<RigidBody of shape {self.batch_shape}>"
-        return f"RigidBody({self.inertia.tolist()})"
+        return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"
 
     def body_momentum(self, states: State) -> Array:
         """Angular momentum in the body frame, π = Mω, eq. (19).

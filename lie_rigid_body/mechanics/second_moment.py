@@ -56,8 +56,8 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise InputError(
-            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): no mass "
-            "distribution has it: give a positive semidefinite matrix, and check signs and units"
+            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): "
+            "give a positive semidefinite matrix, and check signs and units"
         )
 
 
@@ -116,7 +116,7 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
     K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, "()"))
     c, o = real_array("centre", centre, "(n,)"), real_array("origin", origin, "(n,)")
     if not len(K) == len(c) == len(o):
-        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} second moment")
+        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} K: give {len(K)} each")
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel
     return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))

@@ -165,7 +165,7 @@ def _centred(mass: float, mean_squares: Array) -> MassMoments:
 def _mass(mass: float) -> float:
     value = float(real_array("mass", mass, "()"))
     if not value > 0.0:
-        raise InputError(f"mass: {value:.9g} kg is not positive: every body has a mass above 0 kg")
+        raise InputError(f"mass: {value:.9g} kg is not positive: give a mass above 0 kg")
     return value
 
 

@@ -20,6 +20,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics.inertia import MOMENT_ROUND_OFF
 from lie_rigid_body.mechanics.rigid_body import RigidBody
 from lie_rigid_body.mechanics.state import State
+from lie_rigid_body.wording import short_repr
 
 Kind: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 Verdict: TypeAlias = Literal["stable", "unstable", "neutral"]
@@ -111,6 +112,8 @@ class SymmetricTop:
     rate_to_axis_rad: float
     rate_to_momentum_rad: float
 
+    __repr__ = short_repr
+
     @classmethod
     def of(cls, body: RigidBody, start: State) -> SymmetricTop | None:
         """The rates and angles of the motion, eq. (29), from a start, or None for a body that is no symmetric top."""
@@ -154,6 +157,8 @@ class SpinStability:
     spin_rate_rad_s: float
     growth_rate_1_s: float
     wobble_rate_rad_s: float
+
+    __repr__ = short_repr
 
     @classmethod
     def of(cls, moments: Sequence[float], axis: int, spin_rate: float) -> SpinStability:

@@ -14,6 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.wording import short_repr
 
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 
@@ -35,6 +36,8 @@ class Decoded:
     stamps_ns: Integers | None
     numbers: Array
     frame_ids: tuple[str, ...]
+
+    __repr__ = short_repr
 
 
 def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:

@@ -20,6 +20,7 @@ from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWI
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawTrack, read_file
 from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.wording import listed, short_repr
 
 T = TypeVar("T")
 
@@ -52,6 +53,8 @@ class PoseTrack:
     positions: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class TwistTrack:
@@ -78,6 +81,8 @@ class TwistTrack:
     linear: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -100,6 +105,8 @@ class Recording:
     poses: PoseTrack
     twists: TwistTrack
     expected_samples: int | None
+
+    __repr__ = short_repr
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -166,7 +173,7 @@ def _log_times(track: RawTrack) -> Integers:
 
 def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
     if track.encoding != "cdr":
-        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
+        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
     if track.payloads[0].startswith(ZSTD_MAGIC):
         raise BagError(
             f"{path}: its messages are compressed one by one: record without '--compression-mode message' (MCAP's own "
@@ -185,10 +192,10 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        wanted = f"topic .../{ending} of type {' or '.join(types)}{_WHY.get(ending, '')}"
-        raise BagError(f"{path} has no {wanted}; it has {_list(contents)}")
+        wanted = f"topic .../{ending} ({' or '.join(types)}{_WHY.get(ending, '')})"
+        raise BagError(f"{path} has no {wanted}: record it; there are {_list(contents)}")
     if len(found) > 1:
-        names = ", ".join(f"{track.topic} ({track.message_type})" for track in found)
+        names = listed([f"{track.topic} ({track.message_type})" for track in found])
         raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
     if not found[0].count:
         raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
@@ -196,7 +203,7 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
 
 
 def _list(contents: McapContents) -> str:
-    return ", ".join(f"{topic} ({kind})" for topic, kind in contents.tracks) or "no topic at all"
+    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:

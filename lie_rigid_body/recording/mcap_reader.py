@@ -22,6 +22,7 @@ from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated
 from lie_rigid_body.recording.output_file import reason, rescue
+from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
 
@@ -66,6 +67,8 @@ class RawTrack:
     payloads: list[bytes] = field(default_factory=list)
     count: int = 0
 
+    __repr__ = short_repr
+
 
 @dataclass
 class McapContents:
@@ -83,6 +86,8 @@ class McapContents:
     library: str = ""
     tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     @property
     def message_count(self) -> int:

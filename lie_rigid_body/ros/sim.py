@@ -104,7 +104,7 @@ def _simulate(given: Arguments, interruption: Interruption) -> None:
 
 def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption: Interruption) -> None:
     from lie_rigid_body.ros.control.run_control import RunControl
-    from lie_rigid_body.ros.publishing.announcement import announcement
+    from lie_rigid_body.ros.publishing.announcement import announcement, farewell
     from lie_rigid_body.ros.timing.live_run import LiveRun
     from lie_rigid_body.ros.timing.mailbox import Mailbox
     from lie_rigid_body.simulation import Simulation
@@ -127,6 +127,7 @@ def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption
         run.run()
     finally:
         mailbox.close()
+    _say(farewell(node.get_fully_qualified_name(), run.punctuality))
 
 
 @contextmanager

@@ -6,16 +6,16 @@ a word. So a file means the same to the node and to the headless verbs.
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import yaml
 
 from lie_rigid_body.bounded_input import BoundedLoader, load_yaml, read_text
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown, suggestion
 
 CONFIG: Final = Path(__file__).parent.parent / "config"
 """The folder of the named scenarios."""
@@ -207,9 +207,8 @@ def scenario_file(name: str) -> Path:
     """
     files = scenario_files()
     if name not in files:
-        near = difflib.get_close_matches(name, files, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise InputError(f"--scenario {name!r} is unknown: {hint}there are {', '.join(files)}")
+        hint = suggestion(name, list(files), "scenarios")
+        raise InputError(f"--scenario {shown(name)} is unknown: {hint}; 'scenarios' lists all")
     return files[name]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class SampleClock:
 
     epoch_ns: int
     rate: float
+
+    __repr__ = short_repr
 
     @cached_property
     def period_ns(self) -> Fraction:
@@ -62,8 +65,8 @@ class SampleClock:
         if stamps and stamps[-1] > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
-                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond {MAX_EPOCH_NS}, the last "
-                "second of builtin_interfaces/Time: start earlier or sample for a shorter time",
+                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
+                "ns: start earlier, or sample for a shorter time",
             )
         return np.array(stamps, dtype=np.int64)
 

