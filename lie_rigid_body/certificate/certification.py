@@ -8,15 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate import laws
+from lie_rigid_body.certificate import laws, whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import (
-    RecordedSegment,
-    logged_at_stamps,
-    recorded_segments,
-    seconds_since_start,
-)
+from lie_rigid_body.certificate.segments import RecordedSegment, as_written, recorded_segments, seconds_since_start
+from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
+from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
@@ -68,10 +65,13 @@ class Certificate:
     ----------
     segments : tuple of SegmentCertificate
     whole : tuple of LawResult
+    not_certified : tuple of str
+        What of the bag no law speaks of, in words.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
+    not_certified: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -124,12 +124,16 @@ def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Cer
         segments = recorded_segments(recording, inertia)
     except ParameterError as error:
         # a body that cannot be has no motion to hold the bag against
-        return Certificate((), (_flag("declaration", 1, f"the bag declares an impossible scenario: {error}"),))
+        return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        return Certificate(tuple(_certify_segment(segment) for segment in segments), _whole(recording, segments))
+        return Certificate(
+            tuple(_certify_segment(segment, as_written(recording)) for segment in segments),
+            whole_bag.laws(recording, segments),
+            not_certified(recording, segments),
+        )
 
 
-def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
+def _certify_segment(recorded: RecordedSegment, as_written: bool) -> SegmentCertificate:
     scenario = recorded.segment.scenario
     t = seconds_since_start(recorded.segment, recorded.stamps_ns)
     limits = tolerance(scenario, float(t.max(initial=0.0)))
@@ -146,6 +150,8 @@ def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
         attitude,
     )
     notes = _notes(recorded, limits, t, attitude_holds=attitude.holds)
+    if recorded.stamps.unit == GAP and not as_written and all(law.holds for law in found[1:]):
+        notes.append(_loss(recorded))
     return SegmentCertificate(recorded.segment, len(t), found, tuple(notes))
 
 
@@ -158,7 +164,7 @@ def _unit(states: State) -> State:
 
 def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_holds: bool) -> list[str]:
     notes = []
-    if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.stamps.holds:
+    if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.begins_late:
         notes.append(f"the recording begins at sample {recorded.samples[0]}, {t[0]:.6g} s after the segment's start")
     turn = float(np.max(np.diff(t), initial=0.0)) * limits.fastest
     if turn > LONGEST_TURN:
@@ -172,42 +178,10 @@ def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_h
     return notes
 
 
-def _whole(recording: Recording, segments: list[RecordedSegment]) -> tuple[LawResult, ...]:
-    """Laws of the bag: declared frames, zero translation, and the sample count of its metadata record."""
-    laws = [_frames(recording, segments), _at_rest(recording)]
-    if logged_at_stamps(recording):
-        laws.append(_log_times(recording))
-    if recording.expected_samples is not None:
-        found = max(len(recording.poses.stamps_ns), len(recording.twists.body_rates))
-        missing = abs(recording.expected_samples - found)
-        message = f"the bag's end counts {recording.expected_samples} samples, the bag holds {found}"
-        laws.append(_flag("sample count", missing, message))
-    return tuple(laws)
-
-
-def _frames(recording: Recording, segments: list[RecordedSegment]) -> LawResult:
-    worlds = {recorded.segment.scenario.world_frame for recorded in segments}
-    bodies = {recorded.segment.scenario.body_frame for recorded in segments}
-    others = sorted((set(recording.poses.frame_ids) - worlds) | (set(recording.twists.frame_ids) - bodies))
-    message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
-    return _flag("frames", len(others), message)
-
-
-def _log_times(recording: Recording) -> LawResult:
-    """Every message is logged at its stamp, as in the bags that this package writes: they are replayed by log time."""
-    off = int(np.count_nonzero(recording.poses.log_times_ns != recording.poses.stamps_ns))
-    if recording.twists.stamps_ns is not None:
-        off += int(np.count_nonzero(recording.twists.log_times_ns != recording.twists.stamps_ns))
-    return _flag("log times", off, f"{off} messages are not logged at their stamps, though the scenario is")
-
-
-def _at_rest(recording: Recording) -> LawResult:
-    moving = int(np.count_nonzero(recording.poses.positions) + np.count_nonzero(recording.twists.linear))
-    return _flag(
-        "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
+def _loss(recorded: RecordedSegment) -> str:
+    """Who lost the messages of a gap, after which all go on as if none were missing."""
+    return (
+        f"{recorded.stamps.worst:.0f} messages are missing ({recorded.unpaired} samples are on one topic only); those "
+        "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
+        "network lost them: give the recorder a deeper history (docs/ros.md)"
     )
-
-
-def _flag(name: str, faults: int, message: str) -> LawResult:
-    """The result of a law of the bag as a whole, which holds where there are no faults."""
-    return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")

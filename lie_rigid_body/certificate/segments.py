@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -13,7 +14,10 @@ from lie_rigid_body.certificate.stamps import number_samples, stamp_law
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Recording
-from lie_rigid_body.simulation import Segment
+from lie_rigid_body.simulation import SOFTWARE, Segment
+
+_RECORDER: Final = "libmcap "
+"""How the library name of a file by `ros2 bag record` begins."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,10 @@ class RecordedSegment:
         Their states, of shapes (N, 4) and (N, 3), not normalised.
     stamps : LawResult
         Whether the stamps of pose and twist are complete, even and in order.
+    begins_late : bool
+        Whether it may begin after the segment's start, as a recorder that subscribed to a running node does.
+    unpaired : int
+        Stamps between the first and the last sample that only one of the two topics has.
     """
 
     segment: Segment
@@ -39,6 +47,8 @@ class RecordedSegment:
     stamps_ns: Integers
     states: State
     stamps: LawResult
+    begins_late: bool = False
+    unpaired: int = 0
 
 
 @dataclass(frozen=True)
@@ -77,10 +87,16 @@ def declared_segments(recording: Recording) -> list[Segment]:
     return sorted(segments, key=lambda segment: segment.start_ns)
 
 
-def logged_at_stamps(recording: Recording) -> bool:
-    """Whether the first scenario message was logged at its segment's start, as by `BagWriter`, not by a recorder."""
+def as_written(recording: Recording) -> bool:
+    """Whether the bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
+
+    It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.
+    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received.
+    """
+    if recording.library.startswith(f"{SOFTWARE} ") or recording.expected_samples is not None:
+        return True
     log_time, text = recording.scenario_texts[0]
-    return log_time == Segment.from_json(text).start_ns
+    return log_time == Segment.from_json(text).start_ns and not recording.library.startswith(_RECORDER)
 
 
 def recorded_segments(recording: Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
@@ -113,18 +129,23 @@ def recorded_segments(recording: Recording, inertia: Sequence[float] | None = No
             f"a sample is stamped {first} ns, before the first scenario message's start at {segments[0].start_ns} ns: "
             "record the scenario topic from the start"
         )
-    own = logged_at_stamps(recording)
+    own = as_written(recording)
     found: list[RecordedSegment] = []
     for i, segment in enumerate(segments):
         following = segments[i + 1].start_ns if i + 1 < len(segments) else None
         topics = [topic.between(segment.start_ns, following) for topic in (pose, twist)]
-        if any(topic.stamps_ns.size for topic in topics):
+        if any(topic.stamps_ns.size for topic in topics) or _should_have_samples(segment, following, own or found):
             found.append(
                 _recorded_segment(segment, following, topics, late_start=not own and not found, open_end=not own)
             )
     if not any(len(recorded.samples) for recorded in found):
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     return found
+
+
+def _should_have_samples(segment: Segment, following: int | None, begun: object) -> bool:
+    """Whether a segment without a sample lacks some: where recording had begun, and the next did not follow at once."""
+    return bool(begun) and following is not None and following > segment.start_ns
 
 
 def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
@@ -136,12 +157,14 @@ def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
 
 
 def _twist_stamps(recording: Recording, segments: list[Segment]) -> Integers:
-    """The twists' own stamps; a bare twist has its log time, if that is on the grid, or its pose's stamp."""
+    """The twists' own stamps; a bare twist has its log time, if that is to be on the grid, or its pose's stamp."""
     twists = recording.twists
     if twists.stamps_ns is not None:
         return twists.stamps_ns
     clock = segments[0].clock()
     logged = twists.log_times_ns
+    if as_written(recording):
+        return logged
     if np.array_equal(clock.stamps_ns(int(number_samples(clock, logged[:1])[0]), 1), logged[:1]):
         return logged
     if len(logged) != len(recording.poses.stamps_ns):
@@ -166,7 +189,9 @@ def _recorded_segment(
     common, at_pose, at_twist = np.intersect1d(pose.stamps_ns, twist.stamps_ns, return_indices=True)
     numbers = number_samples(segment.clock(), common)
     states = State.trusted(pose.values[at_pose], twist.values[at_twist])
-    return RecordedSegment(segment, numbers, common, states, law)
+    inside = [topic.between(common[0], common[-1] + 1) for topic in (pose, twist)] if len(common) else []
+    unpaired = sum(len(topic.stamps_ns) for topic in inside) - 2 * len(common)
+    return RecordedSegment(segment, numbers, common, states, law, late_start, unpaired)
 
 
 def _unique(topic: _StampedValues) -> _StampedValues:

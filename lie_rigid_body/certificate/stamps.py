@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +12,11 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
+
+OFF_GRID: Final = "ns"
+GAP: Final = "gap"
+DUPLICATE: Final = "dup"
+DISORDER: Final = "ord"
 
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
@@ -37,6 +42,16 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
 
 
+@dataclass(frozen=True)
+class _Fault:
+    """What is wrong with the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
+
+    kind: str
+    count: int
+    sample: int
+    text: str
+
+
 def stamp_law(
     segment: Segment, following: int | None, stamps: Mapping[str, Integers], *, late_start: bool, open_end: bool
 ) -> LawResult:
@@ -56,22 +71,28 @@ def stamp_law(
     Returns
     -------
     LawResult
-        ``worst`` is how far a stamp is off the grid, ns; the message names gaps, duplicates and swaps.
+        ``worst`` is how far a stamp is off the grid, ns; where all are on it, the number of samples that are missing
+        (unit ``gap``), doubled (``dup``) or out of order (``ord``), and ``sample`` the first. The message names all.
     """
     clock = segment.clock()
     numbers = {topic: number_samples(clock, values) for topic, values in stamps.items()}
     first, last = _expected(segment, following, numbers, late_start=late_start, open_end=open_end)
-    faults: list[str] = []
-    worst, at = 0, None
-    for topic, values in stamps.items():
-        found = numbers[topic]
-        off = np.abs(values - _grid(clock, found))
-        if off.size and off.max() > worst:
-            worst, at = int(off.max()), int(found[int(off.argmax())])
-        faults += _faults(topic, found, off, values, first[topic], last[topic], clock)
-    checked = sum(len(v) for v in stamps.values())
-    stamp = None if at is None else int(clock.stamps_ns(at, 1)[0])
-    return LawResult("stamps", "ns", float(worst), 0.0, at, stamp, len(faults), checked, "; ".join(faults))
+    faults = [
+        fault
+        for topic, values in stamps.items()
+        for fault in _faults(topic, numbers[topic], values, first[topic], last[topic], clock)
+    ]
+    unit = next(
+        (kind for kind in (OFF_GRID, GAP, DUPLICATE, DISORDER) if any(f.kind == kind for f in faults)), OFF_GRID
+    )
+    kindred = [fault for fault in faults if fault.kind == unit]
+    checked = sum(len(values) for values in stamps.values())
+    if not kindred:
+        return LawResult("stamps", OFF_GRID, 0.0, 0.0, None, None, 0, checked)
+    worst = max(f.count for f in kindred) if unit == OFF_GRID else sum(f.count for f in kindred)
+    at = max(kindred, key=lambda f: f.count).sample if unit == OFF_GRID else min(f.sample for f in kindred)
+    text = "; ".join(fault.text for fault in faults)
+    return LawResult("stamps", unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
 
 
 def _expected(
@@ -80,7 +101,7 @@ def _expected(
     """First and last sample number that each topic must have."""
     filled = [found for found in numbers.values() if found.size]
     first, last = {}, {}
-    end = max(int(found.max()) for found in filled)
+    end = max((int(found.max()) for found in filled), default=segment.first_sample)
     if following is not None:
         end = int(number_samples(segment.clock(), np.array([following]))[0]) - 1
     for topic, found in numbers.items():
@@ -101,41 +122,44 @@ def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
-def _faults(
-    topic: str, found: Integers, off: Integers, values: Integers, first: int, last: int, clock: SampleClock
-) -> list[str]:
-    """What is wrong with the stamps of a topic, in words."""
+def _faults(topic: str, found: Integers, values: Integers, first: int, last: int, clock: SampleClock) -> list[_Fault]:
+    """What is wrong with the stamps of a topic; of stamps off the grid, ``count`` is how far the worst is off, ns."""
     faults = []
     order = np.flatnonzero(np.diff(found) < 0)
     if order.size:
         pairs = [f"{found[i]} stands before {found[i + 1]}" for i in order]
-        faults.append(f"{topic}: out of order, sample {_some(pairs)}")
+        text = f"{topic}: out of order, sample {_some(pairs)}"
+        faults.append(_Fault(DISORDER, len(order), int(found[order].min()), text))
     counted, times = np.unique(found, return_counts=True)
-    if (times > 1).any():
-        faults.append(f"{topic}: duplicate of sample {_some([str(k) for k in counted[times > 1]])}")
+    doubled = counted[times > 1]
+    if doubled.size:
+        text = f"{topic}: duplicate of sample {_some([str(k) for k in doubled])}"
+        faults.append(_Fault(DUPLICATE, len(doubled), int(doubled[0]), text))
     gaps = _gaps(counted, first, last)
     if gaps:
-        faults.append(f"{topic}: gap, {_some(gaps)}")
+        text = f"{topic}: gap, {_some([_gap_in_words(*gap) for gap in gaps])}"
+        faults.append(_Fault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
+    off = np.abs(values - _grid(clock, found))
     if off.any():
         i = int(off.argmax())
-        faults.append(
+        text = (
             f"{topic}: {np.count_nonzero(off)} stamps off the grid, sample {found[i]} stamped {values[i]} ns "
-            f"instead of {int(clock.stamps_ns(int(found[i]), 1)[0])}"
+            f"instead of {clock.stamp_ns(int(found[i]))}"
         )
+        faults.append(_Fault(OFF_GRID, int(off[i]), int(found[i]), text))
     return faults
 
 
-def _gaps(present: Integers, first: int, last: int) -> list[str]:
-    """The runs of missing numbers between first and last, in words."""
+def _gaps(present: Integers, first: int, last: int) -> list[tuple[int, int]]:
+    """First and last of each run of missing numbers between first and last."""
     edges = np.concatenate([[first - 1], present[(present >= first) & (present <= last)], [last + 1]])
-    gaps = []
-    for before, after in itertools.pairwise(edges):
-        missing = int(after - before) - 1
-        if missing == 1:
-            gaps.append(f"sample {before + 1} is missing")
-        elif missing > 1:
-            gaps.append(f"{missing} samples from {before + 1} to {after - 1} are missing")
-    return gaps
+    return [(int(edges[i]) + 1, int(edges[i + 1]) - 1) for i in np.flatnonzero(np.diff(edges) > 1)]
+
+
+def _gap_in_words(begin: int, end: int) -> str:
+    if begin == end:
+        return f"sample {begin} is missing"
+    return f"{end - begin + 1} samples from {begin} to {end} are missing"
 
 
 def _some(items: list[str]) -> str:

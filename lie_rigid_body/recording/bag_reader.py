@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import yaml
@@ -15,7 +15,8 @@ from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.bag_writer import METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
 
@@ -88,6 +89,14 @@ class Recording:
     twists : TwistTrack
     expected_samples : int or None
         How many samples the writer says it wrote, where it does.
+    published_otherwise : int
+        Messages of the three topics whose time of publishing is not their log time.
+    others : tuple of str
+        What the bag holds besides, in words: topics and attachments.
+    undefined : tuple of str
+        Topics among the three whose message definition is left out, or in a language that is not compared.
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
     library: str
@@ -95,6 +104,10 @@ class Recording:
     poses: PoseTrack
     twists: TwistTrack
     expected_samples: int | None
+    published_otherwise: int = 0
+    others: tuple[str, ...] = ()
+    undefined: tuple[str, ...] = ()
+    without_checksum: int = 0
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -116,11 +129,15 @@ def read_bag(path: str | Path) -> Recording:
     """
     path = Path(path)
     contents = McapContents()
-    for file in _files(path):
+    information = _information(path / "metadata.yaml") if path.is_dir() else None
+    for file in _files(path, information):
         read_file(file, _WANTED, contents)
+    if information is not None:
+        folder_metadata.hold(path / "metadata.yaml", information, contents)
     pose = _find(path, contents, "pose", POSE_STAMPED)
     twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
     scenario = _find(path, contents, "scenario", STRING)
+    own = (pose, twist, scenario)
     texts = _decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
     return Recording(
         contents.library,
@@ -128,7 +145,30 @@ def read_bag(path: str | Path) -> Recording:
         _pose_track(path, pose),
         _twist_track(path, twist),
         _expected_samples(path, contents),
+        sum(a != b for track in own for a, b in zip(track.log_times_ns, track.publish_times_ns, strict=True)),
+        _others(contents, own),
+        tuple(track.topic for track in own if not _is_defined(path, track)),
+        contents.without_checksum,
     )
+
+
+def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+    rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
+    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
+
+
+def _is_defined(path: Path, track: RawTrack) -> bool:
+    """Whether the track's schema has a text that can be compared; if so it must have the fields of the type."""
+    encoding, text = track.definition
+    if encoding != "ros2msg" or not text:
+        return False
+    if not has_fields_of(text.decode(errors="replace"), track.message_type):
+        raise BagError(
+            f"{path}: topic {track.topic}: the definition of {track.message_type} is not that of ROS 2, by which "
+            "others read it: restore a copy, or record again"
+        )
+    return True
 
 
 def _pose_track(path: Path, track: RawTrack) -> PoseTrack:
@@ -191,27 +231,32 @@ def _expected_samples(path: Path, contents: McapContents) -> int | None:
     return None if text is None else int(text)
 
 
-def _files(path: Path) -> list[Path]:
+def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     """The MCAP files of a bag, in the order of recording."""
     if not path.is_dir():
         return [path]
-    listed = _listed_files(path / "metadata.yaml")
-    files = sorted(path.glob("*.mcap"), key=_natural) if listed is None else [path / name for name in listed]
+    files = (
+        sorted(path.glob("*.mcap"), key=_natural)
+        if information is None
+        else [path / str(name) for name in information["relative_file_paths"]]
+    )
     if not files:
         raise BagError(f"{path} is a folder without MCAP files: give a bag")
     return files
 
 
-def _listed_files(metadata: Path) -> list[str] | None:
-    """The files that a rosbag2 folder's metadata name, or None without metadata: a recorder that was killed."""
+def _information(metadata: Path) -> Mapping[str, Any] | None:
+    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
     if not metadata.exists():
         return None
     try:
-        information = yaml.safe_load(metadata.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
-        names = [str(name) for name in information["relative_file_paths"]]
+        information: dict[str, Any] = yaml.safe_load(metadata.read_text(encoding="utf-8"))[
+            "rosbag2_bagfile_information"
+        ]
+        list(information["relative_file_paths"])
     except (OSError, ValueError, TypeError, LookupError, yaml.YAMLError):
         raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
-    return names
+    return information
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:

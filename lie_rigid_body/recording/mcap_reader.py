@@ -13,19 +13,45 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
 
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Footer, Header, Metadata, Schema
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.inventory import ContradictionError, Inventory, MessageTable, require_in_chunk
 from lie_rigid_body.recording.output_file import reason
 
 T = TypeVar("T")
 
 _HEAD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<HIQQ")
+_MESSAGE_BYTES: Final = 31
+"""Bytes of a message record before its payload."""
+_MOST_LOOSE_BYTES: Final = 2**20
+"""Messages of a file without chunks are taken in pieces of this size."""
+_SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
+    Opcode.STATISTICS: Statistics.read,
+    Opcode.CHUNK_INDEX: ChunkIndex.read,
+    Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
+    Opcode.METADATA_INDEX: MetadataIndex.read,
+    Opcode.SUMMARY_OFFSET: SummaryOffset.read,
+}
+_PROFILES: Final = ("ros2", "")
 _COMPRESSIONS: Final = ("", "lz4", "zstd")
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
@@ -41,7 +67,9 @@ class RawTrack:
     Attributes
     ----------
     topic, message_type, encoding : str
-    log_times_ns : list of int
+    definition : tuple of (str, bytes)
+        Encoding and text of its schema.
+    log_times_ns, publish_times_ns : list of int
     payloads : list of bytes
         Empty when the type was not wanted.
     count : int
@@ -51,9 +79,21 @@ class RawTrack:
     topic: str
     message_type: str
     encoding: str
+    definition: tuple[str, bytes] = ("", b"")
     log_times_ns: list[int] = field(default_factory=list)
+    publish_times_ns: list[int] = field(default_factory=list)
     payloads: list[bytes] = field(default_factory=list)
     count: int = 0
+
+
+@dataclass(frozen=True)
+class FileSpan:
+    """How many messages a file holds, and from when to when they were logged, ns."""
+
+    name: str
+    count: int
+    first_ns: int
+    last_ns: int
 
 
 @dataclass
@@ -67,11 +107,18 @@ class McapContents:
     tracks : dict of (topic, message type) to RawTrack
     metadata : dict of str to dict
         Metadata records by name.
+    attachments : int
+    files : list of FileSpan
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
     library: str = ""
     tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: int = 0
+    files: list[FileSpan] = field(default_factory=list)
+    without_checksum: int = 0
 
     @property
     def message_count(self) -> int:
@@ -109,11 +156,15 @@ class _FileReader:
     def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
-        self._types: dict[int, str] = {0: ""}
+        self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
-        self._chunks = 0
+        self._inventory = Inventory()
+        self._loose = bytearray()
+        self._loose_ends = [0]
         self._before = into.message_count
         self._crc = 0  # of the data section, then of the summary
+        self._data_crc = 0
+        self._bare_chunks = 0
         self._position = 0
 
     def read(self) -> None:
@@ -148,9 +199,16 @@ class _FileReader:
         content = self._stream.read(length)
         self._verify_section(opcode, head, content)
         try:
-            self._take(opcode, content)
+            self._inventory.record(opcode, self._position, length)
+            if opcode == Opcode.MESSAGE:
+                self._loose_message(head + content)
+            else:
+                self._end_loose_messages()
+                self._take(opcode, content)
         except BagError:
             raise
+        except ContradictionError as contradiction:
+            raise self._damaged(str(contradiction)) from None
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
             raise self._damaged(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__) from None
         self._position += _HEAD.size + length
@@ -159,6 +217,7 @@ class _FileReader:
     def _verify_section(self, opcode: int, head: bytes, content: bytes) -> None:
         if opcode == Opcode.DATA_END:
             self._compare(content, 0, "data section")
+            self._data_crc = int.from_bytes(content[:4], "little")
             self._crc = 0
         elif opcode == Opcode.FOOTER:
             self._crc = zlib.crc32(content[:16], zlib.crc32(head, self._crc))
@@ -172,28 +231,48 @@ class _FileReader:
             raise self._damaged(f"the checksum of its {what} is {self._crc:08x}, not {declared:08x}")
 
     def _take(self, opcode: int, content: bytes) -> None:
-        if opcode == Opcode.MESSAGE:
-            self._message(content, 0, len(content))
-        elif opcode == Opcode.CHUNK:
-            self._chunk(_parse(Chunk.read, content))
+        if opcode == Opcode.CHUNK:
+            self._chunk(_parse(Chunk.read, content), len(content))
+        elif opcode == Opcode.MESSAGE_INDEX:
+            self._inventory.message_index(content, self._position)
         elif opcode == Opcode.SCHEMA:
             schema = _parse(Schema.read, content)
-            self._types[schema.id] = schema.name
+            self._inventory.schema(schema)
+            self._schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             self._channel(_parse(Channel.read, content))
         elif opcode == Opcode.HEADER:
-            self._into.library = self._into.library or _parse(Header.read, content).library
+            self._header(_parse(Header.read, content))
         elif opcode == Opcode.METADATA:
             record = _parse(Metadata.read, content)
+            self._inventory.metadata(record, self._position, len(content))
             self._into.metadata[record.name] = record.metadata
+        elif opcode == Opcode.ATTACHMENT:
+            self._inventory.attachment(_parse(Attachment.read, content), self._position, len(content))
+            self._into.attachments += 1
+        elif opcode in _SUMMARY:
+            self._inventory.summary(_parse(_SUMMARY[opcode], content))
         elif opcode == Opcode.FOOTER:
-            _parse(Footer.read, content)
+            self._inventory.finish(_parse(Footer.read, content), self._position)
+            self._into.files.append(FileSpan(self._path.name, *self._inventory.span))
+            if not self._data_crc:
+                self._into.without_checksum += self._bare_chunks or not self._inventory.chunk_count
+
+    def _header(self, header: Header) -> None:
+        if header.profile not in _PROFILES:
+            raise ContradictionError(f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+        self._into.library = self._into.library or header.library
 
     def _channel(self, channel: Channel) -> None:
-        key = channel.topic, self._types[channel.schema_id]
-        self._channels[channel.id] = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding))
+        self._inventory.channel(channel)
+        schema = self._schemas[channel.schema_id]
+        key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
+        track = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
+        if (track.encoding, track.definition) != (channel.message_encoding, definition):
+            raise ContradictionError(f"topic {channel.topic} has messages of two encodings or definitions")
+        self._channels[channel.id] = track
 
-    def _chunk(self, chunk: Chunk) -> None:
+    def _chunk(self, chunk: Chunk, length: int) -> None:
         if chunk.compression not in _COMPRESSIONS:
             raise BagError(
                 f"{self._path} is compressed with {chunk.compression!r}, which is unknown here: "
@@ -201,36 +280,58 @@ class _FileReader:
             )
         stream, size = get_chunk_data_stream(chunk, validate_crc=True)
         data, position = stream.read(size), 0
+        starts: list[int] = []
+        ends: list[int] = []
         while position < size:
-            opcode, length = _HEAD.unpack_from(data, position)
-            position += _HEAD.size
-            end = position + length
+            opcode, record_length = _HEAD.unpack_from(data, position)
+            end = position + _HEAD.size + record_length
             if end > size:
                 raise self._damaged("a record is longer than its chunk")
             if opcode == Opcode.MESSAGE:
-                self._message(data, position, end)
+                starts.append(position)
+                ends.append(end)
             else:
-                self._take(opcode, data[position:end])
+                require_in_chunk(opcode)
+                self._take(opcode, data[position + _HEAD.size : end])
             position = end
-        self._chunks += 1
+        table = MessageTable.of(data, starts, ends)
+        self._inventory.chunk(chunk, table, self._position, length)
+        self._bare_chunks += not chunk.uncompressed_crc
+        self._messages(table)
 
-    def _message(self, data: bytes, start: int, end: int) -> None:
-        channel, _, log_time, _ = _MESSAGE.unpack_from(data, start)
-        track = self._channels[channel]
-        track.count += 1
-        if track.message_type in self._wanted:
-            track.log_times_ns.append(log_time)
-            track.payloads.append(data[start + _MESSAGE.size : end])
+    def _loose_message(self, record: bytes) -> None:
+        """Take a message that stands in no chunk: together with its neighbours, as one alone takes long."""
+        self._loose += record
+        self._loose_ends.append(len(self._loose))
+        if len(self._loose) > _MOST_LOOSE_BYTES:
+            self._end_loose_messages()
+
+    def _end_loose_messages(self) -> None:
+        if self._loose:
+            table = MessageTable.of(bytes(self._loose), self._loose_ends[:-1], self._loose_ends[1:])
+            self._loose, self._loose_ends = bytearray(), [0]
+            self._messages(table)
+
+    def _messages(self, table: MessageTable) -> None:
+        self._inventory.messages(table)
+        for channel in np.unique(table.channels).tolist():
+            track, own = self._channels[channel], table.channels == channel
+            track.count += int(own.sum())
+            if track.message_type in self._wanted:
+                track.log_times_ns += table.log_times[own].tolist()
+                track.publish_times_ns += table.publish_times[own].tolist()
+                places = zip((table.starts[own] + _MESSAGE_BYTES).tolist(), table.ends[own].tolist(), strict=True)
+                track.payloads += [table.data[start:end] for start, end in places]
 
     def _ends_well(self) -> bool:
         self._stream.seek(-len(MAGIC), 2)
         return self._stream.read() == MAGIC
 
     def _cut_off(self) -> BagError:
-        count = self._into.message_count - self._before
+        count = self._into.message_count - self._before + len(self._loose_ends) - 1
         return BagError(
-            f"{self._path} was cut off, or is still being written: its {self._chunks} whole chunks hold {count} "
-            f"messages; rescue them with 'mcap recover {self._path} -o recovered.mcap'"
+            f"{self._path} was cut off, or is still being written: its {self._inventory.chunk_count} whole chunks hold "
+            f"{count} messages; rescue them with 'mcap recover {self._path} -o recovered.mcap'"
         )
 
     def _damaged(self, what: str) -> BagError:
