@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate import laws, whole_bag
+from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import RecordedSegment, as_written, recorded_segments, seconds_since_start
+from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.segments import SurveyedSegment, as_written, numbered_blocks, survey
 from lie_rigid_body.certificate.stamps import GAP
-from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.simulation import Segment
 
 
@@ -102,12 +99,12 @@ class Certificate:
         return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
 
 
-def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Certificate:
-    """Hold every law against every segment of a recording.
+def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
+    """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
     ----------
-    recording : Recording
+    bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
 
@@ -118,70 +115,50 @@ def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Cer
     Raises
     ------
     BagError
-        If the recording does not explain itself, or has no sample.
+        If the bag does not explain itself, or has no sample.
     """
     try:
-        segments = recorded_segments(recording, inertia)
+        surveyed = survey(bag, inertia)
     except ParameterError as error:
-        # a body that cannot be has no motion to hold the bag against
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        return Certificate(
-            tuple(_certify_segment(segment, as_written(recording)) for segment in segments),
-            whole_bag.laws(recording, segments),
-            not_certified(recording, segments),
-        )
+        held = [SegmentLaws(found) for found in surveyed.segments]
+        for i, block in numbered_blocks(bag, [found.segment for found in surveyed.segments]):
+            held[i].add(block)
+        own = as_written(bag)
+        segments = tuple(_certificate(*pair, as_written=own) for pair in zip(surveyed.segments, held, strict=True))
+    return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
 
 
-def _certify_segment(recorded: RecordedSegment, as_written: bool) -> SegmentCertificate:
-    scenario = recorded.segment.scenario
-    t = seconds_since_start(recorded.segment, recorded.stamps_ns)
-    limits = tolerance(scenario, float(t.max(initial=0.0)))
-    body, start = scenario.body(), scenario.start()
-    exact = ClosedForm(body, start).at(recorded.stamps_ns - recorded.segment.start_ns)
-    compared = laws.Comparison(recorded, body, start, limits, t, _unit(recorded.states), exact)
-    attitude = laws.closed_form(compared)
-    found = (
-        recorded.stamps,
-        laws.unit_norm(compared),
-        laws.kinetic_energy(compared),
-        *laws.world_momentum(compared),
-        *laws.neighbours(compared),
-        attitude,
-    )
-    notes = _notes(recorded, limits, t, attitude_holds=attitude.holds)
-    if recorded.stamps.unit == GAP and not as_written and all(law.holds for law in found[1:]):
-        notes.append(_loss(recorded))
-    return SegmentCertificate(recorded.segment, len(t), found, tuple(notes))
+def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:
+    laws = (found.stamps, *held.results())
+    certificate = SegmentCertificate(found.segment, found.count, laws)
+    notes = list(_notes(found, held, attitude_holds=certificate.law("closed form").holds))
+    if found.stamps.unit == GAP and not as_written and all(law.holds for law in laws[1:]):
+        notes.append(_loss(found))
+    return replace(certificate, notes=tuple(notes))
 
 
-def _unit(states: State) -> State:
-    """The states with their quaternions normalised; one of norm 0 becomes NaN, which breaks every law it enters."""
-    norms = quaternion.norm(states.attitude_xyzw)[:, np.newaxis]
-    with np.errstate(divide="ignore"):
-        return State.trusted(states.attitude_xyzw / norms, states.body_rate)
-
-
-def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_holds: bool) -> list[str]:
-    notes = []
-    if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.begins_late:
-        notes.append(f"the recording begins at sample {recorded.samples[0]}, {t[0]:.6g} s after the segment's start")
-    turn = float(np.max(np.diff(t), initial=0.0)) * limits.fastest
+def _notes(found: SurveyedSegment, held: SegmentLaws, *, attitude_holds: bool) -> Iterator[str]:
+    segment, t = found.segment, np.array([found.duration] if found.count else [])
+    if found.first is not None and found.first > segment.first_sample and found.begins_late:
+        late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
+        yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
+    turn = found.longest_span * held.tolerance.fastest
     if turn > LONGEST_TURN:
-        notes.append(f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other")
-    expected = float(limits.attitude_uncapped(t[-1:]).max(initial=0.0))
+        yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
+    expected = float(held.tolerance.attitude_uncapped(t).max(initial=0.0))
     if expected > ATTITUDE_CAP and not attitude_holds:
-        notes.append(
+        yield (
             f"the declared stepper errs by up to {expected:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} at most: "
             "record with motion closed_form, a higher order or a smaller max_step"
         )
-    return notes
 
 
-def _loss(recorded: RecordedSegment) -> str:
+def _loss(found: SurveyedSegment) -> str:
     """Who lost the messages of a gap, after which all go on as if none were missing."""
     return (
-        f"{recorded.stamps.worst:.0f} messages are missing ({recorded.unpaired} samples are on one topic only); those "
+        f"{found.stamps.worst:.0f} messages are missing ({found.unpaired} samples are on one topic only); those "
         "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
         "network lost them: give the recorder a deeper history (docs/ros.md)"
     )

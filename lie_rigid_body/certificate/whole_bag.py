@@ -5,53 +5,51 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-import numpy as np
-
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import RecordedSegment, as_written, declared_segments
+from lie_rigid_body.certificate.segments import Survey, as_written, declared_segments
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.simulation import Segment
 
 
-def laws(recording: Recording, segments: list[RecordedSegment]) -> tuple[LawResult, ...]:
+def laws(bag: Bag | Recording, surveyed: Survey) -> tuple[LawResult, ...]:
     """The laws of a bag: declared frames, zero translation, scenarios that agree, log times and the count of samples.
 
     Parameters
     ----------
-    recording : Recording
-    segments : list of RecordedSegment
-        Of the same recording.
+    bag : Bag or Recording
+    surveyed : Survey
+        Of the same bag.
     """
-    laws = [_frames(recording, segments), _at_rest(recording), _declaration(recording)]
-    if as_written(recording):
-        laws.append(_log_times(recording))
-    if recording.expected_samples is not None:
-        found = max(len(recording.poses.stamps_ns), len(recording.twists.body_rates))
-        missing = abs(recording.expected_samples - found)
-        message = f"the bag's end counts {recording.expected_samples} samples, the bag holds {found}"
+    laws = [_frames(surveyed), _at_rest(surveyed), _declaration(bag)]
+    if as_written(bag):
+        laws.append(_log_times(bag, surveyed))
+    if bag.expected_samples is not None:
+        found = max(surveyed.poses, surveyed.twists)
+        missing = abs(bag.expected_samples - found)
+        message = f"the bag's end counts {bag.expected_samples} samples, the bag holds {found}"
         laws.append(_flag("sample count", missing, message))
     return tuple(laws)
 
 
-def _frames(recording: Recording, segments: list[RecordedSegment]) -> LawResult:
-    worlds = {recorded.segment.scenario.world_frame for recorded in segments}
-    bodies = {recorded.segment.scenario.body_frame for recorded in segments}
-    others = sorted((set(recording.poses.frame_ids) - worlds) | (set(recording.twists.frame_ids) - bodies))
+def _frames(surveyed: Survey) -> LawResult:
+    worlds = {found.segment.scenario.world_frame for found in surveyed.segments}
+    bodies = {found.segment.scenario.body_frame for found in surveyed.segments}
+    others = sorted((surveyed.world_frames - worlds) | (surveyed.body_frames - bodies))
     message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
     return _flag("frames", len(others), message)
 
 
-def _declaration(recording: Recording) -> LawResult:
+def _declaration(bag: Bag | Recording) -> LawResult:
     """The scenarios agree with each other and with the type of the twists."""
-    faults = [*_clock_faults(recording), *_twist_faults(recording)]
+    faults = [*_clock_faults(bag), *_twist_faults(bag)]
     return _flag("declaration", len(faults), "; ".join(faults))
 
 
-def _clock_faults(recording: Recording) -> Iterator[str]:
+def _clock_faults(bag: Bag | Recording) -> Iterator[str]:
     """Every reset happens at a sample of the clock before it, which goes on or, at another rate, begins anew."""
-    segments = declared_segments(recording)
-    if as_written(recording) and segments[0].first_sample > 0:
+    segments = declared_segments(bag)
+    if as_written(bag) and segments[0].first_sample > 0:
         yield f"the first scenario begins with sample {segments[0].first_sample}: those before it are not in the bag"
     for before, after in itertools.pairwise(segments):
         number = before.clock().count_until(after.start_ns) - 1
@@ -63,24 +61,21 @@ def _clock_faults(recording: Recording) -> Iterator[str]:
             yield f"the scenario that starts at {after.start_ns} ns does not follow the clock of the one before it"
 
 
-def _twist_faults(recording: Recording) -> Iterator[str]:
-    stamped = recording.twists.stamps_ns is not None
-    if any(segment.scenario.stamped_twist != stamped for segment in declared_segments(recording)):
+def _twist_faults(bag: Bag | Recording) -> Iterator[str]:
+    stamped = bag.stamped
+    if any(segment.scenario.stamped_twist != stamped for segment in declared_segments(bag)):
         yield f"a scenario declares stamped_twist {str(not stamped).lower()}, the twists are otherwise"
 
 
-def _log_times(recording: Recording) -> LawResult:
+def _log_times(bag: Bag | Recording, surveyed: Survey) -> LawResult:
     """Every message is logged and published at its stamp, as this package writes them: by that they are replayed."""
-    off = recording.published_otherwise
-    off += sum(log_time != Segment.from_json(text).start_ns for log_time, text in recording.scenario_texts)
-    off += int(np.count_nonzero(recording.poses.log_times_ns != recording.poses.stamps_ns))
-    if recording.twists.stamps_ns is not None:
-        off += int(np.count_nonzero(recording.twists.log_times_ns != recording.twists.stamps_ns))
+    off = bag.published_otherwise + surveyed.logged_otherwise
+    off += sum(log_time != Segment.from_json(text).start_ns for log_time, text in bag.scenario_texts)
     return _flag("log times", off, f"{off} messages are not logged, or not published, at their stamps")
 
 
-def _at_rest(recording: Recording) -> LawResult:
-    moving = int(np.count_nonzero(recording.poses.positions) + np.count_nonzero(recording.twists.linear))
+def _at_rest(surveyed: Survey) -> LawResult:
+    moving = surveyed.moved
     return _flag(
         "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
     )

@@ -72,7 +72,7 @@ def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
 
 def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
     """The line style of a segment's curves: few points as dots, many so that one curve does not hide the others."""
-    count = len(piece.samples)
+    count = piece.count
     if count <= FEW_SAMPLES:
         return {"marker": "o", "ms": 4.0, "lw": width}
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
@@ -126,7 +126,7 @@ def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
         return
     radii = np.sqrt(2.0 * energy / body.principal_moments)
     _draw_ellipsoid(axes, radii)
-    path = np.stack([piece.states.body_rate @ axis for axis in body.principal_axes.T], axis=-1)
+    path = np.stack([piece.states.body_rate[: piece.close] @ axis for axis in body.principal_axes.T], axis=-1)
     _draw_on_surface(axes, path, radii, colour="#CC2222", width=2.6)
     axes.plot(*path[:1].T, marker="o", ms=6, color="#CC2222", mec="white", zorder=20)
     _label_polhode(axes, body, radii, whose)
@@ -190,7 +190,7 @@ def _title(pieces: Sequence[RecordedSegment]) -> str:
     motion = scenario.motion
     if motion == "moving_chart":
         motion = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
-    count = sum(len(piece.samples) for piece in pieces)
+    count = sum(piece.count for piece in pieces)
     samples = "1 sample" if count == 1 else f"{count} samples"
     resets = {1: "", 2: ", 1 reset (dashed)"}.get(len(pieces), f", {len(pieces) - 1} resets (dashed)")
     whose = "first segment: " if len(pieces) > 1 else ""

@@ -7,6 +7,7 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.bag_progress import open_bag
 from lie_rigid_body.errors import BagError, InputError
 
 
@@ -17,12 +18,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
-    from lie_rigid_body.certificate.segments import recorded_segments
+    from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
-    from lie_rigid_body.recording.bag_reader import read_bag
     from lie_rigid_body.recording.output_file import OutputFile, reason
 
-    figure = draw(recorded_segments(read_bag(given.bag)))
+    with open_bag(given.bag, passes=3) as bag:
+        pieces = thinned_segments(bag)
+    figure = draw(pieces)
     picture = BytesIO()
     figure.savefig(picture, format="png")
     out = OutputFile(given.out, overwrite=given.force)

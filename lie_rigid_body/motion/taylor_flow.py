@@ -33,7 +33,7 @@ _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
 
 
-def flow(body: RigidBody, states: State, spans: Array, rate_bound: float) -> State:
+def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longest: float | None = None) -> State:
     """The states a time span later.
 
     Parameters
@@ -45,13 +45,15 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float) -> Sta
         Time to go, s; not negative.
     rate_bound : float
         Bound of the body rate, rad/s.
+    longest : float, optional
+        The longest span, s, of all calls that are to give the same bits: it decides on substeps and terms.
 
     Returns
     -------
     State
         Attitudes on the continuous path from the given ones, so with the sign that continuity asks for.
     """
-    turn = rate_bound * float(np.max(spans, initial=0.0))
+    turn = rate_bound * (float(np.max(spans, initial=0.0)) if longest is None else longest)
     substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
     terms = _terms(turn / substeps)
     attitude, momentum = states.attitude_xyzw.copy(), body.body_momentum(states)

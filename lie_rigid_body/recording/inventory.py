@@ -59,7 +59,14 @@ _IN_SUMMARY: Final = frozenset(
 _IN_CHUNK: Final = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 _ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
 _MESSAGE: Final = np.dtype(
-    [("head", "V9"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("publish_time", "<u8")]
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
 )
 
 R = TypeVar("R", Schema, Channel)
@@ -92,7 +99,7 @@ class MessageTable:
     publish_times: Integers
 
     @classmethod
-    def of(cls, data: bytes, starts: list[int], ends: list[int]) -> MessageTable:
+    def of(cls, data: bytes, starts: Integers, ends: Integers) -> MessageTable:
         """The table of the messages between these places.
 
         Raises
@@ -100,23 +107,66 @@ class MessageTable:
         ContradictionError
             If a message is too short to be one, or its times are beyond 64 bits with a sign.
         """
-        begin, end = np.array(starts, dtype=np.int64), np.array(ends, dtype=np.int64)
-        if (end - begin < _MESSAGE.itemsize).any():
-            raise ContradictionError("a message record is too short")
-        rows = np.frombuffer(data, dtype=np.uint8)[begin[:, np.newaxis] + np.arange(_MESSAGE.itemsize)]
-        fields = rows.reshape(-1).view(_MESSAGE)
+        _require(bool((ends - starts >= _MESSAGE.itemsize).all()), "a message record is too short")
+        return cls._of_heads(data, starts, ends, _heads(data, starts))
+
+    @classmethod
+    def _of_heads(cls, data: bytes, starts: Integers, ends: Integers, heads: NDArray[np.void]) -> MessageTable:
         for name in ("log_time", "publish_time"):
-            latest = int(fields[name].max(initial=0))
-            if latest > _LAST_TIME:
-                raise ContradictionError(f"the {name} of a message is {latest} ns, beyond {_LAST_TIME}")
-        return cls(
-            data,
-            begin,
-            end,
-            fields["channel"],
-            fields["log_time"].astype(np.int64),
-            fields["publish_time"].astype(np.int64),
-        )
+            latest = int(heads[name].max(initial=0))
+            _require(latest <= _LAST_TIME, f"the {name} of a message is {latest} ns, beyond {_LAST_TIME}")
+        times = (heads[name].astype(np.int64) for name in ("log_time", "publish_time"))
+        return cls(data, starts, ends, heads["channel"].copy(), *times)
+
+    @classmethod
+    def joined(cls, data: bytes, parts: list[MessageTable]) -> MessageTable:
+        """The table of all messages of a chunk."""
+        if len(parts) == 1:
+            return parts[0]
+        none = cls.of(data, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
+        names = ("starts", "ends", "channels", "log_times", "publish_times")
+        return cls(data, *(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
+
+
+def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
+    """The first bytes of message records."""
+    if not len(starts):
+        return np.empty(0, dtype=_MESSAGE)
+    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), _MESSAGE.itemsize)
+    heads: NDArray[np.void] = windows[starts].reshape(-1).view(_MESSAGE)
+    return heads
+
+
+class MessageRuns:
+    """Messages of a chunk that follow each other without a gap, found from hints where they may begin.
+
+    Parameters
+    ----------
+    data : bytes
+        The chunk.
+    hints : ndarray of int64
+        Bytes where messages may begin; wrong ones cost time only.
+    """
+
+    def __init__(self, data: bytes, hints: Integers) -> None:
+        hints = np.sort(hints[(hints >= 0) & (hints <= len(data) - _MESSAGE.itemsize)])
+        hints = hints[np.diff(hints, prepend=-1) > 0]
+        self._data, self._starts, self._heads = data, hints, _heads(data, hints)
+        lengths = self._heads["length"]
+        sound = (self._heads["opcode"] == Opcode.MESSAGE) & (lengths <= len(data))
+        self._ends = hints + HEAD_BYTES + np.where(sound, lengths, 0).astype(np.int64)
+        sound &= (self._ends <= len(data)) & (self._ends - hints >= _MESSAGE.itemsize)
+        self._sound = sound
+        goes_on = sound[:-1] & sound[1:] & (self._ends[:-1] == hints[1:])
+        self._last = np.append(np.flatnonzero(~goes_on), len(hints) - 1)
+
+    def at(self, position: int) -> MessageTable | None:
+        """The messages of the run that begins at a byte, if one does."""
+        i = int(np.searchsorted(self._starts, position))
+        if i == len(self._starts) or self._starts[i] != position or not self._sound[i]:
+            return None
+        run = slice(i, int(self._last[np.searchsorted(self._last, i)]) + 1)
+        return MessageTable._of_heads(self._data, self._starts[run], self._ends[run], self._heads[run])
 
 
 class Inventory:
@@ -186,8 +236,9 @@ class Inventory:
 
     def messages(self, table: MessageTable) -> None:
         """Count messages."""
-        for channel, count in zip(*np.unique(table.channels, return_counts=True), strict=True):
-            self._counts[int(channel)] += int(count)
+        counts = np.bincount(table.channels)
+        for channel in np.flatnonzero(counts).tolist():
+            self._counts[channel] += int(counts[channel])
         if len(table.starts):
             self._first = min(self._first, int(table.log_times.min()))
             self._last = max(self._last, int(table.log_times.max()))
@@ -218,7 +269,9 @@ class Inventory:
         _require(self._table is not None, "a message index follows no chunk")
         assert self._table is not None
         channel, size = int.from_bytes(content[:2], "little"), int.from_bytes(content[2:6], "little")
-        entries = np.sort(np.frombuffer(content[6 : 6 + size], dtype=_ENTRY), order="start")
+        entries = np.frombuffer(content[6 : 6 + size], dtype=_ENTRY)
+        if (entries["start"][1:] < entries["start"][:-1]).any():
+            entries = np.sort(entries, order="start")
         own = self._table.channels == channel
         same = np.array_equal(entries["start"], self._table.starts[own])
         _require(
@@ -233,7 +286,7 @@ class Inventory:
 
     def _end_chunk(self) -> None:
         if self._table is not None and self._indexed:
-            missing = set(np.unique(self._table.channels).tolist()) - self._indexed
+            missing = set(np.flatnonzero(np.bincount(self._table.channels)).tolist()) - self._indexed
             _require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
         self._table = None
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -33,8 +33,15 @@ from mcap.records import (
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.inventory import ContradictionError, Inventory, MessageTable, require_in_chunk
+from lie_rigid_body.recording.inventory import (
+    ContradictionError,
+    Inventory,
+    MessageRuns,
+    MessageTable,
+    require_in_chunk,
+)
 from lie_rigid_body.recording.output_file import reason
 
 T = TypeVar("T")
@@ -60,6 +67,25 @@ _OTHER_FORMATS: Final = {
 }
 
 
+@dataclass(frozen=True)
+class RawMessages:
+    """Messages of one track that stand in one chunk, undecoded, in file order.
+
+    Parameters
+    ----------
+    data : bytes
+        The chunk.
+    starts, ends : ndarray of int64, shape (N,)
+        Where in it each payload begins and ends.
+    log_times_ns : ndarray of int64, shape (N,)
+    """
+
+    data: bytes
+    starts: Integers
+    ends: Integers
+    log_times_ns: Integers
+
+
 @dataclass
 class RawTrack:
     """The messages of one type on one topic, undecoded, in file order.
@@ -69,21 +95,26 @@ class RawTrack:
     topic, message_type, encoding : str
     definition : tuple of (str, bytes)
         Encoding and text of its schema.
-    log_times_ns, publish_times_ns : list of int
-    payloads : list of bytes
-        Empty when the type was not wanted.
+    pieces : list of RawMessages
+        Those not yet taken; empty when the type was not wanted.
     count : int
         Messages, wanted or not.
+    published_otherwise : int
+        How many of them were not published at their log time.
     """
 
     topic: str
     message_type: str
     encoding: str
     definition: tuple[str, bytes] = ("", b"")
-    log_times_ns: list[int] = field(default_factory=list)
-    publish_times_ns: list[int] = field(default_factory=list)
-    payloads: list[bytes] = field(default_factory=list)
+    pieces: list[RawMessages] = field(default_factory=list)
     count: int = 0
+    published_otherwise: int = 0
+
+    def take(self) -> list[RawMessages]:
+        """The messages not yet taken, which the track then forgets."""
+        pieces, self.pieces = self.pieces, []
+        return pieces
 
 
 @dataclass(frozen=True)
@@ -126,15 +157,20 @@ class McapContents:
         return sum(track.count for track in self.tracks.values())
 
 
-def read_file(path: Path, wanted: Collection[str], into: McapContents) -> None:
-    """Add a file's messages to the tracks.
+def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
+    """Add a file's messages to the tracks, chunk by chunk.
 
     Parameters
     ----------
     path : Path
     wanted : collection of str
-        Message types whose payloads are kept.
+        Message types whose payloads are kept until they are taken.
     into : McapContents
+
+    Yields
+    ------
+    int
+        The bytes that were read, after each chunk.
 
     Raises
     ------
@@ -143,7 +179,7 @@ def read_file(path: Path, wanted: Collection[str], into: McapContents) -> None:
     """
     try:
         with open(path, "rb") as stream:
-            _FileReader(path, stream, wanted, into).read()
+            yield from _FileReader(path, stream, wanted, into).read()
     except FileNotFoundError:
         raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
     except OSError as error:
@@ -162,18 +198,23 @@ class _FileReader:
         self._loose = bytearray()
         self._loose_ends = [0]
         self._before = into.message_count
+        self._taken = 0
         self._crc = 0  # of the data section, then of the summary
         self._data_crc = 0
         self._bare_chunks = 0
         self._position = 0
+        self._length = 0  # of the record there, without its head
 
-    def read(self) -> None:
+    def read(self) -> Iterator[int]:
         self._require_magic()
         self._stream.seek(len(MAGIC))
         self._position = len(MAGIC)
         self._crc = zlib.crc32(MAGIC)
+        count = 0
         while self._read_record() != Opcode.FOOTER:
-            pass
+            if self._taken > count:
+                count = self._taken
+                yield self._position
         if self._stream.read() != MAGIC:
             raise self._cut_off()
 
@@ -196,7 +237,7 @@ class _FileReader:
             raise self._damaged("a record is longer than the file")
         if too_long or opcode == 0:
             raise self._cut_off()
-        content = self._stream.read(length)
+        content, self._length = self._stream.read(length), length
         self._verify_section(opcode, head, content)
         try:
             self._inventory.record(opcode, self._position, length)
@@ -280,24 +321,39 @@ class _FileReader:
             )
         stream, size = get_chunk_data_stream(chunk, validate_crc=True)
         data, position = stream.read(size), 0
-        starts: list[int] = []
-        ends: list[int] = []
+        runs = MessageRuns(data, self._indexed_offsets())
+        parts: list[MessageTable] = []
         while position < size:
+            run = runs.at(position)
+            if run is not None:
+                parts.append(run)
+                position = int(run.ends[-1])
+                continue
             opcode, record_length = _HEAD.unpack_from(data, position)
             end = position + _HEAD.size + record_length
             if end > size:
                 raise self._damaged("a record is longer than its chunk")
             if opcode == Opcode.MESSAGE:
-                starts.append(position)
-                ends.append(end)
+                parts.append(MessageTable.of(data, np.array([position]), np.array([end])))
             else:
                 require_in_chunk(opcode)
                 self._take(opcode, data[position + _HEAD.size : end])
             position = end
-        table = MessageTable.of(data, starts, ends)
+        table = MessageTable.joined(data, parts)
         self._inventory.chunk(chunk, table, self._position, length)
         self._bare_chunks += not chunk.uncompressed_crc
         self._messages(table)
+
+    def _indexed_offsets(self) -> Integers:
+        """Where the message indexes that follow say that messages begin: hints, that nothing depends on but speed."""
+        self._stream.seek(self._position + _HEAD.size + self._length)
+        found = [np.empty(0, dtype=np.int64)]
+        while (head := self._stream.read(_HEAD.size))[:1] == bytes([Opcode.MESSAGE_INDEX]) and len(head) == _HEAD.size:
+            _, length = _HEAD.unpack(head)
+            content = self._stream.read(min(length, self._size))
+            found.append(np.frombuffer(content[6 : 6 + (len(content) - 6) // 16 * 16], dtype="<i8")[1::2])
+        self._stream.seek(self._position + _HEAD.size + self._length)
+        return np.concatenate(found)
 
     def _loose_message(self, record: bytes) -> None:
         """Take a message that stands in no chunk: together with its neighbours, as one alone takes long."""
@@ -308,20 +364,21 @@ class _FileReader:
 
     def _end_loose_messages(self) -> None:
         if self._loose:
-            table = MessageTable.of(bytes(self._loose), self._loose_ends[:-1], self._loose_ends[1:])
+            table = MessageTable.of(bytes(self._loose), np.array(self._loose_ends[:-1]), np.array(self._loose_ends[1:]))
             self._loose, self._loose_ends = bytearray(), [0]
             self._messages(table)
 
     def _messages(self, table: MessageTable) -> None:
         self._inventory.messages(table)
-        for channel in np.unique(table.channels).tolist():
-            track, own = self._channels[channel], table.channels == channel
-            track.count += int(own.sum())
+        self._taken += len(table.starts)
+        for channel in np.flatnonzero(np.bincount(table.channels)).tolist():
+            track, own = self._channels[channel], np.flatnonzero(table.channels == channel)
+            log_times = table.log_times[own]
+            track.count += len(own)
+            track.published_otherwise += int(np.count_nonzero(log_times != table.publish_times[own]))
             if track.message_type in self._wanted:
-                track.log_times_ns += table.log_times[own].tolist()
-                track.publish_times_ns += table.publish_times[own].tolist()
-                places = zip((table.starts[own] + _MESSAGE_BYTES).tolist(), table.ends[own].tolist(), strict=True)
-                track.payloads += [table.data[start:end] for start, end in places]
+                starts, ends = table.starts[own] + _MESSAGE_BYTES, table.ends[own]
+                track.pieces.append(RawMessages(table.data, starts, ends, log_times))
 
     def _ends_well(self) -> bool:
         self._stream.seek(-len(MAGIC), 2)
