@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
-from lie_rigid_body.certificate.segments import SurveyedSegment, as_written, numbered_blocks, survey
+from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
@@ -122,12 +122,20 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        held = [SegmentLaws(found) for found in surveyed.segments]
-        for i, block in numbered_blocks(bag, [found.segment for found in surveyed.segments]):
-            held[i].add(block)
-        own = as_written(bag)
-        segments = tuple(_certificate(*pair, as_written=own) for pair in zip(surveyed.segments, held, strict=True))
+        segments = tuple(_segments(bag, surveyed))
     return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
+
+
+def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:
+    """One segment after the other, as their samples come: the laws of many would not fit into memory."""
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
+    pending = next(blocks, None)
+    for i, found in enumerate(surveyed.segments):
+        held = SegmentLaws(found)
+        while pending is not None and pending[0] == i:
+            held.add(pending[1])
+            pending = next(blocks, None)
+        yield _certificate(found, held, as_written=surveyed.as_written)
 
 
 def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:

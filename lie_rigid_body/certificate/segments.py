@@ -102,8 +102,8 @@ class RecordedSegment:
     close: int
 
 
-def declared_segments(recording: Bag | Recording) -> list[Segment]:
-    """The segments in the order of their starts; repeats of a message count once.
+def declared_segments(bag: Bag | Recording) -> dict[str, Segment]:
+    """The segments by the texts that declare them, in the order of their starts; repeats of a text count once.
 
     Raises
     ------
@@ -112,14 +112,14 @@ def declared_segments(recording: Bag | Recording) -> list[Segment]:
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
-    texts = dict.fromkeys(text for _, text in recording.scenario_texts)
+    texts = dict.fromkeys(text for _, text in bag.scenario_texts)
     try:
-        segments = [Segment.from_json(text) for text in texts]
+        segments = {text: Segment.from_json(text) for text in texts}
     except ParameterError:
         raise
     except InputError as error:
         raise BagError(f"the bag does not explain itself: {error}") from None
-    return sorted(segments, key=lambda segment: segment.start_ns)
+    return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
 
 
 def as_written(recording: Bag | Recording) -> bool:
@@ -142,6 +142,10 @@ class Survey:
     ----------
     segments : tuple of SurveyedSegment
         Segments without a sample, which a reset followed at once, are left out.
+    declared : tuple of Segment
+        All that the bag declares, in the order of their starts.
+    as_written : bool
+        See `as_written`.
     poses, twists : int
         Messages.
     world_frames, body_frames : frozenset of str
@@ -149,10 +153,12 @@ class Survey:
     moved : int
         Components of position and linear velocity that are not 0.
     logged_otherwise : int
-        Messages that were not logged at their stamps.
+        Messages that were not logged at their stamps, scenarios at their starts.
     """
 
     segments: tuple[SurveyedSegment, ...]
+    declared: tuple[Segment, ...]
+    as_written: bool
     poses: int
     twists: int
     world_frames: frozenset[str]
@@ -177,8 +183,10 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    segments = [_with_inertia(segment, inertia) for segment in declared_segments(bag)]
+    declared = declared_segments(bag)
+    segments = [_with_inertia(segment, inertia) for segment in declared.values()]
     facts, own = _Facts(), as_written(bag)
+    facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
     tallies = [_SegmentTally(segment) for segment in segments]
     pairing = Pairing()
     for topics in stamped_values(facts.counted(bag.batches()), segments[0].clock(), logged_at_stamps=own):
@@ -199,7 +207,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
             found.append(tally.result(following, late_start=not own and not found, open_end=not own))
     if not any(segment.count for segment in found):
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
-    return facts.survey(found)
+    return facts.survey(found, segments, as_written=own)
 
 
 class _Facts:
@@ -209,7 +217,7 @@ class _Facts:
         self.first_ns = int(np.iinfo(np.int64).max)
         self._counts = [0, 0]
         self._frames: tuple[set[str], set[str]] = set(), set()
-        self._moved = self._logged_otherwise = 0
+        self._moved = self.logged_otherwise = 0
 
     def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """The same batches, counted."""
@@ -220,14 +228,24 @@ class _Facts:
                 self._counts[i] += len(track.log_times_ns)
                 if track.stamps_ns is not None and len(track.stamps_ns):
                     self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
-                    self._logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
+                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
             self._moved += int(np.count_nonzero(poses.positions) + np.count_nonzero(twists.linear))
             yield poses, twists
 
-    def survey(self, segments: list[SurveyedSegment]) -> Survey:
+    def survey(self, segments: list[SurveyedSegment], declared: list[Segment], *, as_written: bool) -> Survey:
         """Together with these segments."""
         (poses, twists), (worlds, bodies) = self._counts, map(frozenset, self._frames)
-        return Survey(tuple(segments), poses, twists, worlds, bodies, self._moved, self._logged_otherwise)
+        return Survey(
+            tuple(segments),
+            tuple(declared),
+            as_written,
+            poses,
+            twists,
+            worlds,
+            bodies,
+            self._moved,
+            self.logged_otherwise,
+        )
 
 
 class _SegmentTally:

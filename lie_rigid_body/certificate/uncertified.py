@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lie_rigid_body.certificate.segments import Survey, as_written, declared_segments
+from lie_rigid_body.certificate.segments import Survey
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -22,27 +22,26 @@ def not_certified(bag: Bag | Recording, surveyed: Survey) -> tuple[str, ...]:
         f"the names of topics ({bag.pose_topic}, {bag.twist_topic})",
         "with which stepper (motion, method and max_step set the limits)",
         "the scale of the inertia, which no torque-free motion shows",
-        *_ends(bag),
-        *_declared_only(bag, surveyed),
+        *_ends(bag, surveyed),
+        *_declared_only(surveyed),
         *_unread(bag),
         "and the fields that docs/certificate.md says are not",
     )
 
 
-def _ends(bag: Bag | Recording) -> Iterator[str]:
-    if not as_written(bag):
+def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+    if not surveyed.as_written:
         yield "log times: a recorder's"
         yield "what came before its first sample"
     if bag.expected_samples is None:
         yield "what came after its last sample"
 
 
-def _declared_only(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
-    declared = declared_segments(bag)
+def _declared_only(surveyed: Survey) -> Iterator[str]:
     followed = {found.segment.start_ns for found in surveyed.segments}
-    if unused := sum(segment.start_ns not in followed for segment in declared):
+    if unused := sum(segment.start_ns not in followed for segment in surveyed.declared):
         yield f"scenarios without a sample: {unused}"
-    if any(segment.scenario.has_sensors for segment in declared):
+    if any(segment.scenario.has_sensors for segment in surveyed.declared):
         yield "parameters of the sensors"
 
 
