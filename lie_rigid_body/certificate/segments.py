@@ -372,7 +372,8 @@ class _Thinning:
         """Take the samples that come next."""
         whole = max(0, _ALL_OF - self._taken)
         self._taken += len(block.samples)
-        self._kept.append(block[:whole])
+        if whole:  # an empty view would keep the whole block in memory
+            self._kept.append(block[:whole])
         for i in range(whole, len(block.samples), self._size):
             bucket = block[i : i + self._size]
             with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
