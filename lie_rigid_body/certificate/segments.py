@@ -22,7 +22,7 @@ from lie_rigid_body.simulation import SOFTWARE, Segment
 _RECORDER: Final = "libmcap "
 """How the library name of a file by `ros2 bag record` begins."""
 _ALL_OF: Final = 20_000
-"""Samples of a segment that are all drawn, the first ones."""
+"""Samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
 _BUCKETS: Final = 2000
 """Pieces of a long bag of which the extreme samples are drawn: as many as a picture has columns."""
 _CLOSE: Final = 0.05
@@ -360,37 +360,38 @@ def thinned_segments(bag: Bag | Recording) -> list[RecordedSegment]:
 
 
 class _Thinning:
-    """The samples of a segment as they come, the first ones and then the extreme ones of each bucket."""
+    """The samples of a segment as they come: of the first ones enough for a curve, of all the extreme ones."""
 
     def __init__(self, found: SurveyedSegment, size: int) -> None:
-        self._found, self._size = found, size
-        self._body = found.segment.scenario.body()
+        scenario = found.segment.scenario
+        turn = scenario.rate_bound() / scenario.rate
+        self._found, self._size, self._body = found, size, scenario.body()
+        self._stride = 1 if found.count <= _ALL_OF else max(1, int(min(_CLOSE, found.count * turn) / (turn or 1.0)))
+        self._resolved = _ALL_OF * self._stride
         self._kept = [Block.empty()]
-        self._taken = 0
+        self._taken = self._close = 0
 
     def add(self, block: Block) -> None:
         """Take the samples that come next."""
-        whole = max(0, _ALL_OF - self._taken)
-        self._taken += len(block.samples)
-        if whole:  # an empty view would keep the whole block in memory
-            self._kept.append(block[:whole])
-        for i in range(whole, len(block.samples), self._size):
+        for i in range(0, len(block.samples), self._size):
             bucket = block[i : i + self._size]
-            with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
-                columns = np.column_stack(
-                    [
-                        bucket.states.body_rate,
-                        self._body.kinetic_energy(bucket.states),
-                        self._body.angular_momentum(bucket.states),
-                    ]
-                )
-            self._kept.append(bucket[np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])])
+            places = self._taken + np.arange(len(bucket.samples))
+            of_curve = np.flatnonzero((places % self._stride == 0) & (places < self._resolved))
+            chosen = np.union1d(self._extreme(bucket), of_curve)
+            self._close += int(np.count_nonzero(places[chosen] < self._resolved))
+            self._kept.append(bucket[chosen])
+            self._taken += len(places)
+
+    def _extreme(self, bucket: Block) -> Integers:
+        with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
+            energy = self._body.kinetic_energy(bucket.states)
+            momentum = self._body.angular_momentum(bucket.states)
+        columns = np.column_stack([bucket.states.body_rate, energy, momentum])
+        return np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])
 
     def result(self) -> RecordedSegment:
         """The segment with what was kept."""
-        kept, scenario = self._kept[0].joined(*self._kept[1:]), self._found.segment.scenario
-        turn = self._size / scenario.rate * scenario.rate_bound()
-        return _recorded(self._found, kept, len(kept.samples) if turn < _CLOSE else min(len(kept.samples), _ALL_OF))
+        return _recorded(self._found, self._kept[0].joined(*self._kept[1:]), self._close)
 
 
 def _recorded(found: SurveyedSegment, block: Block, close: int) -> RecordedSegment:
