@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.bag_progress import open_bag
 from lie_rigid_body.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.certificate.proved import Proof
-    from lie_rigid_body.recording.bag_reader import Recording
+    from lie_rigid_body.recording.bag_reader import Bag
 
 BROKEN: Final = 1
 
@@ -27,13 +28,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate import certify
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.cli import certificate_text, proof_text
-    from lie_rigid_body.recording.bag_reader import read_bag
 
     if given.prove is not None:
         require_count(given.prove)
-    recording = read_bag(given.bag)
-    certificate = certify(recording, inertia)
-    proof = None if given.prove is None else _proof(recording, certificate, given.prove, inertia)
+    with open_bag(given.bag, passes=3) as bag:
+        certificate = certify(bag, inertia)
+    proof = None if given.prove is None else _proof(bag, certificate, given.prove, inertia)
     if given.json:
         content = certificate_text.as_json(given.bag, certificate)
         content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
@@ -45,12 +45,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else BROKEN
 
 
-def _proof(recording: Recording, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
+def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
     from tqdm import tqdm
 
     from lie_rigid_body.certificate.proved import Proof, prove
 
-    samples = prove(recording, certificate, count, inertia)
+    samples = prove(bag, certificate, count, inertia)
     return Proof(tuple(tqdm(samples, unit=" samples", file=sys.stderr, disable=None, leave=False)))
 
 

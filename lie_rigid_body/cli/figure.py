@@ -88,7 +88,7 @@ def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
 
 def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
     """The line style of a segment's curves: few points as dots, many so that one curve does not hide the others."""
-    count = len(piece.samples)
+    count = piece.count
     if count <= FEW_SAMPLES:
         return {"marker": "o", "ms": 4.0, "lw": width}
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
@@ -173,7 +173,7 @@ def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
         axes.set_axis_off()
         return
     radii = np.sqrt(2.0 * energy / body.principal_moments)
-    path = np.stack([piece.states.body_rate @ axis for axis in body.principal_axes.T], axis=-1)
+    path = np.stack([piece.states.body_rate[: piece.close] @ axis for axis in body.principal_axes.T], axis=-1)
     axes.view_init(*best_view(path, radii))
     axes.set_proj_type("ortho")
     _draw_ellipsoid(axes, radii)
@@ -278,7 +278,7 @@ def _title(pieces: Sequence[RecordedSegment]) -> str:
     motion = scenario.motion
     if motion == "moving_chart":
         motion = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
-    total = sum(len(piece.samples) for piece in pieces)
+    total = sum(piece.count for piece in pieces)
     samples = "1 sample" if total == 1 else f"{total} samples"
     count = len(pieces) - 1
     mark = "dashed" if count <= MOST_RESETS_AS_LINES else "marks above"

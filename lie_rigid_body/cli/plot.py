@@ -8,6 +8,7 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.bag_progress import open_bag
 from lie_rigid_body.errors import BagError, InputError
 
 
@@ -21,14 +22,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     import numpy as np
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
-    from lie_rigid_body.certificate.segments import recorded_segments
+    from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
-    from lie_rigid_body.recording.bag_reader import read_bag
     from lie_rigid_body.recording.output_file import OutputFile, reason
 
+    with open_bag(given.bag, passes=3) as bag:
+        pieces = thinned_segments(bag)
     picture = BytesIO()
     with np.errstate(all="ignore"):  # recorded numbers may be anything
-        draw(recorded_segments(read_bag(given.bag))).savefig(picture, format="png")
+        draw(pieces).savefig(picture, format="png")
     out = OutputFile(given.out, overwrite=given.force)
     try:
         out.stream.write(picture.getbuffer())

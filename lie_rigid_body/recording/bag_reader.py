@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -16,18 +18,18 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawTrack, read_file
+from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawMessages, RawTrack, read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.wording import listed, short_repr
 
-T = TypeVar("T")
-
+_BATCH: Final = 32_768
+"""Messages of poses and twists that a batch holds at least, but for the last one."""
 _WHY: Final = {"scenario": ", which tells inertia, rate, motion and frames: record it as well, whatever --inertia says"}
 LARGEST_METADATA: Final = 2**20
 """Largest size of the metadata.yaml of a folder, bytes."""
-_WANTED: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,9 @@ class TwistTrack:
     __repr__ = short_repr
 
 
+Track = TypeVar("Track", PoseTrack, TwistTrack)
+
+
 @dataclass(frozen=True)
 class Recording:
     """The messages of a run that a bag holds.
@@ -98,6 +103,14 @@ class Recording:
     twists : TwistTrack
     expected_samples : int or None
         How many samples the writer says it wrote, where it does.
+    published_otherwise : int
+        Messages of the three topics whose time of publishing is not their log time.
+    others : tuple of str
+        What the bag holds besides, in words: topics and attachments.
+    undefined : tuple of str
+        Topics among the three whose message definition is left out, or in a language that is not compared.
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
     library: str
@@ -105,12 +118,166 @@ class Recording:
     poses: PoseTrack
     twists: TwistTrack
     expected_samples: int | None
+    published_otherwise: int = 0
+    others: tuple[str, ...] = ()
+    undefined: tuple[str, ...] = ()
+    without_checksum: int = 0
+
+    @property
+    def pose_topic(self) -> str:
+        """Name of the topic of the poses."""
+        return self.poses.topic
+
+    @property
+    def twist_topic(self) -> str:
+        """Name of the topic of the twists."""
+        return self.twists.topic
+
+    @property
+    def stamped(self) -> bool:
+        """Whether twists have stamps of their own."""
+        return self.twists.stamps_ns is not None
+
+    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists, as `Bag.batches` reads them."""
+        yield self.poses, self.twists
+
+
+class Bag:
+    """A bag that is read in batches, as often as they are wanted: its memory does not grow with its length.
+
+    Parameters
+    ----------
+    path : str or Path
+        An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
+    progress : callable, optional
+        Called with the number of bytes that were read since it was called last, in every pass.
+
+    Attributes
+    ----------
+    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum
+        As in `Recording`.
+    pose_topic, twist_topic : str
+    stamped : bool
+        Whether twists have stamps of their own.
+
+    Raises
+    ------
+    BagError
+        If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
+    """
+
+    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
+        self._path, self._progress = Path(path), progress
+        metadata = self._path / "metadata.yaml"
+        try:
+            information = _information(metadata) if self._path.is_dir() else None
+            self._files = _files(self._path, information)
+        except OSError as error:
+            raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
+        contents = McapContents()
+        for _ in self._read(contents, (STRING,)):
+            pass
+        if information is not None:
+            folder_metadata.hold(metadata, information, contents)
+        pose = _find(self._path, contents, "pose", POSE_STAMPED)
+        twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
+        scenario = _find(self._path, contents, "scenario", STRING)
+        own = (pose, twist, scenario)
+        for track in own:
+            if track.encoding != "cdr":
+                raise BagError(f"{self._path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
+        self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
+        self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
+        self.library = contents.library
+        self.scenario_texts = self._texts(scenario)
+        self.expected_samples = _expected_samples(self._path, contents)
+        self.published_otherwise = sum(track.published_otherwise for track in own)
+        self.others = _others(contents, own)
+        self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
+        self.without_checksum = contents.without_checksum
+
+    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists in file order, some ten thousand at a time."""
+        contents, decoded = McapContents(), [0, 0]
+        for position in itertools.chain(self._read(contents, (self._pose[1], self._twist[1])), [None]):
+            tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
+            waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
+            if position is None or waiting >= _BATCH:
+                pieces = [[] if track is None else track.take() for track in tracks]
+                yield self._poses(pieces[0], decoded[0]), self._twists(pieces[1], decoded[1])
+                decoded = [n + sum(len(p.starts) for p in taken) for n, taken in zip(decoded, pieces, strict=True)]
+            for track in contents.tracks.values():
+                if (track.topic, track.message_type) not in (self._pose, self._twist):
+                    track.take()
+            if position is None or waiting >= _BATCH:
+                contents.kept = 0
+
+    def load(self) -> Recording:
+        """The whole bag in memory."""
+        poses, twists = zip(*self.batches(), strict=True)
+        return Recording(
+            self.library,
+            self.scenario_texts,
+            _joined(poses),
+            _joined(twists),
+            self.expected_samples,
+            self.published_otherwise,
+            self.others,
+            self.undefined,
+            self.without_checksum,
+        )
+
+    def _read(self, contents: McapContents, wanted: tuple[str, ...]) -> Iterator[int]:
+        for file in self._files:
+            before = 0
+            for position in read_file(file, wanted, contents):
+                self._progress(position - before)
+                before = position
+                yield position
+
+    def _texts(self, scenario: RawTrack) -> list[tuple[int, str]]:
+        found: list[tuple[int, str]] = []
+        pieces = scenario.take()
+        if pieces[0].data[pieces[0].starts[0] :].startswith(ZSTD_MAGIC):
+            raise BagError(
+                f"{self._path}: its messages are compressed one by one: record without '--compression-mode message' "
+                "(MCAP's own chunks are compressed by '--storage-preset-profile zstd_fast'), or unpack it with "
+                "'ros2 bag convert'"
+            )
+        for piece in pieces:
+            for time, start, end in zip(piece.log_times_ns.tolist(), piece.starts, piece.ends, strict=True):
+                with self._named(scenario.topic):
+                    found.append((time, messages.decode_string(piece.data[start:end], len(found))))
+        return found
+
+    def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
+        with self._named(self._pose[0]):
+            log_times, decoded = _decoded(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
+        assert decoded.stamps_ns is not None
+        numbers = decoded.numbers
+        return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
+
+    def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
+        with self._named(self._twist[0]):
+            log_times, decoded = _decoded(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+        numbers = decoded.numbers
+        return TwistTrack(
+            self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
+        )
+
+    @contextmanager
+    def _named(self, topic: str) -> Iterator[None]:
+        try:
+            yield
+        except BagError as error:
+            raise BagError(f"{self._path}: topic {topic}: {error}: record the bag again") from None
 
     __repr__ = short_repr
 
 
 def read_bag(path: str | Path) -> Recording:
-    """Read a bag.
+    """Read a bag into memory.
 
     Parameters
     ----------
@@ -126,63 +293,52 @@ def read_bag(path: str | Path) -> Recording:
     BagError
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
-    path = Path(path)
-    contents = McapContents()
-    try:
-        files = _files(path)
-    except OSError as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
-    for file in files:
-        read_file(file, _WANTED, contents)
-    pose = _find(path, contents, "pose", POSE_STAMPED)
-    twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
-    scenario = _find(path, contents, "scenario", STRING)
-    texts = _decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
-    return Recording(
-        contents.library,
-        list(zip(scenario.log_times_ns, texts, strict=True)),
-        _pose_track(path, pose),
-        _twist_track(path, twist),
-        _expected_samples(path, contents),
-    )
+    return Bag(path).load()
 
 
-def _pose_track(path: Path, track: RawTrack) -> PoseTrack:
-    decoded = _decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
-    assert decoded.stamps_ns is not None
-    numbers = decoded.numbers
-    return PoseTrack(
-        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
-    )
-
-
-def _twist_track(path: Path, track: RawTrack) -> TwistTrack:
-    stamped = track.message_type == TWIST_STAMPED
-    decoded: Decoded = _decoded(
-        path, track, lambda: messages.decode(track.payloads, messages.TWIST_NUMBERS, stamped=stamped)
-    )
-    numbers = decoded.numbers
-    return TwistTrack(
-        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
-    )
-
-
-def _log_times(track: RawTrack) -> Integers:
-    return np.array(track.log_times_ns, dtype=np.uint64).astype(np.int64)
-
-
-def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
-    if track.encoding != "cdr":
-        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
-    if track.payloads[0].startswith(ZSTD_MAGIC):
-        raise BagError(
-            f"{path}: its messages are compressed one by one: record without '--compression-mode message' (MCAP's own "
-            "chunks are compressed by '--storage-preset-profile zstd_fast'), or unpack it with 'ros2 bag convert'"
+def _decoded(pieces: list[RawMessages], numbers: int, *, stamped: bool, first: int) -> tuple[Integers, Decoded]:
+    """Log times and contents of messages, the first of which has a number."""
+    data = b"".join([piece.data for piece in pieces])
+    offsets = np.cumsum([0, *(len(piece.data) for piece in pieces)]).tolist()[: len(pieces)]
+    starts, ends, log_times = (
+        np.concatenate([np.empty(0, dtype=np.int64), *columns])
+        for columns in (
+            [piece.starts + at for piece, at in zip(pieces, offsets, strict=True)],
+            [piece.ends + at for piece, at in zip(pieces, offsets, strict=True)],
+            [piece.log_times_ns for piece in pieces],
         )
-    try:
-        return decode()
-    except BagError as error:
-        raise BagError(f"{path}: topic {track.topic}: {error}: record the bag again") from None
+    )
+    return log_times, messages.decode_places(data, starts, ends, numbers, stamped=stamped, first=first)
+
+
+def _joined(tracks: Sequence[Track]) -> Track:
+    """Tracks that continue each other as one."""
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(track, name) for track in tracks])
+        for name, value in vars(tracks[0]).items()
+        if isinstance(value, np.ndarray)
+    }
+    frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
+    return replace(tracks[0], frame_ids=tuple(frames), **columns)
+
+
+def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+    rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
+    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
+
+
+def _is_defined(path: Path, track: RawTrack) -> bool:
+    """Whether the track's schema has a text that can be compared; if so it must have the fields of the type."""
+    encoding, text = track.definition
+    if encoding != "ros2msg" or not text:
+        return False
+    if not has_fields_of(text.decode(errors="replace"), track.message_type):
+        raise BagError(
+            f"{path}: topic {track.topic}: the definition of {track.message_type} is not that of ROS 2, by which "
+            "others read it: restore a copy, or record again"
+        )
+    return True
 
 
 def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
@@ -213,30 +369,35 @@ def _expected_samples(path: Path, contents: McapContents) -> int | None:
     return None if text is None else int(text)
 
 
-def _files(path: Path) -> list[Path]:
+def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     """The MCAP files of a bag, in the order of recording."""
     if not path.is_dir():
         return [path]
-    listed = _listed_files(path / "metadata.yaml")
-    files = sorted(path.glob("*.mcap"), key=_natural) if listed is None else [path / name for name in listed]
+    files = (
+        sorted(path.glob("*.mcap"), key=_natural)
+        if information is None
+        else [path / str(name) for name in information["relative_file_paths"]]
+    )
     if not files:
         raise BagError(f"{path} is a folder without MCAP files: give a bag")
     return files
 
 
-def _listed_files(metadata: Path) -> list[str] | None:
-    """The files that a rosbag2 folder's metadata name, or None without metadata: a recorder that was killed."""
+def _information(metadata: Path) -> Mapping[str, Any] | None:
+    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
     if not metadata.exists():
         return None
 
     try:
-        information = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))["rosbag2_bagfile_information"]
+        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))[
+            "rosbag2_bagfile_information"
+        ]
         names = [str(name) for name in information["relative_file_paths"]]
     except (InputError, TypeError, LookupError):
         raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
-    return names
+    return information
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:

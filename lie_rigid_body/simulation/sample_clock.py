@@ -57,6 +57,8 @@ class SampleClock:
         ndarray of int64, shape (count,)
         """
         n, d, epoch = self.period_ns.numerator, self.period_ns.denominator, self.epoch_ns
+        if d == 1 and count and epoch + first * n >= 0 and epoch + (first + count - 1) * n <= MAX_EPOCH_NS:
+            return epoch + n * np.arange(first, first + count, dtype=np.int64)
         stamps = (
             [epoch + k * n for k in range(first, first + count)]
             if d == 1
