@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled
+from lie_rigid_body.wording import LONGEST_LINE, shortened
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -26,10 +27,6 @@ INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
-LONGEST_LINE: Final = 200
-"""Longest error line, characters."""
-_SHORTEST_WORD: Final = 24
-"""Characters that are left of a long word."""
 _STANDARD_STREAMS: Final = 3
 _PIP_NAMES: Final = {"yaml": "PyYAML"}
 
@@ -77,7 +74,7 @@ def complain(prog: str, message: str) -> None:
     """Print an error as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
     try:
         line = _printable(f"{prog}: error: {' '.join(message.splitlines())}", sys.stderr)
-        print(_shortened(line), file=sys.stderr, flush=True)
+        print(shortened(line), file=sys.stderr, flush=True)
     except OSError:
         silence(sys.stderr)
 
@@ -126,25 +123,6 @@ def _printable(line: str, stream: TextIO) -> str:
     shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
     encoding = getattr(stream, "encoding", None) or "utf-8"
     return shown.encode(encoding, "backslashreplace").decode(encoding)
-
-
-def _shortened(line: str) -> str:
-    """A line of at most `LONGEST_LINE` characters: long words lose their middle first, such as values and paths."""
-    words = line.split(" ")
-    while (excess := len(" ".join(words)) - LONGEST_LINE) > 0:
-        longest = max(words, key=len)
-        if len(longest) <= _SHORTEST_WORD:
-            break
-        words[words.index(longest)] = _without_middle(longest, max(_SHORTEST_WORD, len(longest) - excess))
-    return _without_middle(" ".join(words), LONGEST_LINE)
-
-
-def _without_middle(text: str, length: int) -> str:
-    """A text of at most the given length, which keeps its begin and its end."""
-    if len(text) <= length:
-        return text
-    end = (length - 3) // 2
-    return f"{text[: length - 3 - end]}...{text[-end:]}"
 
 
 def _open_standard_streams() -> None:
@@ -252,7 +230,7 @@ def _explanation(error: Exception) -> str:
         return missing_library(error)
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
-    what = _without_middle(f"{kind}: {error}", LONGEST_LINE // 2)
+    what = shortened(f"{kind}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
 
 

@@ -17,7 +17,7 @@ LONGEST_LINE: Final = 200
 LONGEST_VALUE: Final = 60
 """Largest length of a value in a line, characters."""
 
-MOST_NAMES: Final = 8
+MOST_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
 _GAP: Final = "..."

@@ -32,6 +32,7 @@ from lie_rigid_body import (
     read_bag,
 )
 from lie_rigid_body import errors as errors_room
+from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
@@ -103,7 +104,8 @@ def of_a_run(path: Path) -> list[Any]:
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
     readings = [taken, taken.samples, taken.imu, taken.magnetometer, taken.imu.readings, *sensors]
-    models = [scenario, scenario.sensors, imu, magnetometer, first, simulation.clock, simulation]
+    campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
+    models = [campaign, scenario, scenario.sensors, imu, magnetometer, first, simulation.clock, simulation]
     return [
         *readings,
         *models,
@@ -122,7 +124,10 @@ def of_a_score() -> list[Any]:
     sampled, score_limits = evaluation.SampledTruth(TIMES, truth), evaluation.Limits(1.0)
     score = evaluation.evaluate(TIMES, turned, sampled, limits=score_limits, covariance=1e-4 * np.eye(3))
     exact = evaluation.ExactTruth(exact_attitudes, 0, int(TIMES[-1]))
-    return [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
+    bias, up = evaluation.BiasNoise(0.1, 0.01), evaluation.VectorReadings(TIMES, [0.0, 0.0, 9.8], 0.1)
+    bound = evaluation.unavoidable_error(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
+    found = [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
+    return [*found, bias, up, bound]
 
 
 def exact_attitudes(t_ns: np.ndarray) -> np.ndarray:
@@ -150,6 +155,7 @@ def of_a_group() -> list[Any]:
         equations,
         groups.chasles(points, points),
         steady,
+        groups.chart_reach(group, np.eye(6)[0]),
     ]
 
 

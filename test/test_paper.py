@@ -127,4 +127,6 @@ def functions(module: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("module", [so3, quaternion, lie_rigid_body.mechanics, top], ids=lambda m: m.__name__)
 def test_functions_of_rotations_and_bodies_name_their_equation(module):
     for name, thing in functions(module).items():
+        if getattr(thing, "__module__", "").endswith(".wording"):
+            continue
         assert re.search(r"eqs?\. \(\d+[a-c]?\)", thing.__doc__ or "") or name in WITHOUT_EQUATION, name

@@ -18,6 +18,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.wording import short_repr
 
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
@@ -55,6 +56,8 @@ class Campaign:
     scenario: str | None = None
     parameters: Mapping[str, object] = field(default_factory=dict)
     vary: Mapping[str, object] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         _require_integer("runs", self.runs, 1, MOST_RUNS)

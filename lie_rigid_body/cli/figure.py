@@ -44,6 +44,8 @@ _FROM_BELOW: Final = 0.8
 """Merit of a view from below, which is less usual, as a share of that from above."""
 _SEEN_POINTS: Final = 400
 """Number of points by which a view is judged."""
+_NO_RATE: Final = 1e150
+"""rad/s: squares of more may overflow; a rate that was damaged does not choose the view."""
 
 
 def draw(pieces: Sequence[RecordedSegment]) -> Figure:
@@ -196,6 +198,9 @@ def best_view(path: Array, radii: Array) -> tuple[float, float]:
     tuple of float
     """
     points = path[:: len(path) // _SEEN_POINTS + 1]
+    points = points[(np.abs(points) < _NO_RATE).all(axis=1)]
+    if not len(points):
+        return _VIEWS[0]
 
     def merit(view: tuple[float, float]) -> tuple[float, float]:
         eye, right, up = _screen(*view)

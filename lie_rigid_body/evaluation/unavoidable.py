@@ -30,6 +30,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,8 @@ class VectorReadings:
     noise: float
     bias: BiasNoise = BiasNoise()
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class UnavoidableError:
@@ -85,6 +88,8 @@ class UnavoidableError:
     filtered: Array
     smoothed: Array
     gyro_bias: Array
+
+    __repr__ = short_repr
 
     @staticmethod
     def rms(covariance: Array) -> float:

@@ -27,7 +27,7 @@ from lie_rigid_body.wording import listed, short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
-_WHY: Final = {"scenario": ", which tells inertia, rate, motion and frames: record it as well, whatever --inertia says"}
+_WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
 LARGEST_METADATA: Final = 2**20
 """Largest size of the metadata.yaml of a folder, bytes."""
 
@@ -122,6 +122,8 @@ class Recording:
     others: tuple[str, ...] = ()
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
+
+    __repr__ = short_repr
 
     @property
     def pose_topic(self) -> str:
@@ -241,9 +243,8 @@ class Bag:
         pieces = scenario.take()
         if pieces[0].data[pieces[0].starts[0] :].startswith(ZSTD_MAGIC):
             raise BagError(
-                f"{self._path}: its messages are compressed one by one: record without '--compression-mode message' "
-                "(MCAP's own chunks are compressed by '--storage-preset-profile zstd_fast'), or unpack it with "
-                "'ros2 bag convert'"
+                f"{self._path}: its messages are compressed one by one: record without '--compression-mode message', "
+                "or unpack it with 'ros2 bag convert'"
             )
         for piece in pieces:
             for time, start, end in zip(piece.log_times_ns.tolist(), piece.starts, piece.ends, strict=True):
@@ -272,8 +273,6 @@ class Bag:
             yield
         except BagError as error:
             raise BagError(f"{self._path}: topic {topic}: {error}: record the bag again") from None
-
-    __repr__ = short_repr
 
 
 def read_bag(path: str | Path) -> Recording:

@@ -193,7 +193,7 @@ class BagWriter:
     def _what_remains(self) -> str:
         if self._file.replaces:
             return "the older file of that name is kept: make room and record again"
-        return f"make room and record again, or rescue what is whole: {rescue(self.path)}"
+        return f"make room and record again, or rescue what is whole with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self

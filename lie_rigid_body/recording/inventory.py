@@ -385,7 +385,7 @@ class Inventory:
 
 def require_in_chunk(opcode: int) -> None:
     """Refuse a record that may not stand in a chunk."""
-    _require(opcode in _IN_CHUNK or opcode > Opcode.DATA_END, f"a record {opcode:#x} is out of place in a chunk")
+    _require(opcode in _IN_CHUNK, f"a record of kind {opcode:#04x} in a chunk")
 
 
 def _require(holds: bool, otherwise: str) -> None:

@@ -429,7 +429,7 @@ class _FileReader:
         count = self._into.message_count - self._before + len(self._loose_ends) - 1
         return BagError(
             f"{self._path} was cut off, or is still being written: its {self._inventory.chunk_count} whole chunks hold "
-            f"{count} messages; rescue them: {rescue(self._path)}"
+            f"{count} messages; rescue them with {rescue()}"
         )
 
     def _too_large(self, what: str) -> BagError:

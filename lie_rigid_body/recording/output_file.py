@@ -6,7 +6,6 @@ import contextlib
 import fcntl
 import os
 import secrets
-import shlex
 import stat
 from io import BufferedWriter, FileIO
 from pathlib import Path
@@ -133,9 +132,9 @@ def reason(error: Exception) -> str:
     return (isinstance(error, OSError) and error.strerror) or str(error)
 
 
-def rescue(path: Path) -> str:
+def rescue() -> str:
     """The commands that make a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
-    return f"{shlex.join(['mcap', 'recover', str(path), '-o', 'recovered.mcap'])}, or ros2 bag convert"
+    return "'mcap recover' or 'ros2 bag convert'"
 
 
 class _GrowingFile(FileIO):

@@ -212,7 +212,7 @@ def test_a_topic_without_messages_is_refused(make_bag: MakeBag, tmp_path: Path) 
 
 def test_without_a_scenario_topic_an_inertia_is_not_enough(make_bag: MakeBag, tmp_path: Path) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", lambda topic: topic if topic in ("/pose", "/twist") else None)
-    with pytest.raises(BagError, match=r"tells inertia, rate, motion and frames: record it .* whatever --inertia says"):
+    with pytest.raises(BagError, match=r"tells body, motion and frames, whatever --inertia says"):
         read_bag(path)
 
 
@@ -232,10 +232,11 @@ def test_a_library_that_is_missing_is_no_damage(
     make_bag: MakeBag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: CompressionType, library: str
 ) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", compression=compression)
-    monkeypatch.setitem(sys.modules, library, None)
+    for name in (library, f"{library}.frame"):  # the second may be loaded already
+        monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(ModuleNotFoundError) as caught:
         read_bag(path)
-    assert caught.value.name == library
+    assert str(caught.value.name).startswith(library)
 
 
 def test_a_malformed_message_is_named(make_bag: MakeBag, tmp_path: Path) -> None:

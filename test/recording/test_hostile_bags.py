@@ -20,7 +20,7 @@ from test_bag_reader import folder
 
 from lie_rigid_body.certificate.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.definitions import POSE_STAMPED
+from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK
@@ -114,7 +114,7 @@ def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkey
     with open(tmp_path / "x.mcap", "wb") as out:
         writer = Writer(out, compression=CompressionType.ZSTD)
         writer.start("ros2", "a forger")
-        channel = writer.register_channel("/pose", "cdr", writer.register_schema(POSE_STAMPED, "ros2msg", b""))
+        channel = writer.register_channel("/chatter", "cdr", writer.register_schema(STRING, "ros2msg", b""))
         for _ in range(8):
             writer.add_message(channel, 0, bytes(2**20), 0)
         writer.finish()
@@ -173,10 +173,10 @@ def test_a_scenario_message_is_short_and_flat() -> None:
 def test_many_resets_take_little_time(make_bag: MakeBag) -> None:
     """What takes most of it, a scenario, is made once; and there is a limit."""
     start = Segment(Scenario.from_parameters(), 0, 0)
-    texts = [replace(start, first_sample=i, start_ns=i).to_json() for i in range(3)]
+    texts = [replace(start, first_sample=i, start_ns=i * 10_000_000).to_json() for i in range(3)]
     first, second, _ = (Segment.from_json(text) for text in texts)
     assert first.scenario is second.scenario
-    assert (second.first_sample, second.start_ns) == (1, 1)
+    assert (second.first_sample, second.start_ns) == (1, 10_000_000)
     recording = replace(read_bag(make_bag()), scenario_texts=[(i, str(i)) for i in range(MOST_SEGMENTS + 1)])
     with pytest.raises(BagError, match=f"declares {MOST_SEGMENTS + 1} segments: at most {MOST_SEGMENTS} are read"):
         declared_segments(recording)

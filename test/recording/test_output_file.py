@@ -134,7 +134,7 @@ def test_a_bag_that_is_taken_away_while_it_is_written_is_no_bag(
     write_samples(bag, scenario, simulation.take(3000))  # more than a chunk
     with pytest.raises(BagError, match=f"a.mcap is lost: .*{said}") as caught:
         act(bag)
-    assert len(str(caught.value).removeprefix(str(bag.path))) < 150
+    assert len(str(caught.value)) <= 200
     if how == "replaced":
         assert bag.path.read_bytes() == b"another's"
 
