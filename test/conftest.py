@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -42,6 +43,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    # under nohup, or in the background of a script, signals are ignored, and children inherit that
+    for number, handler in ((signal.SIGHUP, signal.SIG_DFL), (signal.SIGINT, signal.default_int_handler)):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, handler)
     complete = os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required"
     if complete and not ROS_INSTALLED:
         raise pytest.UsageError("this environment should have rclpy and has not: remove it and set it up again")

@@ -58,7 +58,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
                 n_workers=workers or cores(),
                 threads_per_worker=1,
                 memory_limit=0,
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # whichever port is free
                 local_directory=own,
                 silence_logs=logging.CRITICAL,
             )

@@ -79,7 +79,12 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
 def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
     from distributed import LocalCluster
 
-    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None, "local_directory": str(tmp_path)}
+    options = {
+        "n_workers": 1,
+        "threads_per_worker": 1,
+        "dashboard_address": "127.0.0.1:0",
+        "local_directory": str(tmp_path),
+    }
     with LocalCluster(**options) as cluster:
         other = tmp_path / "other"
         assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", cluster.scheduler_address]) == 0
