@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import attitude_error
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
+    from lie_rigid_body.runs import Run, simulate
     from lie_rigid_body.scenario import Scenario
 
 __version__ = "0.1.0"
@@ -22,10 +23,12 @@ __all__ = [
     "MovingChart",
     "ParameterError",
     "RigidBody",
+    "Run",
     "Scenario",
     "State",
     "__version__",
     "attitude_error",
+    "simulate",
 ]
 
 # Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
@@ -37,9 +40,11 @@ _HOMES = {
     "MovingChart": "lie_rigid_body.motion",
     "ParameterError": "lie_rigid_body.errors",
     "RigidBody": "lie_rigid_body.mechanics",
+    "Run": "lie_rigid_body.runs",
     "Scenario": "lie_rigid_body.scenario",
     "State": "lie_rigid_body.mechanics",
     "attitude_error": "lie_rigid_body.evaluation",
+    "simulate": "lie_rigid_body.runs",
 }
 
 

@@ -10,7 +10,7 @@ from rooms import MODULES, PACKAGE, imports, room
 # package, and its own __init__ is the room "".
 SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
-EDGE = BAG | {"certificate", "console", "interruption"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "arrays": set(),
@@ -29,11 +29,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "proof": set(),
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
+    "runs": BAG | {"certificate", "evaluation"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
     "cli": EDGE,
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation"},
+    "": SCENARIO | {"simulation", "evaluation", "runs"},
     "__main__": {"console"},
 }
 FOR_ALL = {"errors", "arrays"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import shlex
@@ -22,7 +21,7 @@ from lie_rigid_body.parameters import NS
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import SampleClock, Simulation
+    from lie_rigid_body.simulation import Simulation
 
 BYTES_PER_SAMPLE: Final = 105
 """Bytes of a pose and a twist in a bag, compressed."""
@@ -53,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         scenario = Scenario.from_parameters(console.parameters(given))
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
-    last_ns = _last_stamp_ns(simulation.clock, duration, count)
+    last_ns = simulation.clock.last_stamp_ns(duration)
     out = Path(given.out)
     simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
     _require_room(out, count, _readings(scenario, duration))
@@ -128,12 +127,6 @@ def _record(
                 return
             bag.write(encoder.encode(taken))
             bar.update(len(taken.samples))
-
-
-def _last_stamp_ns(clock: SampleClock, duration: Fraction, count: int) -> int:
-    """The last stamp that a reading may have, ns: the end of the duration, rounded as for the truth."""
-    end = clock.epoch_ns + math.ceil(duration * NS) - 1
-    return min(max(end, clock.stamp_ns(count - 1)), clock.stamp_ns(count) - 1)
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
@@ -21,7 +21,8 @@ from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_fi
 
 T = TypeVar("T")
 
-_WANTED: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
+TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
+"""The message types of a recording."""
 
 
 @dataclass(frozen=True)
@@ -115,13 +116,29 @@ def read_bag(path: str | Path) -> Recording:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
     path = Path(path)
+    return recording_in(path, read_contents(path, TYPES))
+
+
+def read_contents(path: Path, wanted: Collection[str]) -> McapContents:
+    """The raw messages of a bag, a file or a folder of them, with the payloads of the wanted types.
+
+    Raises
+    ------
+    BagError
+        If it is no bag, cut off or damaged.
+    """
     contents = McapContents()
     for file in _files(path):
-        read_file(file, _WANTED, contents)
+        read_file(file, wanted, contents)
+    return contents
+
+
+def recording_in(path: Path, contents: McapContents) -> Recording:
+    """The recording in a bag's contents, which hold the payloads of `TYPES`; see `read_bag`."""
     pose = _find(path, contents, "pose", POSE_STAMPED)
     twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
     scenario = _find(path, contents, "scenario", STRING)
-    texts = _decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
+    texts = decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
     return Recording(
         contents.library,
         list(zip(scenario.log_times_ns, texts, strict=True)),
@@ -132,30 +149,27 @@ def read_bag(path: str | Path) -> Recording:
 
 
 def _pose_track(path: Path, track: RawTrack) -> PoseTrack:
-    decoded = _decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
-    assert decoded.stamps_ns is not None
-    numbers = decoded.numbers
-    return PoseTrack(
-        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
-    )
+    read = decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
+    assert read.stamps_ns is not None
+    numbers = read.numbers
+    return PoseTrack(track.topic, _log_times(track), read.stamps_ns, numbers[:, 3:], numbers[:, :3], read.frame_ids)
 
 
 def _twist_track(path: Path, track: RawTrack) -> TwistTrack:
     stamped = track.message_type == TWIST_STAMPED
-    decoded: Decoded = _decoded(
+    read: Decoded = decoded(
         path, track, lambda: messages.decode(track.payloads, messages.TWIST_NUMBERS, stamped=stamped)
     )
-    numbers = decoded.numbers
-    return TwistTrack(
-        track.topic, _log_times(track), decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
-    )
+    numbers = read.numbers
+    return TwistTrack(track.topic, _log_times(track), read.stamps_ns, numbers[:, 3:], numbers[:, :3], read.frame_ids)
 
 
 def _log_times(track: RawTrack) -> Integers:
     return np.array(track.log_times_ns, dtype=np.uint64).astype(np.int64)
 
 
-def _decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
+def decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
+    """What a decoder makes of a track; its errors name bag and topic."""
     if track.encoding != "cdr":
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
     try:

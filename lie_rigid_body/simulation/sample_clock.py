@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -69,6 +70,14 @@ class SampleClock:
     def count_before(self, duration: Fraction) -> int:
         """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""
         return -int(-(duration * Fraction(repr(self.rate))) // 1)
+
+    def last_stamp_ns(self, duration: Fraction) -> int:
+        """The last stamp of a run of a duration, s, for samples of any clock of the same epoch, ns.
+
+        It is the end of the duration, rounded as for the samples of this clock.
+        """
+        end, count = self.epoch_ns + math.ceil(duration * NS) - 1, self.count_before(duration)
+        return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 
 def _round_ratio(n: int, d: int) -> int:
