@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Score, evaluate
+from lie_rigid_body.evaluation import Score, bias_error, evaluate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
@@ -171,7 +171,14 @@ class Run:
         end = clock.stamp_ns(clock.count_until(last)) - 1
         return ScenarioTruth(self.segments, int(self.t_ns[0]), end, self.t_ns, self.truth.attitude_xyzw)
 
-    def score(self, estimate_xyzw: ArrayLike, t_ns: ArrayLike | None = None, **options: Any) -> Score:
+    def score(
+        self,
+        estimate_xyzw: ArrayLike,
+        t_ns: ArrayLike | None = None,
+        *,
+        gyro_bias: ArrayLike | None = None,
+        **options: Any,
+    ) -> Score:
         """Score an attitude estimate of this run.
 
         Parameters
@@ -180,6 +187,8 @@ class Run:
             World-from-body, scalar last.
         t_ns : array_like of int, shape (K,), optional
             Its stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+        gyro_bias : array_like, shape (K, 3), optional
+            Estimated biases of the gyro at the same stamps, rad/s.
         **options
             Further arguments of `lie_rigid_body.evaluation.evaluate`.
 
@@ -190,10 +199,27 @@ class Run:
         Raises
         ------
         InputError
-            If there are no stamps of that number, or the estimate is unusable.
+            If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
         stamps = self._stamps(len(np.atleast_1d(np.asarray(estimate_xyzw)))) if t_ns is None else t_ns
-        return evaluate(stamps, estimate_xyzw, self.attitude(), **options)
+        score = evaluate(stamps, estimate_xyzw, self.attitude(), **options)
+        if gyro_bias is None:
+            return score
+        return replace(score, gyro_bias_rad_s=bias_error(gyro_bias, self.gyro_bias_at(stamps)))
+
+    def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
+        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.
+
+        Raises
+        ------
+        InputError
+            If the run does not tell it.
+        """
+        if self.imu is None or self.imu.gyro_bias is None:
+            raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
+        return np.stack(
+            [np.interp(np.asarray(t_ns, dtype=np.int64), self.imu.t_ns, axis) for axis in self.imu.gyro_bias.T], axis=-1
+        )
 
     def _stamps(self, length: int) -> Integers:
         if self.imu is not None and len(self.imu.t_ns) == length:

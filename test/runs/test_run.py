@@ -262,3 +262,15 @@ def test_refusals_are_one_line(arguments, message):
         simulate(**arguments)
     assert "\n" not in str(error.value)
     assert len(str(error.value)) <= 400
+
+
+def test_the_error_of_an_estimated_bias(run):
+    bias = np.asarray(imu_of(run).gyro_bias) + np.array([3e-3, 0.0, -4e-3])
+    score = run.score(run.attitude().at(imu_of(run).t_ns), gyro_bias=bias)
+    assert score.gyro_bias_rad_s is not None
+    assert score.gyro_bias_rad_s.rms == pytest.approx(5e-3, rel=1e-12)
+    assert score.to_json()["gyro_bias_rad_s"] == score.gyro_bias_rad_s.to_json()
+    middle = run.gyro_bias_at(imu_of(run).t_ns[:-1] + 2_500_000)
+    np.testing.assert_allclose(middle, 0.5 * (bias[1:] + bias[:-1]) - np.array([3e-3, 0.0, -4e-3]), rtol=0, atol=1e-15)
+    with pytest.raises(InputError, match="does not tell the bias"):
+        simulate(SCENARIO, duration=1.0).gyro_bias_at([0])
