@@ -25,6 +25,7 @@ ROS_NAMES = [
     f"record = {NAME}.cli.record:main",
     f"check = {NAME}.cli.check:main",
     f"plot = {NAME}.cli.plot:main",
+    f"evaluate = {NAME}.cli.evaluate:main",
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
 ]

@@ -15,6 +15,7 @@ ANSWERS = [
     "scenarios --json",
     "check {bag}",
     "explain",
+    "evaluate {bag} --estimate /pose",
 ]
 WRITERS = ["record {new} --duration 0.1", "plot {bag} -o {new}.png"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,8 +57,8 @@ class _StampedValues:
         return replace(self, stamps_ns=self.stamps_ns[inside], values=self.values[inside])
 
 
-def declared_segments(recording: Recording) -> list[Segment]:
-    """The segments in the order of their starts; repeats of a message count once.
+def declared_segments(scenario_texts: Iterable[str]) -> list[Segment]:
+    """The segments that scenario messages declare, in the order of their starts; repeats of a message count once.
 
     Raises
     ------
@@ -67,9 +67,8 @@ def declared_segments(recording: Recording) -> list[Segment]:
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
-    texts = dict.fromkeys(text for _, text in recording.scenario_texts)
     try:
-        segments = [Segment.from_json(text) for text in texts]
+        segments = [Segment.from_json(text) for text in dict.fromkeys(scenario_texts)]
     except ParameterError:
         raise
     except InputError as error:
@@ -104,7 +103,8 @@ def recorded_segments(recording: Recording, inertia: Sequence[float] | None = No
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    segments = [_with_inertia(segment, inertia) for segment in declared_segments(recording)]
+    declared = declared_segments(text for _, text in recording.scenario_texts)
+    segments = [_with_inertia(segment, inertia) for segment in declared]
     pose = _StampedValues("pose", recording.poses.stamps_ns, recording.poses.attitudes_xyzw)
     twist = _StampedValues("twist", _twist_stamps(recording, segments), recording.twists.body_rates)
     first = min(int(pose.stamps_ns.min()), int(twist.stamps_ns.min()))

@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.errors import InputError
 
 
 @console.run
@@ -20,20 +20,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate.segments import recorded_segments
     from lie_rigid_body.cli.figure import draw
     from lie_rigid_body.recording.bag_reader import read_bag
-    from lie_rigid_body.recording.output_file import OutputFile, reason
+    from lie_rigid_body.recording.output_file import write_file
 
     figure = draw(recorded_segments(read_bag(given.bag)))
     picture = BytesIO()
     figure.savefig(picture, format="png")
-    out = OutputFile(given.out, overwrite=given.force)
-    try:
-        out.stream.write(picture.getbuffer())
-        out.commit()
-    except BaseException as error:
-        out.discard()  # part of a picture is of no use, and would stand in the way of the next one
-        if not isinstance(error, OSError):
-            raise
-        raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
+    write_file(given.out, picture.getvalue(), overwrite=given.force)
     console.say(f"wrote {given.out}")
     return console.SUCCESS
 

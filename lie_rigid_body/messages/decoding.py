@@ -84,7 +84,7 @@ def _decode_alike(
     frames: dict[int, str],
 ) -> None:
     first = payloads[indices[0]]
-    order = _byte_order(first, indices[0])
+    order = byte_order(first, indices[0])
     length = _word(first, 12, order, indices[0]) if stamped else 0
     start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
@@ -116,7 +116,7 @@ def _collect_frames(texts: NDArray[np.uint8], indices: list[int], frames: dict[i
         return
     names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
     for name, at in zip(*np.unique(names, return_index=True), strict=True):
-        frames[indices[at]] = _string(bytes(name), indices[at])
+        frames[indices[at]] = text_of(bytes(name), indices[at])
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:
@@ -133,12 +133,13 @@ def decode_string(payload: bytes, index: int = 0) -> str:
     BagError
         If the payload is not one.
     """
-    length = _word(payload, 4, _byte_order(payload, index), index)
+    length = _word(payload, 4, byte_order(payload, index), index)
     _require_size(payload, 8 + length, index)
-    return _string(payload[8 : 8 + length], index)
+    return text_of(payload[8 : 8 + length], index)
 
 
-def _byte_order(payload: bytes, index: int) -> str:
+def byte_order(payload: bytes, index: int) -> str:
+    """``<`` or ``>``, as the encapsulation of a message says."""
     order = _BYTE_ORDERS.get(payload[:2])
     if order is None:
         begin = payload[:4].hex(" ") or "nothing"
@@ -159,7 +160,8 @@ def _require_size(payload: bytes, size: int, index: int) -> None:
         raise BagError(f"message {index} has {len(payload)} bytes where its type and text lengths make {size}")
 
 
-def _string(data: bytes, index: int) -> str:
+def text_of(data: bytes, index: int) -> str:
+    """The text of a string's bytes, which end with a zero byte."""
     if data and data[-1]:
         raise BagError(f"message {index} has a text that does not end with a zero byte")
     try:

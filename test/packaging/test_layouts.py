@@ -30,7 +30,7 @@ NOT_SOURCES = shutil.ignore_patterns(
 )
 CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {"sim", "record", "check", "plot", "explain", "scenarios"}
+VERBS = {"sim", "record", "check", "evaluate", "plot", "explain", "scenarios"}
 
 
 @dataclass(frozen=True)
