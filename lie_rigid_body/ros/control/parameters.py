@@ -16,9 +16,9 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 
 READ_ONLY: Final = frozenset(
-    {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
+    {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate", "sensor_grade"}
 )
-"""Parameters on which message types, stamps, files and publishers depend: fixed at the start."""
+"""Parameters on which message types, stamps, files, publishers and other parameters depend: fixed at the start."""
 IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
