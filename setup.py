@@ -122,6 +122,9 @@ setup(
     ],
     install_requires=REQUIRES,
     extras_require=EXTRAS,
-    entry_points={"console_scripts": ONE_NAME + (ROS_NAMES if FOR_ROS else [])},
+    entry_points={
+        "console_scripts": ONE_NAME + (ROS_NAMES if FOR_ROS else []),
+        "pytest11": [f"{NAME}.testing = {NAME}.testing"],
+    },
     zip_safe=False,
 )

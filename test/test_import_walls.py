@@ -30,6 +30,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
+    "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
     "cli": EDGE,

@@ -9,7 +9,7 @@ from typing import Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.cli import score_text
-from lie_rigid_body.evaluation import Limits, Score
+from lie_rigid_body.evaluation import Limits, Score, summary
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 _STYLE: Final = """
@@ -68,13 +68,13 @@ def _verdict(score: Score, limits: Limits) -> Iterator[str]:
 
 
 def _table(score: Score) -> Iterator[str]:
-    headings = "".join(f"<th>{heading}</th>" for heading in ("error, deg", *score_text.HEADINGS))
+    headings = "".join(f"<th>{heading}</th>" for heading in ("error, deg", *summary.HEADINGS))
     yield f"<table><tr>{headings}</tr>"
-    for name, statistics in score_text.angles(score):
-        cells = "".join(f"<td>{number}</td>" for number in score_text.numbers(statistics))
+    for name, statistics in summary.angles(score):
+        cells = "".join(f"<td>{number}</td>" for number in summary.numbers(statistics))
         yield f"<tr><td>{name}</td>{cells}</tr>"
     yield "</table><table>"
-    for name, value in score_text.facts(score):
+    for name, value in summary.facts(score):
         yield f'<tr><td>{name}</td><td style="text-align: left">{escape(value)}</td></tr>'
     yield "</table>"
 

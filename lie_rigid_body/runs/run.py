@@ -176,7 +176,9 @@ class Run:
         estimate_xyzw: ArrayLike,
         t_ns: ArrayLike | None = None,
         *,
+        after_s: float = 0.0,
         gyro_bias: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
         **options: Any,
     ) -> Score:
         """Score an attitude estimate of this run.
@@ -187,8 +189,12 @@ class Run:
             World-from-body, scalar last.
         t_ns : array_like of int, shape (K,), optional
             Its stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+        after_s : float
+            Estimates of so many seconds from the first on do not count, s: a filter converges.
         gyro_bias : array_like, shape (K, 3), optional
             Estimated biases of the gyro at the same stamps, rad/s.
+        covariance : array_like, shape (K, 3, 3), (K, 6, 6), (3, 3) or (6, 6), optional
+            The estimator's own, of small rotations, rad².
         **options
             Further arguments of `lie_rigid_body.evaluation.evaluate`.
 
@@ -201,11 +207,20 @@ class Run:
         InputError
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
-        stamps = self._stamps(len(np.atleast_1d(np.asarray(estimate_xyzw)))) if t_ns is None else t_ns
-        score = evaluate(stamps, estimate_xyzw, self.attitude(), **options)
+        attitude = np.atleast_1d(np.asarray(estimate_xyzw))
+        stamps = self.stamps_of(len(attitude)) if t_ns is None else np.atleast_1d(np.asarray(t_ns))
+        truth, counted = self.attitude(), slice(None)
+        if after_s:
+            counted = slice(_first_after(stamps, after_s), None)
+            truth.first_ns = int(stamps[counted][0])
+        if covariance is not None and np.ndim(covariance) == 3:
+            covariance = np.asarray(covariance)[counted]
+        stamps = stamps[counted]
+        score = evaluate(stamps, attitude[counted], truth, covariance=covariance, **options)
         if gyro_bias is None:
             return score
-        return replace(score, gyro_bias_rad_s=bias_error(gyro_bias, self.gyro_bias_at(stamps)))
+        true_bias = self.gyro_bias_at(stamps)
+        return replace(score, gyro_bias_rad_s=bias_error(np.asarray(gyro_bias)[counted], true_bias))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.
@@ -221,7 +236,14 @@ class Run:
             [np.interp(np.asarray(t_ns, dtype=np.int64), self.imu.t_ns, axis) for axis in self.imu.gyro_bias.T], axis=-1
         )
 
-    def _stamps(self, length: int) -> Integers:
+    def stamps_of(self, length: int) -> Integers:
+        """The stamps of so many readings of the IMU, or of samples of the truth, ns.
+
+        Raises
+        ------
+        InputError
+            If neither has that number.
+        """
         if self.imu is not None and len(self.imu.t_ns) == length:
             return self.imu.t_ns
         if len(self.t_ns) == length:
@@ -261,6 +283,14 @@ def _imu(samples: ImuSamples) -> ImuArrays:
         readings.gyro_bias,
         readings.accelerometer_bias,
     )
+
+
+def _first_after(stamps: Integers, after_s: float) -> int:
+    """Number of the first stamp so many seconds after the first, s."""
+    late = np.flatnonzero(stamps >= stamps[0] + round(after_s * 1e9)) if stamps.size else stamps
+    if not late.size:
+        raise InputError(f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time")
+    return int(late[0])
 
 
 def _recorded_imu(data: VectorTrack, bias: VectorTrack | None) -> ImuArrays:

@@ -103,6 +103,9 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     name = min(SCENARIOS)
     layout.run("record", "out.mcap", "--scenario", name, "--duration", "0.5", cwd=tmp_path)
     layout.run("check", "out.mcap", cwd=tmp_path)
+    # pytest finds the plugin for tests of filters by itself
+    markers = run(layout.python(), "-m", "pytest", "--markers", cwd=tmp_path, env=layout.environment)
+    assert "@pytest.mark.attitude_run(" in markers
 
 
 # one kind of each tool's installation in every run: an installation takes as long as hundreds of other tests
