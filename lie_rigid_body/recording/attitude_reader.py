@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -32,6 +32,8 @@ _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] 
 }
 ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
 """The message types that hold an attitude with a stamp."""
+MOST_NAMES: Final = 5
+"""Names in a message of one line."""
 _POSE_COVARIANCE: Final = slice(7, 43)
 """Fields of the 6 × 6 covariance after a pose."""
 _IMU_COVARIANCE: Final = slice(4, 13)
@@ -93,7 +95,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     read = decoded(path, track, lambda: messages.decode(track.payloads, count, stamped=True))
     assert read.stamps_ns is not None
     if len(read.frame_ids) > 1:
-        raise BagError(f"{path}: topic {topic} is of the frames {', '.join(read.frame_ids)}: record those of one body")
+        raise BagError(f"{path}: topic {topic} is of the frames {_some(read.frame_ids)}: record those of one body")
     known = np.full(len(read.numbers), True)
     if track.message_type == IMU:
         known = read.numbers[:, _IMU_COVARIANCE.start] != -1.0
@@ -111,14 +113,20 @@ def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
     usable = [track for track in found if track.message_type in ATTITUDE_TYPES]
     if not found:
         topics = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
-        raise BagError(f"{path} has no topic {topic}; attitudes are on {', '.join(topics) or 'none of its topics'}")
+        raise BagError(f"{path} has no topic {topic}; attitudes are on {_some(topics) or 'none of its topics'}")
     if not usable:
-        kinds = ", ".join(name.replace("/msg/", "/") for name in ATTITUDE_TYPES)
+        kinds = ", ".join(name.rpartition("/")[2] for name in ATTITUDE_TYPES)
         raise BagError(f"{path}: topic {topic} is of {found[0].message_type}: give one of {kinds}")
     if len(usable) > 1 or not usable[0].count:
         what = "messages of several types" if len(usable) > 1 else "no message"
         raise BagError(f"{path} has {what} on {topic}: record it again while one estimator runs")
     return usable[0]
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first names of a list, for a message of one line."""
+    rest = [f"{len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
+    return ", ".join([*names[:MOST_NAMES], *rest])
 
 
 def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> AttitudeTrack:
@@ -127,7 +135,7 @@ def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> Attitud
     if frames is None:
         raise BagError(f"{path}: the messages on {track.topic} are empty: record it while an estimator runs")
     if len(found) > 1 and frames != wanted:
-        pairs = ", ".join(f"{frame} to {child}" for frame, child in found)
+        pairs = _some([f"{frame} to {child}" for frame, child in found])
         what = f"none of which is {' to '.join(wanted)}" if wanted else "of which none is known as the body's"
         raise BagError(f"{path}: topic {track.topic} tells of {pairs}, {what}: record one body, or name its frames so")
     numbers = np.array(found[frames].numbers)

@@ -260,7 +260,9 @@ def test_other_estimates_are_not_taken_for_the_truth(own, stamps, noisy, tmp_pat
 def test_topics_without_an_attitude_are_refused(own, bag, tmp_path, capsys):
     assert "attitudes are on /pose, /imu/data_raw, /imu/bias" in refused(capsys, own, "--estimate", "/imu/data")
     assert "has no orientation" in refused(capsys, own, "--estimate", "/imu/data_raw")
-    assert "is of geometry_msgs/msg/TwistStamped: give one of geom" in refused(capsys, own, "--estimate", "/twist")
+    assert "is of geometry_msgs/msg/TwistStamped: give one of PoseStamped, " in refused(
+        capsys, own, "--estimate", "/twist"
+    )
     assert "does not exist" in refused(capsys, tmp_path / "no.mcap", "--estimate", "/pose")
     assert "does not exist" in refused(capsys, bag, "--estimate", "/pose", "--truth", tmp_path / "no.mcap")
     assert "the following arguments are required: --estimate" in refused(capsys, bag)
