@@ -28,10 +28,12 @@ ROS_NAMES = [
     f"evaluate = {NAME}.cli.evaluate:main",
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
+    f"campaign = {NAME}.cli.campaign:main",
 ]
 
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
 REQUIRES = [
+    "lz4>=4.0",
     "mcap>=1.5",
     "matplotlib>=3.6.3",
     "numpy>=1.26",
@@ -43,6 +45,7 @@ REQUIRES = [
 ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
 # PyBullet has to be compiled elsewhere, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
+CAMPAIGN = ["dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
 FLINT_WHEELS_EXIST = (
@@ -59,7 +62,10 @@ EXTRAS = {
     "fast": ["numba>=0.58"],
     # check --prove: the true motion in balls that are proved to hold it
     "proof": [PYTHON_FLINT],
+    # many runs on all cores or a cluster, and their table
+    "campaign": CAMPAIGN,
     "test": [
+        *CAMPAIGN,
         "ahrs",
         "allantools",
         "colcon-core",
@@ -88,7 +94,7 @@ EXTRAS = {
 }
 
 # Folders of their own: what lies in config/ itself is a scenario.
-VIEWS_AND_POLICY = ["foxglove", "plotjuggler", "rviz", "sros2"]
+VIEWS_AND_POLICIES = ["foxglove", "plotjuggler", "rosbag2", "rviz", "sros2"]
 
 setup(
     name=NAME,
@@ -112,12 +118,12 @@ setup(
     python_requires=">=3.10",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     # lie_rigid_body/config is a link to config/: one set of files, found beside the code however it was installed.
-    package_data={NAME: ["py.typed", "config/*.yaml", *(f"config/{folder}/*" for folder in VIEWS_AND_POLICY)]},
+    package_data={NAME: ["py.typed", "config/*.yaml", *(f"config/{folder}/*" for folder in VIEWS_AND_POLICIES)]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", sorted(glob("config/*.*"))),
-        *((f"share/{NAME}/config/{folder}", sorted(glob(f"config/{folder}/*"))) for folder in VIEWS_AND_POLICY),
+        *((f"share/{NAME}/config/{folder}", sorted(glob(f"config/{folder}/*"))) for folder in VIEWS_AND_POLICIES),
         (f"share/{NAME}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=REQUIRES,

@@ -1,7 +1,7 @@
 """Who imports whom in the package, and the picture of it: ``python docs/rooms.py`` writes docs/images/rooms.svg.
 
-A room is a folder of the package or a module beside these folders. The picture leaves out `errors`, which everyone may
-import, and each arrow from a room to one that it also reaches by other arrows.
+A room is a folder of the package or a module beside these folders. The picture leaves out `errors` and `wording`, which
+everyone may import, and each arrow from a room to one that it also reaches by other arrows.
 """
 
 from __future__ import annotations
@@ -19,6 +19,9 @@ from typing import Final
 PACKAGE: Final = "lie_rigid_body"
 SOURCES: Final = Path(__file__).resolve().parent.parent / PACKAGE
 PICTURE: Final = Path(__file__).resolve().parent / "images" / "rooms.svg"
+
+FOR_ALL: Final = {"errors", "wording"}
+"""What everyone may import."""
 
 Arrows = dict[str, set[str]]
 """For each room, the rooms that it imports."""
@@ -63,12 +66,12 @@ def room(module: str) -> str:
 
 
 def arrows() -> Arrows:
-    """Every import between two rooms of the package, but those of `errors`."""
-    found: Arrows = {room(module): set() for module in MODULES if room(module) != "errors"}
+    """Every import between two rooms of the package, but those of what everyone may import."""
+    found: Arrows = {room(module): set() for module in MODULES if room(module) not in FOR_ALL}
     for module, path in MODULES.items():
         targets = imports(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py")
         ours = {room(target) for target in targets if target.partition(".")[0] == PACKAGE}
-        found.get(room(module), set()).update(ours - {room(module), "errors"})
+        found.get(room(module), set()).update(ours - {room(module), *FOR_ALL})
     return found
 
 

@@ -16,6 +16,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 from ahrs.filters import EKF, Madgwick, Mahony
@@ -68,23 +69,35 @@ class Readings:
     field: Array
 
 
+def fail(message: str) -> NoReturn:
+    """End with one line and status 2."""
+    print(f"estimators.py: error: {message}"[:200], file=sys.stderr)
+    sys.exit(2)
+
+
 def record(path: Path, **parameters: object) -> None:
     """Record a bag, headless."""
     assignments = [f"-p{name}:={value}" for name, value in parameters.items()]
     command = [sys.executable, "-m", "lie_rigid_body", "record", str(path), f"--duration={DURATION_S}", "--quiet"]
-    subprocess.run([*command, *assignments], check=True)
+    if subprocess.run([*command, *assignments], check=False).returncode:
+        fail(f"{path} was not recorded")
 
 
 def read(path: Path) -> Readings:
     """The readings in a bag."""
     topics = ["/lie_rigid_body/scenario", "/pose", "/imu/data_raw", "/imu/mag"]
     messages: dict[str, list] = {topic: [] for topic in topics}
-    for message in read_ros2_messages(path, topics=topics):
-        messages[message.channel.topic].append(message.ros_msg)
+    try:
+        for message in read_ros2_messages(path, topics=topics):
+            messages[message.channel.topic].append(message.ros_msg)
+    except Exception as error:  # the library fails in many ways on what is no bag
+        fail(f"{path} cannot be read: {error!r}: give a bag")
     scenarios, poses, imu, mag = messages.values()
     stamps = [[m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in track] for track in (poses, imu, mag)]
     if not (len(scenarios) == 1 and stamps[0] and stamps[0] == stamps[1] == stamps[2]):
-        sys.exit(f"{path}: one run with rate, imu_rate and magnetometer_rate alike is needed: record it so")
+        fail(f"{path}: one run with rate, imu_rate and magnetometer_rate alike is needed: record it so")
+    if (stamps[0][-1] - stamps[0][0]) / 1e9 <= CONVERGED_S:
+        fail(f"{path}: errors are counted from {CONVERGED_S:g} s on: record more")
     return Readings(
         (np.array(stamps[0]) - stamps[0][0]) / 1e9,
         Rotation.from_quat([[q.x, q.y, q.z, q.w] for q in (m.pose.orientation for m in poses)]),

@@ -1,8 +1,23 @@
+# Copyright 2026 Seed 2b615e39 maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Start several bodies:  ros2 launch lie_rigid_body bodies.launch.py bodies:=a:dzhanibekov,b:symmetric_top rviz:=true.
 
 Each is a node in a namespace of its own, with frames of its own: two bodies that both called themselves base_link would
 quarrel in /tf. The mass centre of each is the origin of its own world, as a/world. The frame `world` is their common
-parent, in which they stand side by side, so that one sees them all.
+parent, in which they stand side by side, so that one sees them all. Parameters of the node are arguments, for all
+bodies: rate:=200.0.
 """
 
 from __future__ import annotations
@@ -16,9 +31,11 @@ from typing import Any
 
 import yaml
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+
+from lie_rigid_body.ros import launching
 
 PACKAGE = "lie_rigid_body"
 ARGUMENTS = {
@@ -31,14 +48,17 @@ SWITCHES = {
     "rviz": "start RViz as well; it is in the package rviz2",
 }
 RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
+TRANSFORM = ("tf2_ros", "static_transform_publisher")
 OF_EACH_BODY = ("/markers", "/pose")
+OF_ONE_NODE = ("world_frame", "body_frame", "imu_frame", "record_path", "publish_clock")
+PARAMETERS = {name: text for name, text in launching.DESCRIPTIONS.items() if name not in OF_ONE_NODE}
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the launch."""
+    texts = {**ARGUMENTS, **{name: ("", text) for name, text in PARAMETERS.items()}}
     given = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in ARGUMENTS.items()
+        DeclareLaunchArgument(name, default_value=default, description=text) for name, (default, text) in texts.items()
     ]
     switches = [
         DeclareLaunchArgument(name, default_value="false", description=text, choices=["true", "false"])
@@ -48,14 +68,20 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes of all bodies, and of the view."""
-    given = {name: LaunchConfiguration(name).perform(context) for name in (*ARGUMENTS, *SWITCHES)}
-    bodies = named_scenarios(given["bodies"])
+    """Return the nodes of all bodies, and of the view, once all that they need is found."""
+    known = (*ARGUMENTS, *SWITCHES, *PARAMETERS)
+    launching.require_known(__file__, context.argv, known)
+    given = {name: LaunchConfiguration(name).perform(context) for name in known}
+    bodies = {name: words(name, scenario, given) for name, scenario in named_scenarios(given["bodies"]).items()}
+    for name, arguments in bodies.items():
+        launching.scenario_of_node(arguments, PACKAGE, name)  # or its refusal
     spacing = metres("spacing", given["spacing"])
+    with_rviz = given["rviz"] == "true"
+    launching.require_executables((PACKAGE, "sim"), TRANSFORM, *([("rviz2", "rviz2")] if with_rviz else []))
     return [
-        *(simulator(name, scenario, given) for name, scenario in bodies.items()),
+        *(simulator(name, arguments) for name, arguments in bodies.items()),
         *(place(name, number * spacing) for number, name in enumerate(bodies)),
-        *([rviz(list(bodies))] if given["rviz"] == "true" else []),
+        *([rviz(list(bodies))] if with_rviz else []),
     ]
 
 
@@ -81,33 +107,37 @@ def metres(name: str, text: str) -> float:
         raise ValueError(f"{name}: {text!r} is not a number: give metres, for example 2.5") from None
 
 
-def simulator(name: str, scenario: str, given: dict[str, str]) -> Node:
-    """Return the simulator of one body."""
-    params_file = given["params_file"]
-    frames = {"world_frame": f"{name}/world", "body_frame": f"{name}/base_link", "imu_frame": f"{name}/imu_link"}
-    bag = {"record_path": f"{name}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"} if given["record"] == "true" else {}
+def words(name: str, scenario: str, given: dict[str, str]) -> list[str]:
+    """Return the arguments of the simulator of one body."""
+    parameters = {parameter: given[parameter] for parameter in PARAMETERS}
+    parameters |= {"world_frame": f"{name}/world", "body_frame": f"{name}/base_link", "imu_frame": f"{name}/imu_link"}
+    if given["record"] == "true":
+        parameters["record_path"] = f"{name}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"
+    return launching.arguments_of_node(scenario, given["params_file"], parameters)
+
+
+def simulator(name: str, arguments: list[str]) -> Node:
+    """Return the simulator of one body. When it ends, so does the rest."""
     return Node(
         package=PACKAGE,
         executable="sim",
         name=PACKAGE,
         namespace=name,
-        arguments=[
-            *(["--scenario", scenario] if scenario else []),
-            *(["--params-file", params_file] if params_file else []),
-        ],
-        parameters=[frames | bag],
+        arguments=arguments,
         output="screen",
+        on_exit=Shutdown(reason=f"the simulator of {name} ended"),
     )
 
 
 def place(name: str, x: float) -> Node:
     """Return what tells where the world of one body is."""
     return Node(
-        package="tf2_ros",
-        executable="static_transform_publisher",
+        package=TRANSFORM[0],
+        executable=TRANSFORM[1],
         name="place",
         namespace=name,
         arguments=["--x", str(x), "--frame-id", "world", "--child-frame-id", f"{name}/world"],
+        on_exit=Shutdown(reason=f"the place of {name} is no longer published"),
     )
 
 
@@ -116,7 +146,8 @@ def rviz(names: list[str]) -> Node:
     view = rviz_view(yaml.safe_load(RVIZ_FILE.read_text(encoding="utf-8")), names)
     with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False, encoding="utf-8") as file:
         yaml.safe_dump(view, file)
-    return Node(package="rviz2", executable="rviz2", arguments=["--display-config", file.name])
+    arguments = ["--display-config", file.name]
+    return Node(package="rviz2", executable="rviz2", arguments=arguments, on_exit=launching.shut_down_if_failed)
 
 
 def rviz_view(view: dict[str, Any], names: list[str]) -> dict[str, Any]:

@@ -1,7 +1,21 @@
+# Copyright 2026 Seed 2b615e39 maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Start the node:  ros2 launch lie_rigid_body sim.launch.py scenario:=dzhanibekov namespace:=top rviz:=true.
 
-Only what is given is passed on; later wins: the node's defaults < scenario < params_file < the other arguments.
-Several bodies side by side: bodies.launch.py.
+Every parameter of the node is an argument, as in rate:=200.0. Only what is given is passed on; later wins: the node's
+defaults < scenario < params_file < parameters. Several bodies side by side: bodies.launch.py.
 """
 
 from __future__ import annotations
@@ -10,9 +24,11 @@ from datetime import datetime
 from pathlib import Path
 
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+
+from lie_rigid_body.ros import launching
 
 PACKAGE = "lie_rigid_body"
 ARGUMENTS = {
@@ -20,22 +36,20 @@ ARGUMENTS = {
     "params_file": "a ROS 2 parameter file",
     "namespace": "goes before the names of the node, its topics and its services",
     "name": f"the node's name; {PACKAGE} if not given",
-    "world_frame": "the inertial frame's name",
-    "body_frame": "the body frame's name; two bodies in one /tf need two",
-    "imu_frame": "the name of the sensors' frame",
-    "record_path": "the node also writes this MCAP file",
 }
 SWITCHES = {
     "record": "the node also writes an MCAP file, in the present folder, named after the node and the time",
     "rviz": "start RViz as well; it is in the package rviz2",
 }
-PARAMETERS = ("world_frame", "body_frame", "imu_frame", "record_path")
 RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the launch."""
-    given = [DeclareLaunchArgument(name, default_value="", description=text) for name, text in ARGUMENTS.items()]
+    given = [
+        DeclareLaunchArgument(name, default_value="", description=text)
+        for name, text in {**ARGUMENTS, **launching.DESCRIPTIONS}.items()
+    ]
     switches = [
         DeclareLaunchArgument(name, default_value="false", description=text, choices=["true", "false"])
         for name, text in SWITCHES.items()
@@ -44,38 +58,43 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes, with what was given."""
-    given = {name: LaunchConfiguration(name).perform(context) for name in (*ARGUMENTS, *SWITCHES)}
+    """Return the nodes, with what was given, once all that they need is found."""
+    known = (*ARGUMENTS, *SWITCHES, *launching.DESCRIPTIONS)
+    launching.require_known(__file__, context.argv, known)
+    given = {name: LaunchConfiguration(name).perform(context) for name in known}
     given["name"] = given["name"] or PACKAGE
     if given["record"] == "true" and not given["record_path"]:
         given["record_path"] = dated_bag(given["namespace"], given["name"])
-    return [simulator(given), *([rviz(given)] if given["rviz"] == "true" else [])]
+    parameters = {name: given[name] for name in launching.DESCRIPTIONS}
+    words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
+    world_frame = launching.scenario_of_node(words, given["name"], given["namespace"]).world_frame
+    with_rviz = given["rviz"] == "true"
+    launching.require_executables((PACKAGE, "sim"), *([("rviz2", "rviz2")] if with_rviz else []))
+    return [simulator(given, words), *([rviz(given["namespace"], world_frame)] if with_rviz else [])]
 
 
-def simulator(given: dict[str, str]) -> Node:
-    """Return the simulator."""
-    options = {"scenario": "--scenario", "params_file": "--params-file"}
-    parameters = {name: given[name] for name in PARAMETERS if given[name]}
+def simulator(given: dict[str, str], words: list[str]) -> Node:
+    """Return the simulator. When it ends, so does the rest."""
     return Node(
         package=PACKAGE,
         executable="sim",
         name=given["name"],
         namespace=given["namespace"],
-        arguments=[word for name, option in options.items() if given[name] for word in (option, given[name])],
-        parameters=[parameters] if parameters else [],
+        arguments=words,
         output="screen",
+        on_exit=Shutdown(reason="the simulator ended"),
     )
 
 
-def rviz(given: dict[str, str]) -> Node:
+def rviz(namespace: str, world_frame: str) -> Node:
     """Return RViz, looking into the namespace."""
-    fixed_frame = ["--fixed-frame", given["world_frame"]] if given["world_frame"] else []
     return Node(
         package="rviz2",
         executable="rviz2",
-        namespace=given["namespace"],
-        arguments=["--display-config", str(RVIZ_FILE), *fixed_frame],
+        namespace=namespace,
+        arguments=["--display-config", str(RVIZ_FILE), "--fixed-frame", world_frame],
         remappings=[("/markers", "markers"), ("/pose", "pose")],
+        on_exit=launching.shut_down_if_failed,
     )
 
 

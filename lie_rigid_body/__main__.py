@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import NamedTuple
 
 from lie_rigid_body import __version__, console
+from lie_rigid_body.errors import InputError
 
 PROGRAM = "lie-rigid-body"
 
@@ -30,9 +31,8 @@ VERBS = {
     "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate in a bag"),
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
+    "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
 }
-
-ROS_PARTS = frozenset({"rclpy", "rcl_interfaces", "geometry_msgs", "std_msgs", "std_srvs"})
 
 
 def usage() -> str:
@@ -51,22 +51,6 @@ def usage() -> str:
     )
 
 
-def answer(text: str) -> int:
-    """Print a text on stdout, and return the exit status."""
-
-    def action() -> int:
-        console.say(text)
-        return console.SUCCESS
-
-    return console.status_of(PROGRAM, action)
-
-
-def refuse(message: str) -> int:
-    """Print on one line of stderr what is wrong, and return the exit status for unusable input."""
-    print(f"{PROGRAM}: {message}", file=sys.stderr)
-    return console.UNUSABLE
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb.
 
@@ -81,31 +65,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status: the verb's own, or 2 when no known verb is given.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
+    return console.status_of(PROGRAM, lambda: _main(arguments))
+
+
+def _main(arguments: list[str]) -> int:
     if not arguments:
         print(usage(), file=sys.stderr)
         return console.UNUSABLE
     name, *rest = arguments
-    if name in ("-h", "--help"):
-        return answer(usage())
-    if name == "--version":
-        return answer(f"{PROGRAM} {__version__}")
-    if name not in VERBS:
-        return refuse(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
-    return run(name, rest)
+    if name in VERBS:
+        return run(name, rest)
+    if name not in ("-h", "--help", "--version"):
+        raise InputError(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
+    console.say(f"{PROGRAM} {__version__}" if name == "--version" else usage())
+    return console.SUCCESS
 
 
 def run(name: str, argv: list[str]) -> int:
     """Import the verb and call it."""
-    try:
-        verb: Callable[[list[str]], int] = import_module(VERBS[name].module).main
-        return verb(argv)
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in ROS_PARTS:
-            raise
-        return refuse(
-            f"{name} needs ROS 2, and {error.name} is not installed; source a ROS 2 installation or, "
-            "with Python 3.12 on Linux, pip install '.[ros]' in a clone; 'record' works without"
-        )
+    verb: Callable[[list[str]], int] = import_module(VERBS[name].module).main
+    return verb(argv)
 
 
 if __name__ == "__main__":

@@ -5,22 +5,30 @@ from __future__ import annotations
 import argparse
 import functools
 import os
+import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import traceback
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled
+from lie_rigid_body.wording import LONGEST_LINE, shortened
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
+    from lie_rigid_body.scenario import Scenario
+
 SUCCESS: Final = 0
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
-_BROKEN_PIPE: Final = 141
+
+DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
+"""Environment variable that adds the traceback to every error line."""
+_STANDARD_STREAMS: Final = 3
+_PIP_NAMES: Final = {"yaml": "PyYAML"}
 
 Main = Callable[[Sequence[str] | None], int]
 
@@ -48,40 +56,85 @@ class Parser(argparse.ArgumentParser):
 
 
 def program(verb: str) -> str:
-    """The command of a verb: an executable of its own where ROS 2 installed it, one of ``lie-rigid-body`` with pip."""
-    own = Path(sys.argv[0]).stem == verb
-    return f"ros2 run lie_rigid_body {verb}" if own else f"lie-rigid-body {verb}"
+    """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
+
+    ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
+    """
+    this = Path(sys.argv[0])
+    of_ros = this.parent.name == __package__ and this.suffix != ".py"
+    return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
+
+
+def how_to_certify(bag: str | Path) -> str:
+    """The command that certifies a bag, for a shell."""
+    return f"certify them with: {program('check')} {shlex.quote(str(bag))}"
 
 
 def complain(prog: str, message: str) -> None:
-    """Print an error as one line on stderr."""
-    print(f"{prog}: error: {' '.join(message.splitlines())}", file=sys.stderr)
+    """Print an error as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
+    try:
+        line = _printable(f"{prog}: error: {' '.join(message.splitlines())}", sys.stderr)
+        print(shortened(line), file=sys.stderr, flush=True)
+    except OSError:
+        silence(sys.stderr)
 
 
-def say(text: str) -> None:
-    """Print on stdout, and report if that fails: every verb answers by this. Where stdout is closed nothing is printed.
+def say(text: str, done: str = "") -> bool:
+    """Print on stdout, and report if that fails: every verb answers by this.
+
+    Where stdout is closed, or its reader has gone, nothing is printed and nothing is wrong.
+
+    Parameters
+    ----------
+    text : str
+        Characters that stdout cannot encode, and those that would control a terminal, are escaped.
+    done : str, optional
+        What was done already, for the error.
+
+    Returns
+    -------
+    bool
+        Whether there may still be a reader.
 
     Raises
     ------
     InputError
         If stdout cannot be written.
-    BrokenPipeError
-        If its reader has gone.
     """
     try:
-        print(text, flush=True)
+        print("\n".join(_printable(line, sys.stdout) for line in text.split("\n")), flush=True)
     except BrokenPipeError:
-        silence()
-        raise
+        silence(sys.stdout)
+        return False
     except OSError as error:
-        silence()
-        raise InputError(f"stdout cannot be written: {error.strerror}: send it elsewhere") from None
+        silence(sys.stdout)
+        before = f"{done}, but " if done else ""
+        raise InputError(f"{before}stdout cannot be written: {error.strerror}: send it elsewhere") from None
+    return True
 
 
-def silence() -> None:
-    """Discard what stdout still holds: else the interpreter would try to write it at its end, and fail again."""
-    if sys.stdout is not None:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def silence(stream: TextIO) -> None:
+    """Discard what a stream still holds: else the interpreter would try to write it at its end, and fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _printable(line: str, stream: TextIO) -> str:
+    """A line with escapes in place of what a stream cannot encode and of what would control a terminal."""
+    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return shown.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def _open_standard_streams() -> None:
+    """Open the null device for each standard stream that is closed.
+
+    Else the next file to be opened, such as a bag, would take its place, and whatever a library prints would go there.
+    """
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) < _STANDARD_STREAMS:
+        pass
+    os.close(descriptor)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
 
 
 def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
@@ -101,22 +154,22 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def parameters(arguments: argparse.Namespace) -> dict[str, object]:
-    """The parameters that the arguments of `add_scenario_arguments` give."""
-    from lie_rigid_body.scenario.parameter_file import gather
+def scenario(arguments: argparse.Namespace) -> Scenario:
+    """The scenario that the arguments of `add_scenario_arguments` give.
 
-    return gather(arguments.scenario, arguments.params_file, arguments.assignments)
+    Raises
+    ------
+    InputError
+        Naming the file that gave a wrong parameter.
+    """
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
 
-
-@contextmanager
-def files_named(arguments: argparse.Namespace) -> Iterator[None]:
-    """A context that adds to an error about a parameter the name of the file that gave it."""
-    from lie_rigid_body.scenario.parameter_file import file_that_gives
-
+    given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
     try:
-        yield
+        return Scenario.from_parameters(merge(given))
     except ParameterError as error:
-        path = file_that_gives(error.name, arguments.params_file, arguments.assignments)
+        path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None
 
 
@@ -131,8 +184,7 @@ def run(main: Main) -> Main:
     Returns
     -------
     callable
-        The same, which returns 2 after a `LieRigidBodyError` or a usage error, 130 when interrupted, 141 when the
-        reader of stdout has gone.
+        The same, which returns 130 when interrupted, and 2 after a usage error and any other exception.
     """
     verb = main.__module__.rpartition(".")[2]
 
@@ -145,16 +197,46 @@ def run(main: Main) -> Main:
 
 def status_of(prog: str, action: Callable[[], int]) -> int:
     """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
+    _open_standard_streams()
     try:
         return action()
     except SystemExit as request:
-        return request.code if isinstance(request.code, int) else SUCCESS
-    except LieRigidBodyError as error:
-        complain(prog, str(error))
-        return UNUSABLE
+        if isinstance(request.code, str):
+            complain(prog, request.code)
+            return UNUSABLE
+        return request.code or SUCCESS
     except KeyboardInterrupt:
         count_as_handled()
         complain(prog, "interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        return _BROKEN_PIPE
+    except Exception as error:
+        if os.environ.get(DEBUG):
+            traceback.print_exc()
+        complain(prog, _explanation(error))
+        return UNUSABLE
+
+
+def _explanation(error: Exception) -> str:
+    """What an exception means to the user."""
+    if isinstance(error, LieRigidBodyError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "there is not enough memory: give less at once, or free some"
+    kind = type(error).__name__
+    if isinstance(error, OSError):
+        where = f" ({error.filename})" if error.filename else ""
+        return f"the system says {error.strerror or error}{where}: see to that, and try again"
+    if isinstance(error, ModuleNotFoundError) and missing_library(error):
+        return missing_library(error)
+    if isinstance(error, ImportError):
+        return f"a library is missing or broken: {error}: install the requirements of the package again"
+    what = shortened(f"{kind}: {error}", LONGEST_LINE // 2)
+    return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
+
+
+def missing_library(error: ModuleNotFoundError) -> str:
+    """What to install; nothing about a module that is missing within this package, which is a mistake of ours."""
+    library = (error.name or "").partition(".")[0]
+    if library in ("", __package__):
+        return ""
+    return f"the Python library {library} is not installed: pip install {_PIP_NAMES.get(library, library)}"

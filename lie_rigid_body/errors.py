@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from lie_rigid_body.wording import LONGEST_VALUE, shortened
+
 
 class LieRigidBodyError(Exception):
-    """Anything this package refuses or cannot do. The message is one line: value, limit, remedy."""
+    """Anything this package refuses or cannot do. The message is one line: value, limit, remedy.
+
+    Parameters
+    ----------
+    message : str
+        Its middle is left out where it is longer than 200 characters.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(shortened(message))
 
 
 class InputError(LieRigidBodyError, ValueError):
@@ -23,8 +34,12 @@ class ParameterError(InputError):
     """
 
     def __init__(self, name: str, message: str) -> None:
-        super().__init__(f"{name}: {message}")
+        super().__init__(f"{shortened(name, LONGEST_VALUE)}: {message}")
         self.name = name
+
+    def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
+        """By name and message: the one argument of `Exception` would not do, and a pool would wait for ever."""
+        return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name, LONGEST_VALUE)}: "))
 
 
 class BagError(LieRigidBodyError):

@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM, acted on only where nothing is lost."""
+"""SIGINT, SIGTERM and SIGHUP, acted on only where nothing is lost."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Final
 
-_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption:
-    """A context in which either signal raises KeyboardInterrupt inside `allowed`, and is only noted elsewhere.
+    """A context in which these signals raise KeyboardInterrupt inside `allowed`, and are only noted elsewhere.
 
     Attributes
     ----------
@@ -25,8 +25,9 @@ class Interruption:
         self._allowed = False
 
     def install(self) -> None:
-        """Handle the signals from now on."""
-        self._previous = [signal.signal(number, self._handle) for number in _SIGNALS]
+        """Handle the signals from now on; but SIGHUP stays ignored under nohup."""
+        heeded = [n for n in _SIGNALS if n != signal.SIGHUP or signal.getsignal(n) != signal.SIG_IGN]
+        self._previous = {number: signal.signal(number, self._handle) for number in heeded}
 
     def __enter__(self) -> Interruption:
         self.install()
@@ -35,7 +36,7 @@ class Interruption:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        for number, handler in zip(_SIGNALS, self._previous, strict=True):
+        for number, handler in self._previous.items():
             # once asked to end, the process ends: a second request in its last moments must not tear it
             signal.signal(number, signal.SIG_IGN if self.requested else handler)
 
@@ -63,6 +64,7 @@ class Interruption:
                 raise KeyboardInterrupt
             yield
         except KeyboardInterrupt:
+            self._allowed = False  # the next signal must not leave the code that counts this one
             count_as_handled()
             raise
         finally:

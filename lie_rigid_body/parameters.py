@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, cast
 
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.wording import short_repr, shown, suggestion
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
 Vector: TypeAlias = tuple[float, ...]
@@ -53,6 +53,8 @@ class Parameter:
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
 
+    __repr__ = short_repr
+
     def read(self, value: object) -> Value:
         """The value in this parameter's own type.
 
@@ -80,20 +82,20 @@ class Parameter:
             return value
         if self.kind == "string" and isinstance(value, str):
             return self._string(value)
-        raise self._error(f"{value!r} is not a {self.kind}: give for example {self.default!r}")
+        raise self._error(f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
 
     def _error(self, message: str) -> ParameterError:
         return ParameterError(self.name, message)
 
     def _number(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._error(f"{value!r} is not a number: give {self._example()}")
+            raise self._error(f"{shown(value)} is not a number: give {self._example()}")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise self._error(f"{value!r} is not finite: give {self._example()}")
+            raise self._error(f"{shown(value)} is not finite: give {self._example()}")
         return number
 
     def _example(self) -> str:
@@ -102,27 +104,29 @@ class Parameter:
 
     def _in_range(self, value: float) -> float:
         if not self.minimum <= value <= self.maximum:
-            raise self._error(f"{value:g} is outside [{self.minimum:g}, {self.maximum:g}]: {self.description}")
+            raise self._error(f"{value:g} is outside [{self.minimum:g}, {self.maximum:g}]: give {self._example()}")
         return value
 
     def _integer(self, value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
-            raise self._error(f"{value!r} is not an integer: give for example {self.default!r}")
+            raise self._error(f"{shown(value)} is not an integer: give for example {self.default!r}")
         if not self.minimum <= value <= self.maximum:
-            raise self._error(f"{value} is outside [{int(self.minimum)}, {int(self.maximum)}]: {self.description}")
+            raise self._error(
+                f"{shown(value)} is outside [{int(self.minimum)}, {int(self.maximum)}]: give {self._example()}"
+            )
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
         if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-            raise self._error(f"{value!r} is not a list: give {self._example()}")
+            raise self._error(f"{shown(value)} is not a list: give {self._example()}")
         numbers = tuple(self._number(v) for v in value)
         if len(numbers) not in self.lengths:
-            raise self._error(f"{list(numbers)} has {len(numbers)} numbers: give {self._example()}")
+            raise self._error(f"{shown(list(numbers))} has {len(numbers)} numbers: give {self._example()}")
         return numbers
 
     def _string(self, value: str) -> str:
         if self.choices and value not in self.choices:
-            raise self._error(f"{value!r} is unknown: choose one of {', '.join(self.choices)}")
+            raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
         return value
 
 
@@ -147,9 +151,7 @@ def read_table(table: Sequence[Parameter], given: Mapping[str, object]) -> dict[
     names = [parameter.name for parameter in table]
     for name in given:
         if name not in names:
-            near = difflib.get_close_matches(str(name), names, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(names)}"
-            raise ParameterError(str(name), f"no such parameter: {hint}")
+            raise ParameterError(str(name), f"no such parameter: {suggestion(str(name), names, 'parameters')}")
     return {p.name: p.read(given[p.name]) if p.name in given else p.default for p in table}
 
 
@@ -162,10 +164,10 @@ def require_frame_name(name: str, value: str) -> None:
         If it is empty, too long, begins with a slash, or has spaces or unprintable characters.
     """
     if len(value) > LONGEST_FRAME_NAME:
-        raise ParameterError(name, f"{value[:20]!r}... has {len(value)} characters: give at most {LONGEST_FRAME_NAME}")
+        raise ParameterError(name, f"{shown(value)} has {len(value)} characters: give at most {LONGEST_FRAME_NAME}")
     if not value or value.startswith("/") or any(c.isspace() or not c.isprintable() for c in value):
         raise ParameterError(
-            name, f"{value!r} is not a frame name: give a word without spaces that does not begin with a slash"
+            name, f"{shown(value)} is not a frame name: give a word without spaces that does not begin with a slash"
         )
 
 

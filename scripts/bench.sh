@@ -3,5 +3,18 @@
 set -eu
 cd "$(dirname "$0")/.."
 
+usage='usage: make bench [ARGS=--save]
+Run this package beside other software, some minutes, and print the tables.
+  --save   also write the pictures of docs/images and the tables of docs/benchmarks.md'
+# Before an environment is built, which takes minutes.
+for argument; do
+    case $argument in
+        --save) ;;
+        -h | --help) echo "$usage"; exit 0 ;;
+        *) echo "bench.sh: unknown argument '$argument'
+$usage" >&2; exit 2 ;;
+    esac
+done
+
 environment=$(scripts/environment.sh bench)
 exec "$environment/bin/python" benchmarks/work_precision.py "$@"

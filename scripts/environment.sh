@@ -65,10 +65,10 @@ else
     rm -rf $folder
 fi
 
-echo "Setting up $folder with $python (once; it takes about a minute)" >&2
+echo "Setting up $folder with $python (once; it takes about a minute, as pip tells below)" >&2
 rm -f $folder/complete
 [ -d $folder ] || "$python" -m venv $folder >&2
-$folder/bin/python -m pip install --quiet ${constraints:+--constraint $constraints} \
+$folder/bin/python -m pip install ${constraints:+--constraint $constraints} \
     ${never_compiled:+--only-binary $never_compiled} --editable ".[$extras]" >&2
 echo "$wanted" >$folder/complete
 echo "$root/$folder"

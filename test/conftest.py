@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections import Counter
 from collections.abc import Collection, Iterator
+from importlib.abc import MetaPathFinder
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -20,7 +23,17 @@ hypothesis.settings.load_profile("repeatable")
 
 ROS_INSTALLED = find_spec("rclpy") is not None
 ROS_LEFT_OUT = "rclpy is not installed"
+LIBRARIES = {"ahrs", "allantools", "catkin_pkg", "colcon_core", "colcon_ros", "evo", "mcap_ros2", "mpmath", "rosbags"}
+"""What only tests import, and rosdep cannot give: where one is not installed, the tests that want it are left out."""
 ONE_PROCESS = Path(__file__).with_name("one_process.xml")
+
+
+class LeftOut(MetaPathFinder):
+    """The last resort of an import: skips the test, or all of its file, that wants a library that is not there."""
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> None:
+        if name in LIBRARIES:
+            pytest.skip(f"{name} is not installed", allow_module_level=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -29,8 +42,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required" and not ROS_INSTALLED:
+    complete = os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required"
+    if complete and not ROS_INSTALLED:
         raise pytest.UsageError("this environment should have rclpy and has not: remove it and set it up again")
+    if not complete:
+        sys.meta_path.append(LeftOut())
+
+
+def pytest_unconfigure() -> None:
+    sys.meta_path[:] = [finder for finder in sys.meta_path if not isinstance(finder, LeftOut)]
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -56,11 +76,15 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
     """Make what was left out the last line of the run."""
     yield
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
-    if ROS_INSTALLED or reporter is None:
+    if reporter is None:
         return
-    skipped = reporter.stats.get("skipped", [])
-    count = sum(isinstance(r.longrepr, tuple) and ROS_LEFT_OUT in r.longrepr[2] for r in skipped)
-    reporter.write_line(f"ROS part left out: {count} tests ({ROS_LEFT_OUT})", yellow=True)
+    skipped = [r.longrepr[2] for r in reporter.stats.get("skipped", []) if isinstance(r.longrepr, tuple)]
+    reasons = Counter(reason.removeprefix("Skipped: ") for reason in skipped)
+    for library in sorted(LIBRARIES):
+        if count := reasons[f"{library} is not installed"]:
+            reporter.write_line(f"left out: {count} files or tests ({library} is not installed)", yellow=True)
+    if not ROS_INSTALLED:
+        reporter.write_line(f"ROS part left out: {reasons[ROS_LEFT_OUT]} tests ({ROS_LEFT_OUT})", yellow=True)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -71,6 +95,6 @@ def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
         patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(ONE_PROCESS))
-        for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "RMW_IMPLEMENTATION"):
+        for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY"):
             patch.delenv(name, raising=False)
         yield

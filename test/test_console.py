@@ -1,14 +1,22 @@
-"""Whatever becomes of stdout, users see one line at most, and a status that means what it says."""
+"""Whatever becomes of stdout and stderr, users see one line at most, and a status that means what it says."""
 
 from __future__ import annotations
 
+import json
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
+from lie_rigid_body import console
+from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.wording import LONGEST_LINE
 
 ANSWERS = [
     "--help",
@@ -39,6 +47,8 @@ def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path
     assert done.returncode == 2
     [line] = done.stderr.splitlines()
     assert "stdout cannot be written: No space left on device" in line
+    for written in tmp_path.iterdir():
+        assert f"{written.name} is written" in line
 
 
 @pytest.mark.parametrize("command", [*ANSWERS, *WRITERS])
@@ -52,3 +62,89 @@ def test_closed_stdout_is_nobodys_fault(command: str, bag: Path, tmp_path: Path)
 def test_reader_who_leaves_hears_no_complaint(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, "| true")
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("arguments", "status"), [([], 0), (["--inertia", "1,2,2.5"], 1)])
+def test_reader_who_leaves_changes_no_verdict(bag: Path, arguments: list[str], status: int) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "lie_rigid_body", "check", str(bag), *arguments]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, timeout=60, check=False)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (status, b"")
+
+
+def test_full_stderr_changes_no_status(bag: Path, tmp_path: Path) -> None:
+    assert run("check {new}", bag, tmp_path, "2>/dev/full").returncode == 2
+
+
+def test_without_standard_streams_a_bag_is_not_taken_for_one(bag: Path, tmp_path: Path) -> None:
+    assert run("record {new} --duration 0.1", bag, tmp_path, "<&- >&- 2>&-").returncode == 0
+    assert (tmp_path / "new.mcap").read_bytes() == bag.read_bytes()
+    done = run("check none", bag, tmp_path, "2>&-")
+    assert (done.returncode, done.stdout) == (2, "")
+
+
+@pytest.mark.parametrize("command", ["check {bag}", "explain", "record {new}\udcffé --duration 0.1"])
+def test_stdout_of_few_characters_gets_escapes(
+    command: str, bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    done = run(command, bag, tmp_path, "")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.isascii()
+
+
+def test_json_names_every_file(bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    odd = tmp_path / "\udcffé.mcap"
+    odd.hardlink_to(bag)
+    assert check([str(odd), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["bag"] == str(odd)
+
+
+def test_a_terminal_is_not_controlled_by_what_a_file_says(capsys: pytest.CaptureFixture[str]) -> None:
+    console.say("\x1b[2J\nnext")
+    console.complain("verb", "\x1b[2J")
+    assert capsys.readouterr() == ("\\x1b[2J\nnext\n", "verb: error: \\x1b[2J\n")
+
+
+@pytest.mark.parametrize("message", ["x" * 10_000, "x " * 10_000, f"{'x' * 300} and {'y' * 300}: give less"])
+def test_an_error_line_is_short_and_keeps_its_ends(message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    console.complain("verb", message)
+    line = capsys.readouterr().err
+    assert len(line) <= LONGEST_LINE + 1
+    assert line.startswith("verb: error: x")
+    assert line.strip()[-4:] == message.strip()[-4:]
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ZeroDivisionError("division by zero"), "this is a bug, .*ZeroDivisionError: division by zero.*DEBUG=1"),
+        (UnicodeEncodeError("ascii", "²" * 999, 0, 1, "no"), "this is a bug, .*UnicodeEncodeError.*DEBUG=1"),
+        (RecursionError(), "this is a bug, .*RecursionError.*DEBUG=1"),
+        (MemoryError(), "not enough memory"),
+        (PermissionError(13, "Permission denied", "a/file"), "Permission denied .a/file."),
+        (ImportError("No module named 'numpy'"), "No module named 'numpy'"),
+        (BagError("no bag"), "no bag"),
+        (SystemExit("a library ends"), "a library ends"),
+    ],
+)
+def test_no_exception_is_a_broken_law(error: BaseException, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert console.status_of("verb", lambda: fail(error)) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert line.startswith("verb: error: ")
+    assert len(line) <= LONGEST_LINE
+    assert re.search(said, line)
+
+
+def fail(error: BaseException) -> NoReturn:
+    raise error
+
+
+def test_the_traceback_of_a_bug_is_shown_on_request(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(console.DEBUG, "1")
+    assert console.status_of("verb", lambda: fail(ZeroDivisionError())) == 2
+    assert "in fail" in capsys.readouterr().err

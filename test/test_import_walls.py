@@ -6,14 +6,26 @@ import pytest
 
 from rooms import MODULES, PACKAGE, imports, room
 
-# What each room may import of the package besides itself, `errors` and `arrays`. A room is a folder or a module of the
-# package, and its own __init__ is the room "".
-SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "parameters", "sensors", "scenario"}
+# What each room may import of the package besides itself, `wording`, `errors` and `arrays`. A room is a folder
+# or a module of the package, and its own __init__ is the room "".
+SCENARIO = {
+    "arithmetic",
+    "bounded_input",
+    "compilation",
+    "lie",
+    "mechanics",
+    "motion",
+    "parameters",
+    "sensors",
+    "scenario",
+}
 BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "evaluation", "runs", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
+    "wording": set(),
     "errors": set(),
     "arrays": set(),
+    "bounded_input": set(),
     "compilation": set(),
     "arithmetic": {"compilation"},
     "lie": set(),
@@ -30,15 +42,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
+    "campaign": BAG | {"certificate"},
     "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
-    "cli": EDGE,
+    "cli": EDGE | {"campaign"},
     "ros": EDGE,
     "": SCENARIO | {"simulation", "evaluation", "runs"},
     "__main__": {"console"},
 }
-FOR_ALL = {"errors", "arrays"}
+FOR_ALL = {"wording", "errors", "arrays"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}

@@ -29,10 +29,43 @@ def main():
 """
 
 
-@pytest.mark.parametrize(("body", "status"), [(WITH_INTERRUPTION, 7), (WITHOUT, 130)])
+IMPATIENT = """
+from lie_rigid_body import interruption as module
+
+def main():
+    # another signal, while the code from a string runs that clears CPython's note of the one before
+    module.exec = lambda text: exec("signal.raise_signal(signal.SIGINT)")
+    interruption = Interruption()
+    interruption.install()
+    signal.raise_signal(signal.SIGINT)
+    try:
+        with interruption.allowed():
+            pass
+    except KeyboardInterrupt:
+        return 7
+"""
+
+
+@pytest.mark.parametrize(("body", "status"), [(WITH_INTERRUPTION, 7), (WITHOUT, 130), (IMPATIENT, 7)])
 def test_a_signal_in_code_from_a_string_ends_the_process_as_any_other(body: str, status: int, tmp_path: Path):
     """As while a library is imported."""
     (tmp_path / "program.py").write_text(f"{BEGIN}{body}\nraise SystemExit(main())\n")
     command = [sys.executable, "-m", "program"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ended.returncode == status, ended.stderr
+
+
+HANGUP = """
+import signal, sys
+from lie_rigid_body.interruption import Interruption
+signal.signal(signal.SIGHUP, getattr(signal, sys.argv[1]))
+with Interruption() as interruption:
+    signal.raise_signal(signal.SIGHUP)
+raise SystemExit(7 if interruption.requested else 0)
+"""
+
+
+@pytest.mark.parametrize(("before", "status"), [("SIG_DFL", 7), ("SIG_IGN", 0)])
+def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int) -> None:
+    ended = subprocess.run([sys.executable, "-c", HANGUP, before], check=False)
+    assert ended.returncode == status

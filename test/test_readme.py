@@ -27,24 +27,27 @@ def commands(language: str, program: str, text: str = README) -> list[list[str]]
     return [shlex.split(line, comments=True) for line in lines if line.removeprefix("$ ").startswith(program)]
 
 
-def test_headless_commands_run_in_their_order(tmp_path):
-    shown = commands("bash", "lie-rigid-body")
-    assert len(shown) >= 6
-    for _, *arguments in shown:
-        run = subprocess.run(
-            [sys.executable, "-m", "lie_rigid_body", *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert run.returncode == 0, (arguments, run.stderr)
-    assert (tmp_path / "flips.png").read_bytes().startswith(b"\x89PNG")
+@pytest.fixture(scope="module")
+def worked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[list[str], int, str]]]:
+    """A folder in which the headless commands ran in their order, and each with its status and errors."""
+    folder, runs = tmp_path_factory.mktemp("readme"), []
+    for _, *arguments in commands("bash", "lie-rigid-body"):
+        command = [sys.executable, "-m", "lie_rigid_body", *arguments]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        runs.append((arguments, run.returncode, run.stderr))
+    return folder, runs
+
+
+def test_headless_commands_run_in_their_order(worked):
+    folder, runs = worked
+    assert len(runs) >= 6
+    assert [run for run in runs if run[1] != 0] == []
+    assert (folder / "flips.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("code", blocks("python"))
-def test_python_runs(code, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_python_runs(code, worked, monkeypatch):
+    monkeypatch.chdir(worked[0])
     exec(compile(code, "README.md", "exec"), {})
 
 
@@ -56,18 +59,9 @@ def test_make_targets_exist():
 
 
 @pytest.mark.parametrize("text", [README, ROS_PAGE], ids=["README.md", "docs/ros.md"])
-def test_ros_names_are_those_of_the_package(text):
-    setup = (ROOT / "setup.py").read_text()
-    started = commands("console", "ros2 run lie_rigid_body", text)
-    assert started
-    for words in started:
-        assert f'"{words[3]} = ' in setup
+def test_every_launch_file_is_shown(text):
     launched = commands("console", "ros2 launch", text)
     assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
-    for words in launched:
-        assert words[2] == "lie_rigid_body"
-        text = (ROOT / "launch" / words[3]).read_text()
-        assert all(f'"{argument.split(":=")[0]}"' in text for argument in words[4:])
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():

@@ -40,6 +40,9 @@ STYLES: Final = {
 """Colour, marker and line: blue, teal and black are ours."""
 
 FOR_A_NEW_METHOD: Final = (("#00CED1", "p", "-"), ("#3F007D", "8", "-"), ("#17BECF", "H", "-"))
+MARKED_EVERY: Final = 4
+"""Every so manieth point of a curve of the drift has a marker."""
+
 GUIDES: Final = ((0.5, "√t"), (1.0, "t"), (2.0, "t²"))
 
 
@@ -69,14 +72,17 @@ def drift(rows: Sequence[Row]) -> Figure:
     t = np.array(LONG.judged_ns) / NS
     styles = _styles([rows])
     labels = {}
-    for family, members in families(rows).items():
+    count = len(families(rows))
+    for i, (family, members) in enumerate(families(rows).items()):
         best = min(members, key=lambda row: np.log(row.errors).mean())
         labels[family] = f"{family}, {best.contender.setting}"
-        axes.loglog(t, best.errors, **_look(styles[family]))
+        # curves that coincide are all seen: the first drawn are the widest, and markers take turns
+        look = {**_look(styles[family]), "lw": 1.2 + 4.8 * (1.0 - i / count)}
+        axes.loglog(t, best.errors, markevery=(i % MARKED_EVERY, MARKED_EVERY), **look)
     for power, name in GUIDES:
         axes.loglog(t, 3e-17 * t**power, color="0.55", lw=1.0, zorder=0)
-        axes.annotate(name, (t[-1], 3e-17 * t[-1] ** power), (4, 0), textcoords="offset points", color="0.35")
-    axes.set(xlabel="simulated time [s]", ylabel="error of the attitude [rad]")
+        axes.annotate(name, (t[-1], 3e-17 * t[-1] ** power), (12, -3), textcoords="offset points", color="0.35")
+    axes.set(xlabel="simulated time [s]", ylabel="error of the attitude [rad]", xlim=(0.8 * t[0], 1.35 * t[-1]))
     axes.set_title("Drift: every contender at its most accurate setting that was run")
     axes.grid(alpha=0.3)
     _legend(figure, styles, labels)

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate import laws
+from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import (
-    RecordedSegment,
-    logged_at_stamps,
-    recorded_segments,
-    seconds_since_start,
-)
-from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, Tolerance, tolerance
+from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.stamps import GAP
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
+from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -45,6 +40,8 @@ class SegmentCertificate:
     samples: int
     laws: tuple[LawResult, ...]
     notes: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:
@@ -68,10 +65,15 @@ class Certificate:
     ----------
     segments : tuple of SegmentCertificate
     whole : tuple of LawResult
+    not_certified : tuple of str
+        What of the bag no law speaks of, in words.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
+    not_certified: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:
@@ -102,12 +104,12 @@ class Certificate:
         return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
 
 
-def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Certificate:
-    """Hold every law against every segment of a recording.
+def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
+    """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
     ----------
-    recording : Recording
+    bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
 
@@ -118,96 +120,58 @@ def certify(recording: Recording, inertia: Sequence[float] | None = None) -> Cer
     Raises
     ------
     BagError
-        If the recording does not explain itself, or has no sample.
+        If the bag does not explain itself, or has no sample.
     """
     try:
-        segments = recorded_segments(recording, inertia)
+        surveyed = survey(bag, inertia)
     except ParameterError as error:
-        # a body that cannot be has no motion to hold the bag against
-        return Certificate((), (_flag("declaration", 1, f"the bag declares an impossible scenario: {error}"),))
+        return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        return Certificate(tuple(_certify_segment(segment) for segment in segments), _whole(recording, segments))
+        segments = tuple(_segments(bag, surveyed))
+    return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
 
 
-def _certify_segment(recorded: RecordedSegment) -> SegmentCertificate:
-    scenario = recorded.segment.scenario
-    t = seconds_since_start(recorded.segment, recorded.stamps_ns)
-    limits = tolerance(scenario, float(t.max(initial=0.0)))
-    body, start = scenario.body(), scenario.start()
-    exact = ClosedForm(body, start).at(recorded.stamps_ns - recorded.segment.start_ns)
-    compared = laws.Comparison(recorded, body, start, limits, t, _unit(recorded.states), exact)
-    attitude = laws.closed_form(compared)
-    found = (
-        recorded.stamps,
-        laws.unit_norm(compared),
-        laws.kinetic_energy(compared),
-        *laws.world_momentum(compared),
-        *laws.neighbours(compared),
-        attitude,
-    )
-    notes = _notes(recorded, limits, t, attitude_holds=attitude.holds)
-    return SegmentCertificate(recorded.segment, len(t), found, tuple(notes))
+def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:
+    """One segment after the other, as their samples come: the laws of many would not fit into memory."""
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
+    pending = next(blocks, None)
+    for i, found in enumerate(surveyed.segments):
+        held = SegmentLaws(found)
+        while pending is not None and pending[0] == i:
+            held.add(pending[1])
+            pending = next(blocks, None)
+        yield _certificate(found, held, as_written=surveyed.as_written)
 
 
-def _unit(states: State) -> State:
-    """The states with their quaternions normalised; one of norm 0 becomes NaN, which breaks every law it enters."""
-    norms = quaternion.norm(states.attitude_xyzw)[:, np.newaxis]
-    with np.errstate(divide="ignore"):
-        return State.trusted(states.attitude_xyzw / norms, states.body_rate)
+def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:
+    laws = (found.stamps, *held.results())
+    certificate = SegmentCertificate(found.segment, found.count, laws)
+    notes = list(_notes(found, held, attitude_holds=certificate.law("closed form").holds))
+    if found.stamps.unit == GAP and not as_written and all(law.holds for law in laws[1:]):
+        notes.append(_loss(found))
+    return replace(certificate, notes=tuple(notes))
 
 
-def _notes(recorded: RecordedSegment, limits: Tolerance, t: Array, *, attitude_holds: bool) -> list[str]:
-    notes = []
-    if len(t) and recorded.samples[0] > recorded.segment.first_sample and recorded.stamps.holds:
-        notes.append(f"the recording begins at sample {recorded.samples[0]}, {t[0]:.6g} s after the segment's start")
-    turn = float(np.max(np.diff(t), initial=0.0)) * limits.fastest
+def _notes(found: SurveyedSegment, held: SegmentLaws, *, attitude_holds: bool) -> Iterator[str]:
+    segment, t = found.segment, np.array([found.duration] if found.count else [])
+    if found.first is not None and found.first > segment.first_sample and found.begins_late:
+        late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
+        yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
+    turn = found.longest_span * held.tolerance.fastest
     if turn > LONGEST_TURN:
-        notes.append(f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other")
-    expected = float(limits.attitude_uncapped(t[-1:]).max(initial=0.0))
+        yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
+    expected = float(held.tolerance.attitude_uncapped(t).max(initial=0.0))
     if expected > ATTITUDE_CAP and not attitude_holds:
-        notes.append(
+        yield (
             f"the declared stepper errs by up to {expected:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} at most: "
             "record with motion closed_form, a higher order or a smaller max_step"
         )
-    return notes
 
 
-def _whole(recording: Recording, segments: list[RecordedSegment]) -> tuple[LawResult, ...]:
-    """Laws of the bag: declared frames, zero translation, and the sample count of its metadata record."""
-    laws = [_frames(recording, segments), _at_rest(recording)]
-    if logged_at_stamps(recording):
-        laws.append(_log_times(recording))
-    if recording.expected_samples is not None:
-        found = max(len(recording.poses.stamps_ns), len(recording.twists.body_rates))
-        missing = abs(recording.expected_samples - found)
-        message = f"the bag's end counts {recording.expected_samples} samples, the bag holds {found}"
-        laws.append(_flag("sample count", missing, message))
-    return tuple(laws)
-
-
-def _frames(recording: Recording, segments: list[RecordedSegment]) -> LawResult:
-    worlds = {recorded.segment.scenario.world_frame for recorded in segments}
-    bodies = {recorded.segment.scenario.body_frame for recorded in segments}
-    others = sorted((set(recording.poses.frame_ids) - worlds) | (set(recording.twists.frame_ids) - bodies))
-    message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
-    return _flag("frames", len(others), message)
-
-
-def _log_times(recording: Recording) -> LawResult:
-    """Every message is logged at its stamp, as in the bags that this package writes: they are replayed by log time."""
-    off = int(np.count_nonzero(recording.poses.log_times_ns != recording.poses.stamps_ns))
-    if recording.twists.stamps_ns is not None:
-        off += int(np.count_nonzero(recording.twists.log_times_ns != recording.twists.stamps_ns))
-    return _flag("log times", off, f"{off} messages are not logged at their stamps, though the scenario is")
-
-
-def _at_rest(recording: Recording) -> LawResult:
-    moving = int(np.count_nonzero(recording.poses.positions) + np.count_nonzero(recording.twists.linear))
-    return _flag(
-        "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
+def _loss(found: SurveyedSegment) -> str:
+    """Who lost the messages of a gap, after which all go on as if none were missing."""
+    return (
+        f"{found.stamps.worst:.0f} messages are missing ({found.unpaired} samples are on one topic only); those "
+        "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
+        "network lost them: give the recorder a deeper history (docs/ros.md)"
     )
-
-
-def _flag(name: str, faults: int, message: str) -> LawResult:
-    """The result of a law of the bag as a whole, which holds where there are no faults."""
-    return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.wording import short_repr
+
+_SHOWN: Final = 4
+"""Number of samples of a broken law that are listed."""
 
 
 @dataclass(frozen=True)
@@ -45,62 +50,101 @@ class LawResult:
     checked: int
     message: str = ""
 
+    __repr__ = short_repr
+
     @property
     def holds(self) -> bool:
         """Whether no residual exceeds its limit."""
         return self.broken == 0
 
 
-def judge(
-    name: str,
-    unit: str,
-    residuals: Array,
-    limits: Array | float,
-    samples: Integers,
-    stamps_ns: Integers,
-    what: str,
-) -> LawResult:
-    """Hold residuals against their limits.
+class Judgement:
+    """A law held against residuals as they come.
 
     Parameters
     ----------
     name, unit : str
         Name of the law, unit of its residuals.
-    residuals : ndarray, shape (N,)
-        Not negative; NaN counts as broken.
-    limits : ndarray, shape (N,), or float
-    samples, stamps_ns : ndarray of int64, shape (N,)
-        Where each residual belongs.
     what : str
         The message for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
-
-    Returns
-    -------
-    LawResult
     """
-    limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
-    if residuals.size == 0:
-        return LawResult(name, unit, 0.0, 0.0, None, None, 0, 0)
-    broken = ~(residuals <= limits)
-    weights = np.where(np.isnan(residuals), np.inf, residuals)
-    at = int(np.argmax(weights / limits if broken.any() else weights))
-    sample, stamp, count = int(samples[at]), int(stamps_ns[at]), int(broken.sum())
-    worst, limit = float(residuals[at]), float(limits[at])
-    message = ""
-    if count:
-        message = what.format(
-            worst=f"{worst:.3g}",
-            limit=f"{limit:.2g}",
-            where=_where(samples[broken], sample),
-            count=f"{count} of {residuals.size}",
-        )
-    return LawResult(name, unit, worst, limit, sample, stamp, count, residuals.size, message)
+
+    def __init__(self, name: str, unit: str, what: str) -> None:
+        self.name, self._unit, self._what = name, unit, what
+        self._checked = 0
+        self._broken = _Broken()
+        self._largest = _Worst()
+        self._farthest = _Worst()
+
+    def add(self, residuals: Array, limits: Array | float, samples: Integers, stamps_ns: Integers) -> None:
+        """Hold residuals against their limits.
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (N,)
+            Not negative; NaN counts as broken.
+        limits : ndarray, shape (N,), or float
+        samples, stamps_ns : ndarray of int64, shape (N,)
+            Where each residual belongs.
+        """
+        if residuals.size == 0:
+            return
+        limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
+        self._checked += residuals.size
+        broken = ~(residuals <= limits)
+        weights = np.where(np.isnan(residuals), np.inf, residuals)
+        self._largest.add(weights, residuals, limits, samples, stamps_ns)
+        if broken.any():
+            self._farthest.add(weights / limits, residuals, limits, samples, stamps_ns)
+            self._broken.add(samples[broken])
+
+    def result(self) -> LawResult:
+        """The result for all residuals so far."""
+        count = self._broken.count
+        at = self._farthest if count else self._largest
+        message = ""
+        if count:
+            message = self._what.format(
+                worst=f"{at.residual:.3g}",
+                limit=f"{at.limit:.2g}",
+                where=self._broken.in_words(at.sample),
+                count=f"{count} of {self._checked}",
+            )
+        sample, stamp = (at.sample, at.stamp_ns) if self._checked else (None, None)
+        return LawResult(self.name, self._unit, at.residual, at.limit, sample, stamp, count, self._checked, message)
 
 
-def _where(broken: Integers, worst: int) -> str:
-    """The samples of a broken law, in words."""
-    if broken.size == 1:
-        return f"sample {worst}"
-    if broken.size <= 4:
-        return "samples " + ", ".join(str(k) for k in broken)
-    return f"{broken.size} samples from {broken[0]} to {broken[-1]}, worst at {worst}"
+class _Worst:
+    """The residual of the largest weight, the first of several."""
+
+    def __init__(self) -> None:
+        self._weight = -np.inf
+        self.residual, self.limit, self.sample, self.stamp_ns = 0.0, 0.0, 0, 0
+
+    def add(self, weights: Array, residuals: Array, limits: Array, samples: Integers, stamps_ns: Integers) -> None:
+        i = int(np.argmax(weights))
+        if weights[i] > self._weight:
+            self._weight = float(weights[i])
+            self.residual, self.limit = float(residuals[i]), float(limits[i])
+            self.sample, self.stamp_ns = int(samples[i]), int(stamps_ns[i])
+
+
+class _Broken:
+    """The samples of a broken law: how many, the first ones, the last."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._first: list[int] = []
+        self._last = 0
+
+    def add(self, samples: Integers) -> None:
+        self.count += samples.size
+        self._first += samples[: _SHOWN - len(self._first)].tolist()
+        self._last = int(samples[-1])
+
+    def in_words(self, worst: int) -> str:
+        if self.count == 1:
+            return f"sample {worst}"
+        if self.count <= _SHOWN:
+            return "samples " + ", ".join(str(k) for k in self._first)
+        return f"{self.count} samples from {self._first[0]} to {self._last}, worst at {worst}"

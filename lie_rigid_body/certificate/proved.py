@@ -8,11 +8,14 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate
-from lie_rigid_body.certificate.segments import RecordedSegment, recorded_segments, seconds_since_start
-from lie_rigid_body.certificate.tolerance import tolerance
+from lie_rigid_body.certificate.certification import Certificate
+from lie_rigid_body.certificate.pairing import Block
+from lie_rigid_body.certificate.segments import numbered_blocks, seconds_since_start, survey
+from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
 
 MOST_SAMPLES: Final = 10_000
 """Largest number of samples to prove; takes half a minute."""
@@ -47,6 +50,8 @@ class ProvedSample:
     rate_at_most: float
     limit: float
 
+    __repr__ = short_repr
+
     @property
     def holds(self) -> bool:
         """Whether the true error may be within the limit."""
@@ -58,6 +63,8 @@ class Proof:
     """What is proved of the samples of a bag that were enclosed."""
 
     samples: tuple[ProvedSample, ...]
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:
@@ -89,15 +96,15 @@ def require_count(count: int) -> None:
 
 
 def prove(
-    recording: Recording, certificate: Certificate, count: int, inertia: Sequence[float] | None = None
+    bag: Bag | Recording, certificate: Certificate, count: int, inertia: Sequence[float] | None = None
 ) -> Iterator[ProvedSample]:
-    """Enclose samples spread evenly over a recording, its ends among them, and the worst sample of each segment.
+    """Enclose samples spread evenly over a bag, its ends among them, and the worst sample of each segment.
 
     Parameters
     ----------
-    recording : Recording
+    bag : Bag or Recording
     certificate : Certificate
-        Of the recording, with the same inertia.
+        Of the bag, with the same inertia.
     count : int
         How many samples to spread, of all segments together.
     inertia : sequence of float, optional
@@ -108,41 +115,39 @@ def prove(
     ProvedSample
         In the order of the recording.
     """
-    pieces = recorded_segments(recording, inertia) if certificate.segments else []
-    first = 0
-    total = sum(len(piece.samples) for piece in pieces)
+    if not certificate.segments:
+        return
+    surveyed = survey(bag, inertia).segments
+    limits = [tolerance(found.segment.scenario, found.duration) for found in surveyed]
+    total = sum(found.count for found in surveyed)
     spread = np.unique(np.rint(np.linspace(0, total - 1, count)).astype(np.int64))
-    for number, (piece, judged) in enumerate(zip(pieces, certificate.segments, strict=True), 1):
-        own = spread[(spread >= first) & (spread < first + len(piece.samples))] - first
-        yield from _prove_segment(number, piece, np.union1d(own, _worst(piece, judged)))
-        first += len(piece.samples)
+    first = 0
+    for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
+        own = spread[(spread >= first) & (spread < first + len(block.samples))] - first
+        worst = np.flatnonzero(block.samples == certificate.segments[i].law("closed form").sample)
+        chosen = block[np.union1d(own, worst)]
+        yield from _prove_samples(i + 1, surveyed[i].segment, chosen, limits[i])
+        first += len(block.samples)
 
 
-def _worst(piece: RecordedSegment, judged: SegmentCertificate) -> np.ndarray:
-    """Where the sample farthest from the closed form is."""
-    return np.flatnonzero(piece.samples == judged.law("closed form").sample)
-
-
-def _prove_segment(number: int, piece: RecordedSegment, chosen: np.ndarray) -> Iterator[ProvedSample]:
+def _prove_samples(number: int, segment: Segment, chosen: Block, limits: Tolerance) -> Iterator[ProvedSample]:
     from lie_rigid_body.proof import enclose
 
-    scenario = piece.segment.scenario
-    t = seconds_since_start(piece.segment, piece.stamps_ns)
-    limits = tolerance(scenario, float(t.max(initial=0.0))).attitude(t)
-    for i in map(int, chosen):
-        stamp_ns = int(piece.stamps_ns[i])
+    scenario = segment.scenario
+    t = seconds_since_start(segment, chosen.stamps_ns)
+    for i, stamp_ns in enumerate(chosen.stamps_ns.tolist()):
         truth = enclose(
             scenario.inertia,
             scenario.initial_attitude_xyzw,
             scenario.initial_body_rate,
-            stamp_ns - piece.segment.start_ns,
+            stamp_ns - segment.start_ns,
         )
         yield ProvedSample(
             number,
-            int(piece.samples[i]),
+            int(chosen.samples[i]),
             stamp_ns,
             float(t[i]),
-            *truth.attitude_error(piece.states.attitude_xyzw[i]),
-            truth.rate_error(piece.states.body_rate[i])[1],
-            float(limits[i]),
+            *truth.attitude_error(chosen.states.attitude_xyzw[i]),
+            truth.rate_error(chosen.states.body_rate[i])[1],
+            float(limits.attitude(t[i : i + 1])[0]),
         )

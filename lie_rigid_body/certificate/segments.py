@@ -1,19 +1,77 @@
-"""A recording cut at its resets into segments, the samples of each numbered, and pose and twist paired."""
+"""A bag cut at its resets into segments, the samples of each numbered, and pose and twist paired."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.stamps import number_samples, stamp_law
+from lie_rigid_body.certificate.pairing import Block, Pairing, stamped_values
+from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_law
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.bag_reader import Recording
-from lie_rigid_body.simulation import Segment
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TwistTrack
+from lie_rigid_body.simulation import SOFTWARE, Segment
+from lie_rigid_body.wording import short_repr
+
+MOST_SEGMENTS: Final = 10_000
+"""Most segments of a bag: each takes up to 1 ms."""
+_RECORDER: Final = "libmcap "
+"""How the library name of a file by `ros2 bag record` begins."""
+_ALL_OF: Final = 20_000
+"""Samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
+_BUCKETS: Final = 2000
+"""Pieces of a long bag of which the extreme samples are drawn: as many as a picture has columns."""
+_CLOSE: Final = 0.05
+"""Largest turn, rad, that a line may stand for."""
+
+
+@dataclass(frozen=True)
+class SurveyedSegment:
+    """A segment and how complete it is.
+
+    Parameters
+    ----------
+    segment : Segment
+        The segment that the bag declares.
+    count : int
+        Samples that have both pose and twist.
+    first : int or None
+        Number of the first of them.
+    last_ns : int or None
+        Stamp of the last one.
+    stamps : LawResult
+        Whether the stamps of pose and twist are complete, even and in order.
+    begins_late : bool
+        Whether it may begin after the segment's start, as a recorder that subscribed to a running node does.
+    unpaired : int
+        Stamps between the first and the last sample that only one of the two topics has.
+    longest_span : float
+        Longest time between neighbours, s.
+    followed_span : float
+        The longest over which the flow is followed, s.
+    """
+
+    segment: Segment
+    count: int
+    first: int | None
+    last_ns: int | None
+    stamps: LawResult
+    begins_late: bool
+    unpaired: int
+    longest_span: float = 0.0
+    followed_span: float = 0.0
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample since the segment's start, s."""
+        return 0.0 if self.last_ns is None else (self.last_ns - self.segment.start_ns) * 1e-9
 
 
 @dataclass(frozen=True)
@@ -32,6 +90,10 @@ class RecordedSegment:
         Their states, of shapes (N, 4) and (N, 3), not normalised.
     stamps : LawResult
         Whether the stamps of pose and twist are complete, even and in order.
+    count : int
+        How many samples the bag has of it: more than N where they were thinned.
+    close : int
+        How many of the N, from the first one on, follow each other so closely that a line between them is a curve.
     """
 
     segment: Segment
@@ -39,26 +101,14 @@ class RecordedSegment:
     stamps_ns: Integers
     states: State
     stamps: LawResult
+    count: int
+    close: int
+
+    __repr__ = short_repr
 
 
-@dataclass(frozen=True)
-class _StampedValues:
-    """Stamps and values of one topic, in file order."""
-
-    name: str
-    stamps_ns: Integers
-    values: Array
-
-    def between(self, begin: int, end: int | None) -> _StampedValues:
-        """Those stamped from ``begin`` on and before ``end``, ns, if it is given."""
-        inside = self.stamps_ns >= begin
-        if end is not None:
-            inside &= self.stamps_ns < end
-        return replace(self, stamps_ns=self.stamps_ns[inside], values=self.values[inside])
-
-
-def declared_segments(scenario_texts: Iterable[str]) -> list[Segment]:
-    """The segments that scenario messages declare, in the order of their starts; repeats of a message count once.
+def declared_segments(scenario_texts: Iterable[str]) -> dict[str, Segment]:
+    """The segments by the texts that declare them, in the order of their starts; repeats of a text count once.
 
     Raises
     ------
@@ -67,34 +117,71 @@ def declared_segments(scenario_texts: Iterable[str]) -> list[Segment]:
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
+    texts = dict.fromkeys(scenario_texts)
+    if len(texts) > MOST_SEGMENTS:
+        raise BagError(f"the bag declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
     try:
-        segments = [Segment.from_json(text) for text in dict.fromkeys(scenario_texts)]
+        segments = {text: Segment.from_json(text) for text in texts}
     except ParameterError:
         raise
     except InputError as error:
-        raise BagError(f"the bag does not explain itself: {error}") from None
-    return sorted(segments, key=lambda segment: segment.start_ns)
+        raise BagError(f"the bag does not explain itself: {error}: record it anew") from None
+    return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
 
 
-def logged_at_stamps(recording: Recording) -> bool:
-    """Whether the first scenario message was logged at its segment's start, as by `BagWriter`, not by a recorder."""
+def as_written(recording: Bag | Recording) -> bool:
+    """Whether the bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
+
+    It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.
+    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received.
+    """
+    if recording.library.startswith(f"{SOFTWARE} ") or recording.expected_samples is not None:
+        return True
     log_time, text = recording.scenario_texts[0]
-    return log_time == Segment.from_json(text).start_ns
+    return log_time == Segment.from_json(text).start_ns and not recording.library.startswith(_RECORDER)
 
 
-def recorded_segments(recording: Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
-    """The segments of a recording with their samples, at least one of which has a sample with pose and twist.
+@dataclass(frozen=True)
+class Survey:
+    """What a first pass through a bag finds.
 
     Parameters
     ----------
-    recording : Recording
+    segments : tuple of SurveyedSegment
+        Segments without a sample, which a reset followed at once, are left out.
+    declared : tuple of Segment
+        All that the bag declares, in the order of their starts.
+    as_written : bool
+        See `as_written`.
+    poses, twists : int
+        Messages.
+    world_frames, body_frames : frozenset of str
+        Frames that poses and twists name.
+    moved : int
+        Components of position and linear velocity that are not 0.
+    logged_otherwise : int
+        Messages that were not logged at their stamps, scenarios at their starts.
+    """
+
+    segments: tuple[SurveyedSegment, ...]
+    declared: tuple[Segment, ...]
+    as_written: bool
+    poses: int
+    twists: int
+    world_frames: frozenset[str]
+    body_frames: frozenset[str]
+    moved: int
+    logged_otherwise: int
+
+
+def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Survey:
+    """Read a bag once, and find its segments, at least one of which has a sample with pose and twist.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
-
-    Returns
-    -------
-    list of RecordedSegment
-        Segments without a sample, which a reset followed at once, are left out.
 
     Raises
     ------
@@ -103,28 +190,226 @@ def recorded_segments(recording: Recording, inertia: Sequence[float] | None = No
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    declared = declared_segments(text for _, text in recording.scenario_texts)
-    segments = [_with_inertia(segment, inertia) for segment in declared]
-    pose = _StampedValues("pose", recording.poses.stamps_ns, recording.poses.attitudes_xyzw)
-    twist = _StampedValues("twist", _twist_stamps(recording, segments), recording.twists.body_rates)
-    first = min(int(pose.stamps_ns.min()), int(twist.stamps_ns.min()))
-    if first < segments[0].start_ns:
+    declared = declared_segments(text for _, text in bag.scenario_texts)
+    segments = [_with_inertia(segment, inertia) for segment in declared.values()]
+    facts, own = _Facts(), as_written(bag)
+    facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
+    tallies = [_SegmentTally(segment) for segment in segments]
+    pairing = Pairing()
+    for topics in stamped_values(facts.counted(bag.batches()), segments[0].clock(), logged_at_stamps=own):
+        for name, topic in zip(tallies[0].stamps, topics, strict=True):
+            for i, rows in _parts(segments, topic.stamps_ns):
+                tallies[i].stamps[name].add(topic.stamps_ns[rows])
+        _tally_pairs(tallies, pairing.add(*topics).stamps_ns, pairing.alone)
+    _tally_pairs(tallies, pairing.finish().stamps_ns, pairing.alone)
+    if facts.first_ns < segments[0].start_ns:
         raise BagError(
-            f"a sample is stamped {first} ns, before the first scenario message's start at {segments[0].start_ns} ns: "
-            "record the scenario topic from the start"
+            f"a sample is stamped {facts.first_ns} ns, before the first scenario message's start at "
+            f"{segments[0].start_ns} ns: record the scenario topic from the start"
         )
-    own = logged_at_stamps(recording)
-    found: list[RecordedSegment] = []
-    for i, segment in enumerate(segments):
+    found: list[SurveyedSegment] = []
+    for i, tally in enumerate(tallies):
         following = segments[i + 1].start_ns if i + 1 < len(segments) else None
-        topics = [topic.between(segment.start_ns, following) for topic in (pose, twist)]
-        if any(topic.stamps_ns.size for topic in topics):
-            found.append(
-                _recorded_segment(segment, following, topics, late_start=not own and not found, open_end=not own)
-            )
-    if not any(len(recorded.samples) for recorded in found):
+        if not tally.is_empty or _should_have_samples(tally.segment, following, own or found):
+            found.append(tally.result(following, late_start=not own and not found, open_end=not own))
+    if not any(segment.count for segment in found):
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
-    return found
+    return facts.survey(found, segments, as_written=own)
+
+
+class _Facts:
+    """What is counted of all messages as they pass."""
+
+    def __init__(self) -> None:
+        self.first_ns = int(np.iinfo(np.int64).max)
+        self._counts = [0, 0]
+        self._frames: tuple[set[str], set[str]] = set(), set()
+        self._moved = self.logged_otherwise = 0
+
+    def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """The same batches, counted."""
+        for poses, twists in batches:
+            tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
+            for i, track in enumerate(tracks):
+                self._frames[i].update(track.frame_ids)
+                self._counts[i] += len(track.log_times_ns)
+                if track.stamps_ns is not None and len(track.stamps_ns):
+                    self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
+                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
+            self._moved += int(np.count_nonzero(poses.positions) + np.count_nonzero(twists.linear))
+            yield poses, twists
+
+    def survey(self, segments: list[SurveyedSegment], declared: list[Segment], *, as_written: bool) -> Survey:
+        """Together with these segments."""
+        (poses, twists), (worlds, bodies) = self._counts, map(frozenset, self._frames)
+        return Survey(
+            tuple(segments),
+            tuple(declared),
+            as_written,
+            poses,
+            twists,
+            worlds,
+            bodies,
+            self._moved,
+            self.logged_otherwise,
+        )
+
+
+class _SegmentTally:
+    """The stamps of a segment as they come."""
+
+    def __init__(self, segment: Segment) -> None:
+        self.segment = segment
+        self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
+        self._count = self._unpaired = self._alone_since = 0
+        self._first_ns = self._last_ns = 0
+        self._fastest = segment.scenario.rate_bound()
+        self._longest = self._followed = 0.0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether neither topic has a sample."""
+        return not any(tally.count for tally in self.stamps.values())
+
+    def pair(self, common: Integers, alone: Integers) -> None:
+        """Take the stamps that come next, of both topics and of one alone."""
+        if not len(common):
+            self._alone_since += len(alone) if self._count else 0
+            return
+        self._span(np.diff(common, prepend=self._last_ns if self._count else common[0]) * 1e-9)
+        if self._count:
+            self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
+        else:
+            self._first_ns = int(common[0])
+        self._unpaired += int(np.count_nonzero((alone > common[0]) & (alone < common[-1])))
+        self._alone_since = int(np.count_nonzero(alone > common[-1]))
+        self._count += len(common)
+        self._last_ns = int(common[-1])
+
+    def _span(self, spans: Array) -> None:
+        self._longest = max(self._longest, float(spans.max()))
+        self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
+
+    def result(self, following: int | None, *, late_start: bool, open_end: bool) -> SurveyedSegment:
+        """The segment, before one that starts at ``following``, ns."""
+        segment = self.segment
+        law = stamp_law(segment, following, self.stamps, late_start=late_start, open_end=open_end and following is None)
+        if not self._count:
+            return SurveyedSegment(segment, 0, None, None, law, late_start, 0)
+        first = int(number_samples(segment.clock(), np.array([self._first_ns]))[0])
+        return SurveyedSegment(
+            segment,
+            self._count,
+            first,
+            self._last_ns,
+            law,
+            late_start,
+            self._unpaired,
+            self._longest,
+            self._followed,
+        )
+
+
+def _tally_pairs(tallies: list[_SegmentTally], common: Integers, alone: Integers) -> None:
+    segments = [tally.segment for tally in tallies]
+    in_common, in_alone = dict(_parts(segments, common)), dict(_parts(segments, alone))
+    for i in sorted(in_common.keys() | in_alone.keys()):
+        none = slice(0, 0)
+        tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
+
+
+def _parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
+    """The segments that stamps belong to, and which of the stamps are theirs; those before the first are left out."""
+    if not len(stamps_ns):
+        return
+    starts = np.array([segment.start_ns for segment in segments])
+    at = np.searchsorted(starts, stamps_ns, side="right") - 1
+    lowest, highest = int(at.min()), int(at.max())
+    if lowest == highest >= 0:
+        yield lowest, slice(None)
+        return
+    for i in np.unique(at[at >= 0]).tolist():
+        yield i, at == i
+
+
+def numbered_blocks(bag: Bag | Recording, segments: Sequence[Segment]) -> Iterator[tuple[int, Block]]:
+    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place."""
+    pairing = Pairing()
+    topics = stamped_values(bag.batches(), segments[0].clock(), logged_at_stamps=as_written(bag))
+    for block in itertools.chain((pairing.add(*values) for values in topics), (pairing.finish() for _ in range(1))):
+        for i, rows in _parts(segments, block.stamps_ns):
+            part = block[rows]
+            yield i, replace(part, samples=number_samples(segments[i].clock(), part.stamps_ns))
+
+
+def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+    """The segments of a bag with all their samples, in memory. See `survey`."""
+    surveyed = survey(bag, inertia).segments
+    blocks: list[list[Block]] = [[Block.empty()] for _ in surveyed]
+    for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
+        blocks[i].append(block)
+    joined = [parts[0].joined(*parts[1:]) for parts in blocks]
+    return [_recorded(found, whole, found.count) for found, whole in zip(surveyed, joined, strict=True)]
+
+
+def thinned_segments(bag: Bag | Recording) -> list[RecordedSegment]:
+    """The segments of a bag with so few of their samples that they can be drawn, and look as all would. See `survey`.
+
+    Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
+    momentum or in energy: a curve through them has the envelope of all.
+    """
+    surveyed = survey(bag).segments
+    size = -(-sum(found.count for found in surveyed) // _BUCKETS)
+    thinning = [_Thinning(found, size) for found in surveyed]
+    for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
+        thinning[i].add(block)
+    return [thinned.result() for thinned in thinning]
+
+
+class _Thinning:
+    """The samples of a segment as they come: of the first ones enough for a curve, of all the extreme ones."""
+
+    def __init__(self, found: SurveyedSegment, size: int) -> None:
+        scenario = found.segment.scenario
+        turn = scenario.rate_bound() / scenario.rate
+        self._found, self._size, self._body = found, size, scenario.body()
+        self._stride = 1 if found.count <= _ALL_OF else max(1, int(min(_CLOSE, found.count * turn) / (turn or 1.0)))
+        self._resolved = _ALL_OF * self._stride
+        self._kept = [Block.empty()]
+        self._taken = self._close = 0
+
+    def add(self, block: Block) -> None:
+        """Take the samples that come next."""
+        for i in range(0, len(block.samples), self._size):
+            bucket = block[i : i + self._size]
+            places = self._taken + np.arange(len(bucket.samples))
+            of_curve = np.flatnonzero((places % self._stride == 0) & (places < self._resolved))
+            chosen = np.union1d(self._extreme(bucket), of_curve)
+            self._close += int(np.count_nonzero(places[chosen] < self._resolved))
+            self._kept.append(bucket[chosen])
+            self._taken += len(places)
+
+    def _extreme(self, bucket: Block) -> Integers:
+        with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
+            energy = self._body.kinetic_energy(bucket.states)
+            momentum = self._body.angular_momentum(bucket.states)
+        columns = np.column_stack([bucket.states.body_rate, energy, momentum])
+        return np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])
+
+    def result(self) -> RecordedSegment:
+        """The segment with what was kept."""
+        return _recorded(self._found, self._kept[0].joined(*self._kept[1:]), self._close)
+
+
+def _recorded(found: SurveyedSegment, block: Block, close: int) -> RecordedSegment:
+    return RecordedSegment(
+        found.segment, block.samples, block.stamps_ns, block.states, found.stamps, found.count, close
+    )
+
+
+def _should_have_samples(segment: Segment, following: int | None, begun: object) -> bool:
+    """Whether a segment without a sample lacks some: where recording had begun, and the next did not follow at once."""
+    return bool(begun) and following is not None and following > segment.start_ns
 
 
 def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
@@ -133,46 +418,6 @@ def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
         return segment
     parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
     return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))
-
-
-def _twist_stamps(recording: Recording, segments: list[Segment]) -> Integers:
-    """The twists' own stamps; a bare twist has its log time, if that is on the grid, or its pose's stamp."""
-    twists = recording.twists
-    if twists.stamps_ns is not None:
-        return twists.stamps_ns
-    clock = segments[0].clock()
-    logged = twists.log_times_ns
-    if np.array_equal(clock.stamps_ns(int(number_samples(clock, logged[:1])[0]), 1), logged[:1]):
-        return logged
-    if len(logged) != len(recording.poses.stamps_ns):
-        raise BagError(
-            f"{len(logged)} twists without stamps cannot be paired with {len(recording.poses.stamps_ns)} poses: "
-            "run the node with stamped_twist true, or record with it"
-        )
-    return recording.poses.stamps_ns
-
-
-def _recorded_segment(
-    segment: Segment, following: int | None, topics: list[_StampedValues], *, late_start: bool, open_end: bool
-) -> RecordedSegment:
-    law = stamp_law(
-        segment,
-        following,
-        {topic.name: topic.stamps_ns for topic in topics},
-        late_start=late_start,
-        open_end=open_end and following is None,
-    )
-    pose, twist = (_unique(topic) for topic in topics)
-    common, at_pose, at_twist = np.intersect1d(pose.stamps_ns, twist.stamps_ns, return_indices=True)
-    numbers = number_samples(segment.clock(), common)
-    states = State.trusted(pose.values[at_pose], twist.values[at_twist])
-    return RecordedSegment(segment, numbers, common, states, law)
-
-
-def _unique(topic: _StampedValues) -> _StampedValues:
-    """The first of the values of each stamp, in the order of the stamps."""
-    stamps, first = np.unique(topic.stamps_ns, return_index=True)
-    return replace(topic, stamps_ns=stamps, values=topic.values[first])
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

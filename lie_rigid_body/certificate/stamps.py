@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import bisect
 import itertools
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,8 +15,15 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 
+OFF_GRID: Final = "ns"
+GAP: Final = "gap"
+DUPLICATE: Final = "dup"
+DISORDER: Final = "ord"
+
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
+_MOST_DOUBLED: Final = 100_000
+"""Number of doubled samples that are counted."""
 
 
 def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
@@ -37,8 +46,23 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
 
 
+@dataclass(frozen=True)
+class _Fault:
+    """What is wrong with the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
+
+    kind: str
+    count: int
+    sample: int
+    text: str
+
+
 def stamp_law(
-    segment: Segment, following: int | None, stamps: Mapping[str, Integers], *, late_start: bool, open_end: bool
+    segment: Segment,
+    following: int | None,
+    tallies: Mapping[str, StampTally],
+    *,
+    late_start: bool,
+    open_end: bool,
 ) -> LawResult:
     """Whether every topic has every sample of the segment once, in order, stamped on the grid.
 
@@ -47,8 +71,8 @@ def stamp_law(
     segment : Segment
     following : int or None
         Start of the next segment, ns, if there is one.
-    stamps : mapping of str to ndarray of int64
-        By topic, in file order.
+    tallies : mapping of str to StampTally
+        By topic.
     late_start, open_end : bool
         Whether the recording may begin after the start, or end at a different sample on each topic (a recorder that
         subscribes to a running node does both).
@@ -56,89 +80,165 @@ def stamp_law(
     Returns
     -------
     LawResult
-        ``worst`` is how far a stamp is off the grid, ns; the message names gaps, duplicates and swaps.
+        ``worst`` is how far a stamp is off the grid, ns; where all are on it, the number of samples that are missing
+        (unit ``gap``), doubled (``dup``) or out of order (``ord``), and ``sample`` the first. The message names all.
     """
     clock = segment.clock()
-    numbers = {topic: number_samples(clock, values) for topic, values in stamps.items()}
-    first, last = _expected(segment, following, numbers, late_start=late_start, open_end=open_end)
-    faults: list[str] = []
-    worst, at = 0, None
-    for topic, values in stamps.items():
-        found = numbers[topic]
-        off = np.abs(values - _grid(clock, found))
-        if off.size and off.max() > worst:
-            worst, at = int(off.max()), int(found[int(off.argmax())])
-        faults += _faults(topic, found, off, values, first[topic], last[topic], clock)
-    checked = sum(len(v) for v in stamps.values())
-    stamp = None if at is None else int(clock.stamps_ns(at, 1)[0])
-    return LawResult("stamps", "ns", float(worst), 0.0, at, stamp, len(faults), checked, "; ".join(faults))
-
-
-def _expected(
-    segment: Segment, following: int | None, numbers: Mapping[str, Integers], *, late_start: bool, open_end: bool
-) -> tuple[dict[str, int], dict[str, int]]:
-    """First and last sample number that each topic must have."""
-    filled = [found for found in numbers.values() if found.size]
-    first, last = {}, {}
-    end = max(int(found.max()) for found in filled)
+    end = max((tally.high for tally in tallies.values() if tally.count), default=segment.first_sample)
     if following is not None:
-        end = int(number_samples(segment.clock(), np.array([following]))[0]) - 1
-    for topic, found in numbers.items():
-        begin_late = late_start and found.size
-        end_early = open_end and found.size
-        first[topic] = int(found.min()) if begin_late else segment.first_sample
-        last[topic] = int(found.max()) if end_early else end
-    return first, last
+        end = int(number_samples(clock, np.array([following]))[0]) - 1
+    faults = []
+    for topic, tally in tallies.items():
+        first = tally.low if late_start and tally.count else segment.first_sample
+        last = tally.high if open_end and tally.count else end
+        faults += tally.faults(topic, first, last)
+    unit = next(
+        (kind for kind in (OFF_GRID, GAP, DUPLICATE, DISORDER) if any(f.kind == kind for f in faults)), OFF_GRID
+    )
+    kindred = [fault for fault in faults if fault.kind == unit]
+    checked = sum(tally.count for tally in tallies.values())
+    if not kindred:
+        return LawResult("stamps", OFF_GRID, 0.0, 0.0, None, None, 0, checked)
+    worst = max(f.count for f in kindred) if unit == OFF_GRID else sum(f.count for f in kindred)
+    at = max(kindred, key=lambda f: f.count).sample if unit == OFF_GRID else min(f.sample for f in kindred)
+    text = "; ".join(fault.text for fault in faults)
+    return LawResult("stamps", unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
+
+
+class StampTally:
+    """The stamps of one topic in one segment as they come: which samples are there, and what is wrong with them.
+
+    Parameters
+    ----------
+    clock : SampleClock
+
+    Attributes
+    ----------
+    count : int
+    low, high : int
+        The least and the largest number of a sample so far.
+    """
+
+    def __init__(self, clock: SampleClock) -> None:
+        self._clock = clock
+        self.count, self.low, self.high = 0, 0, -1
+        self._previous = 0
+        self._missing: list[tuple[int, int]] = []  # first and last of each run between low and high, rising
+        self._doubled: set[int] = set()
+        self._displaced, self._earliest, self._pairs = 0, 0, list[str]()
+        self._off, self._farthest, self._worst = 0, 0, (0, 0)
+
+    def add(self, stamps_ns: Integers) -> None:
+        """Take the stamps that come next in the file."""
+        if not len(stamps_ns):
+            return
+        found = number_samples(self._clock, stamps_ns)
+        if not self.count:
+            self._previous, self.low, self.high = int(found[0]), int(found[0]), int(found[0]) - 1
+        self._take_grid(found, stamps_ns)
+        steps = np.diff(found, prepend=self._previous)
+        if not self.count:
+            steps[0] = 1
+        self._take_order(np.flatnonzero(steps < 0), np.concatenate([[self._previous], found]))
+        edges = [0, *np.flatnonzero(steps[1:] != 1) + 1, len(found)]
+        for begin, end in itertools.pairwise(edges):
+            self._take_run(int(found[begin]), int(found[end - 1]))
+        self._previous = int(found[-1])
+        self.count += len(found)
+
+    def _take_grid(self, found: Integers, stamps_ns: Integers) -> None:
+        off = np.abs(stamps_ns - _grid(self._clock, found))
+        self._off += int(np.count_nonzero(off))
+        i = int(off.argmax())
+        if off[i] > self._farthest:
+            self._farthest, self._worst = int(off[i]), (int(found[i]), int(stamps_ns[i]))
+
+    def _take_order(self, at: Integers, numbers: Integers) -> None:
+        if not len(at):
+            return
+        before = numbers[at]
+        self._earliest = min([*([self._earliest] if self._displaced else []), int(before.min())])
+        self._displaced += len(at)
+        self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
+
+    def _take_run(self, begin: int, end: int) -> None:
+        """Take samples that follow each other."""
+        if begin > self.high:
+            if begin > self.high + 1:
+                self._missing.append((self.high + 1, begin - 1))
+            self.high = end
+        elif end < self.low:
+            if end < self.low - 1:
+                self._missing.insert(0, (end + 1, self.low - 1))
+            self.low = begin
+        else:
+            self._fill(begin, end)
+
+    def _fill(self, begin: int, end: int) -> None:
+        """Take samples of which some may be there already: those are doubled, others fill gaps."""
+        at = bisect.bisect_left(self._missing, begin, key=lambda gap: gap[1])
+        number = begin
+        while number <= min(end, self.high):
+            gap = self._missing[at] if at < len(self._missing) else (self.high + 1, self.high + 1)
+            known = min(end, self.high, gap[0] - 1)
+            if number <= known and number >= self.low:
+                self._doubled.update(range(number, min(known, number + _MOST_DOUBLED - len(self._doubled)) + 1))
+            number = max(number, gap[0])
+            if number > min(end, self.high):
+                break
+            last = min(end, gap[1])
+            rest = [(gap[0], number - 1), (last + 1, gap[1])]
+            self._missing[at : at + 1] = [(a, b) for a, b in rest if a <= b]
+            at += number > gap[0]
+            number = last + 1
+        if begin < self.low:
+            self.low = begin
+        self.high = max(self.high, end)
+
+    def faults(self, topic: str, first: int, last: int) -> list[_Fault]:
+        """What is wrong, of a topic that is to have all samples from one number to another."""
+        found = []
+        if self._displaced:
+            text = f"{topic}: out of order, sample {_some(self._pairs, self._displaced)}"
+            found.append(_Fault(DISORDER, self._displaced, self._earliest, text))
+        if self._doubled:
+            doubled = sorted(self._doubled)
+            text = f"{topic}: duplicate of sample {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
+            found.append(_Fault(DUPLICATE, len(doubled), doubled[0], text))
+        if gaps := self._gaps(first, last):
+            text = f"{topic}: gap, {_some([_gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
+            found.append(_Fault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
+        if self._off:
+            number, stamp = self._worst
+            text = (
+                f"{topic}: {self._off} stamps off the grid, sample {number} stamped {stamp} ns "
+                f"instead of {self._clock.stamp_ns(number)}"
+            )
+            found.append(_Fault(OFF_GRID, self._farthest, number, text))
+        return found
+
+    def _gaps(self, first: int, last: int) -> list[tuple[int, int]]:
+        """First and last of each run of missing numbers between two."""
+        outer = [(first, self.low - 1), *self._missing, (self.high + 1, last)] if self.count else [(first, last)]
+        clipped = [(max(begin, first), min(end, last)) for begin, end in outer]
+        return [(begin, end) for begin, end in clipped if begin <= end]
 
 
 def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     """The exact stamps of samples by their numbers, ns."""
-    if numbers.size == 0:
-        return numbers
     low, high = int(numbers.min()), int(numbers.max())
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
-        return np.array([int(clock.stamps_ns(int(k), 1)[0]) for k in numbers], dtype=np.int64)
+        return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
-def _faults(
-    topic: str, found: Integers, off: Integers, values: Integers, first: int, last: int, clock: SampleClock
-) -> list[str]:
-    """What is wrong with the stamps of a topic, in words."""
-    faults = []
-    order = np.flatnonzero(np.diff(found) < 0)
-    if order.size:
-        pairs = [f"{found[i]} stands before {found[i + 1]}" for i in order]
-        faults.append(f"{topic}: out of order, sample {_some(pairs)}")
-    counted, times = np.unique(found, return_counts=True)
-    if (times > 1).any():
-        faults.append(f"{topic}: duplicate of sample {_some([str(k) for k in counted[times > 1]])}")
-    gaps = _gaps(counted, first, last)
-    if gaps:
-        faults.append(f"{topic}: gap, {_some(gaps)}")
-    if off.any():
-        i = int(off.argmax())
-        faults.append(
-            f"{topic}: {np.count_nonzero(off)} stamps off the grid, sample {found[i]} stamped {values[i]} ns "
-            f"instead of {int(clock.stamps_ns(int(found[i]), 1)[0])}"
-        )
-    return faults
+def _gap_in_words(begin: int, end: int) -> str:
+    if begin == end:
+        return f"sample {begin} is missing"
+    return f"{end - begin + 1} samples from {begin} to {end} are missing"
 
 
-def _gaps(present: Integers, first: int, last: int) -> list[str]:
-    """The runs of missing numbers between first and last, in words."""
-    edges = np.concatenate([[first - 1], present[(present >= first) & (present <= last)], [last + 1]])
-    gaps = []
-    for before, after in itertools.pairwise(edges):
-        missing = int(after - before) - 1
-        if missing == 1:
-            gaps.append(f"sample {before + 1} is missing")
-        elif missing > 1:
-            gaps.append(f"{missing} samples from {before + 1} to {after - 1} are missing")
-    return gaps
-
-
-def _some(items: list[str]) -> str:
+def _some(items: list[str], count: int) -> str:
     """Text: the first four faults, then the number of the rest."""
-    more = len(items) - _SHOWN
+    more = count - _SHOWN
     return ", ".join(items[:_SHOWN]) + (f" and {more} more" if more > 0 else "")

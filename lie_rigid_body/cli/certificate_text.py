@@ -33,7 +33,7 @@ def as_table(bag: str, certificate: Certificate) -> str:
         lines += ["", *_segment_lines(i, len(certificate.segments), segment)]
     for law in certificate.whole:
         lines.append(_row(law, None))
-    return "\n".join([*lines, "", verdict(certificate)])
+    return "\n".join([*lines, "", verdict(certificate), *_not_certified(certificate)])
 
 
 def verdict(certificate: Certificate) -> str:
@@ -59,6 +59,12 @@ def _worst_sample(certificate: Certificate) -> list[str]:
     return [f"Attitude is worst at sample {law.sample}{where}, {segment.time_s(law):.7g} s after the start."]
 
 
+def _not_certified(certificate: Certificate) -> list[str]:
+    if not certificate.not_certified:
+        return []
+    return [_wrapped("; ".join(certificate.not_certified) + ".", "Not certified: ")]
+
+
 def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
     """The certificate as JSON-serialisable data; a number that is not finite becomes null."""
     return {
@@ -73,6 +79,7 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
         | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
         else None,
+        "not_certified": list(certificate.not_certified),
         "messages": list(certificate.messages),
         "segments": [_segment_json(segment) for segment in certificate.segments],
         "laws": [_law_json(law, None) for law in certificate.whole],
@@ -121,7 +128,7 @@ def _row(law: LawResult, time_s: float | None) -> str:
 
 
 def _wrapped(sentence: str, mark: str) -> str:
-    return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark))
+    return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * min(len(mark), 7))
 
 
 def _numbers(values: tuple[float, ...]) -> str:

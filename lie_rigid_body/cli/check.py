@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.bag_progress import open_bag
 from lie_rigid_body.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.certificate.proved import Proof
-    from lie_rigid_body.recording.bag_reader import Recording
+    from lie_rigid_body.recording.bag_reader import Bag
 
 BROKEN: Final = 1
 
@@ -27,17 +28,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate import certify
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.cli import certificate_text, proof_text
-    from lie_rigid_body.recording.bag_reader import read_bag
 
     if given.prove is not None:
         require_count(given.prove)
-    recording = read_bag(given.bag)
-    certificate = certify(recording, inertia)
-    proof = None if given.prove is None else _proof(recording, certificate, given.prove, inertia)
+    with open_bag(given.bag, passes=3) as bag:
+        certificate = certify(bag, inertia)
+    proof = None if given.prove is None else _proof(bag, certificate, given.prove, inertia)
     if given.json:
         content = certificate_text.as_json(given.bag, certificate)
         content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
-        console.say(json.dumps(content, indent=2, ensure_ascii=False))
+        console.say(json.dumps(content, indent=2))
     else:
         console.say(certificate_text.as_table(given.bag, certificate))
         if proof is not None:
@@ -45,12 +45,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else BROKEN
 
 
-def _proof(recording: Recording, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
+def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
     from tqdm import tqdm
 
     from lie_rigid_body.certificate.proved import Proof, prove
 
-    samples = prove(recording, certificate, count, inertia)
+    samples = prove(bag, certificate, count, inertia)
     return Proof(tuple(tqdm(samples, unit=" samples", file=sys.stderr, disable=None, leave=False)))
 
 
@@ -78,9 +78,12 @@ def _inertia(text: str) -> list[float]:
 
     try:
         numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
+    if len(numbers) not in (3, 6):
+        raise InputError(f"--inertia {text}: {len(numbers)} numbers: give 3 principal moments or 6 tensor entries")
+    try:
         RigidBody(numbers)
     except ParameterError as error:
         raise InputError(f"--inertia {text}: {error}") from None
-    except ValueError:
-        raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
     return numbers

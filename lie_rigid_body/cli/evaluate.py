@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     else:
         console.say(score_text.as_table(title, read, score, limits))
         for path in filter(None, (given.plot, given.report)):
-            console.say(f"wrote {path}")
+            console.say(f"wrote {path}", done=f"{path} is written")
     return console.SUCCESS if score.passed else BROKEN
 
 

@@ -17,13 +17,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     from lie_rigid_body.cli import explanation_text
     from lie_rigid_body.motion.description import describe
-    from lie_rigid_body.scenario import Scenario
 
-    scenario = Scenario.from_parameters(console.parameters(given))
+    scenario = console.scenario(given)
     description = describe(scenario.body(), scenario.start())
     if given.json:
         facts = explanation_text.as_json(scenario, description)
-        console.say(json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False))
+        console.say(json.dumps(facts, indent=2, allow_nan=False))
     else:
         console.say(explanation_text.as_text(scenario, description, _title(given)))
     return console.SUCCESS

@@ -21,13 +21,31 @@ if TYPE_CHECKING:
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
 """Colours of the x, y and z components, distinct in every kind of colour vision."""
 
+MOST_RESETS_AS_LINES: Final = 12
+"""Largest number of resets drawn as lines through the curves; more are short marks at the upper edge."""
+
+INTERVALS: Final = 60
+"""Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
+
 FEW_SAMPLES: Final = 3
 """Largest number of samples of a segment that a line alone would hardly show."""
 MANY_SAMPLES: Final = 20_000
 """Number of samples of a segment above which the curves of a fast motion fill whole areas."""
 
 _GREY: Final = "#555555"
-_VIEW: Final = (24.0, 35.0)
+_VIEWS: Final = tuple(
+    (elevation, quarter + azimuth)
+    for elevation in (24.0, 45.0, -24.0)
+    for quarter in (0.0, 90.0, 180.0, 270.0)
+    for azimuth in (35.0, 20.0, 55.0, 70.0)
+)
+"""Elevations and azimuths, degrees, that a polhode may be seen from: off the axes, so that all three are seen."""
+_FROM_BELOW: Final = 0.8
+"""Merit of a view from below, which is less usual, as a share of that from above."""
+_SEEN_POINTS: Final = 400
+"""Number of points by which a view is judged."""
+_NO_RATE: Final = 1e150
+"""rad/s: squares of more may overflow; a rate that was damaged does not choose the view."""
 
 
 def draw(pieces: Sequence[RecordedSegment]) -> Figure:
@@ -72,7 +90,7 @@ def _times(piece: RecordedSegment, pieces: Sequence[RecordedSegment]) -> Array:
 
 def _style(piece: RecordedSegment, width: float) -> dict[str, Any]:
     """The line style of a segment's curves: few points as dots, many so that one curve does not hide the others."""
-    count = len(piece.samples)
+    count = piece.count
     if count <= FEW_SAMPLES:
         return {"marker": "o", "ms": 4.0, "lw": width}
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
@@ -90,25 +108,57 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
 
 
 def _draw_energy(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
-    for piece in pieces:
+    def drift(piece: RecordedSegment) -> Array:
         scenario = piece.segment.scenario
-        energy, start = scenario.body().kinetic_energy(piece.states), scenario.body().kinetic_energy(scenario.start())
-        drift = (energy - start) / (start if start else 1.0)
-        axes.plot(_times(piece, pieces), drift, color=_GREY, **_style(piece, 1.0))
+        start = float(scenario.body().kinetic_energy(scenario.start()))
+        return (scenario.body().kinetic_energy(piece.states) - start) / (start or 1.0)
+
+    _draw_envelope(axes, pieces, np.concatenate([drift(piece) for piece in pieces]), _GREY)
     axes.set_ylabel("energy drift\n$(H - H_0)/H_0$")
 
 
 def _draw_momentum(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
-    for piece in pieces:
+    def drift(piece: RecordedSegment) -> Array:
         scenario = piece.segment.scenario
         start = scenario.body().angular_momentum(scenario.start())
-        drift = (scenario.body().angular_momentum(piece.states) - start) / (float(so3.norm(start)) or 1.0)
-        for i, (name, colour) in enumerate(zip("xyz", COLOURS, strict=True)):
-            label = rf"$L_{name}$" if piece is pieces[0] else None
-            axes.plot(_times(piece, pieces), drift[:, i], color=colour, label=label, **_style(piece, 1.0))
+        return (scenario.body().angular_momentum(piece.states) - start) / (float(so3.norm(start)) or 1.0)
+
+    drifts = np.concatenate([drift(piece) for piece in pieces])
+    for i, (name, colour) in enumerate(zip("xyz", COLOURS, strict=True)):
+        _draw_envelope(axes, pieces, drifts[:, i], colour, rf"$L_{name}$")
     axes.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
-    axes.set_xlabel("time since the first sample [s]")
+    axes.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{INTERVALS}")
     _legend(axes)
+
+
+def _draw_envelope(
+    axes: Axes, pieces: Sequence[RecordedSegment], values: Array, colour: str, label: str | None = None
+) -> None:
+    """The smallest and the largest value in each interval of time, as a band: others are seen through it."""
+    t, lowest, highest = envelope(np.concatenate([_times(piece, pieces) for piece in pieces]), values)
+    dots: dict[str, Any] = {"marker": "o", "ms": 4.0} if len(t) <= FEW_SAMPLES else {}
+    axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
+    axes.plot(t, lowest, color=colour, lw=0.9, **dots)
+    axes.plot(t, highest, color=colour, lw=0.9, label=label)
+
+
+def envelope(t: Array, values: Array) -> tuple[Array, Array, Array]:
+    """The smallest and the largest value in each of `INTERVALS` equal parts of the samples, or of each sample.
+
+    Parameters
+    ----------
+    t, values : ndarray, shape (N,)
+
+    Returns
+    -------
+    t, lowest, highest : ndarray, shape (M,)
+        The times in the middle of the parts.
+    """
+    if len(t) <= INTERVALS:
+        return t, values, values
+    first = np.linspace(0, len(t), INTERVALS, endpoint=False).astype(np.int64)
+    last = np.append(first[1:], len(t)) - 1
+    return 0.5 * (t[first] + t[last]), np.minimum.reduceat(values, first), np.maximum.reduceat(values, first)
 
 
 def _legend(axes: Axes) -> None:
@@ -125,11 +175,51 @@ def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
         axes.set_axis_off()
         return
     radii = np.sqrt(2.0 * energy / body.principal_moments)
+    path = np.stack([piece.states.body_rate[: piece.close] @ axis for axis in body.principal_axes.T], axis=-1)
+    axes.view_init(*best_view(path, radii))
+    axes.set_proj_type("ortho")
     _draw_ellipsoid(axes, radii)
-    path = np.stack([piece.states.body_rate @ axis for axis in body.principal_axes.T], axis=-1)
     _draw_on_surface(axes, path, radii, colour="#CC2222", width=2.6)
     axes.plot(*path[:1].T, marker="o", ms=6, color="#CC2222", mec="white", zorder=20)
     _label_polhode(axes, body, radii, whose)
+
+
+def best_view(path: Array, radii: Array) -> tuple[float, float]:
+    """Elevation and azimuth, degrees, from which most of a curve on an ellipsoid is in front, and widest.
+
+    Parameters
+    ----------
+    path : ndarray, shape (N, 3)
+    radii : ndarray, shape (3,)
+        Semi-axes of the ellipsoid.
+
+    Returns
+    -------
+    tuple of float
+    """
+    points = path[:: len(path) // _SEEN_POINTS + 1]
+    points = points[(np.abs(points) < _NO_RATE).all(axis=1)]
+    if not len(points):
+        return _VIEWS[0]
+
+    def merit(view: tuple[float, float]) -> tuple[float, float]:
+        eye, right, up = _screen(*view)
+        in_front = float(np.mean((points / radii**2) @ eye >= 0.0))
+        seen = points @ np.stack([right, up], axis=-1)
+        # the lesser of the two widths of the curve on the screen: 0 if it is seen as a chord
+        width = float(np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)[-1]) / len(seen) ** 0.5
+        usual = 1.0 if view[0] > 0.0 else _FROM_BELOW
+        return round(usual * in_front * width / float(radii.max()), 9), usual * in_front
+
+    return max(_VIEWS, key=merit)
+
+
+def _screen(elevation: float, azimuth: float) -> tuple[Array, Array, Array]:
+    """Unit vectors towards the eye, to the right and up, of a view in degrees."""
+    e, a = np.radians(elevation), np.radians(azimuth)
+    eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return eye, right, np.cross(eye, right)
 
 
 def _draw_ellipsoid(axes: Axes3D, radii: Array) -> None:
@@ -145,8 +235,7 @@ def _draw_ellipsoid(axes: Axes3D, radii: Array) -> None:
 
 def _draw_on_surface(axes: Axes3D, path: Array, radii: Array, *, colour: str, width: float) -> None:
     """A curve on the ellipsoid, faint where it runs behind, as the renderer does not sort lines by depth."""
-    elevation, azimuth = np.radians(_VIEW)
-    eye = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    eye, _, _ = _screen(axes.elev, axes.azim)
     facing = (path / radii**2) @ eye >= 0.0
     for visible, alpha in ((False, 0.25), (True, 1.0)):
         part = np.where((facing == visible)[:, np.newaxis], path, np.nan)
@@ -157,7 +246,6 @@ def _label_polhode(axes: Axes3D, body: RigidBody, radii: Array, whose: str) -> N
     reach = 1.05 * radii
     axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), zlim=(-reach[2], reach[2]))
     axes.set_box_aspect(tuple(float(r) for r in radii / radii.max()), zoom=0.88)
-    axes.view_init(*_VIEW)
     for i, set_label in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), start=1):
         set_label(f"$\\omega_{i}$ [rad/s]", labelpad=8)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
@@ -178,9 +266,14 @@ def _finish(figure: Figure, axes: Sequence[Axes], pieces: Sequence[RecordedSegme
         a.grid(alpha=0.3, lw=0.6)
         a.margins(x=0.0)
         a.label_outer()
-        for piece in pieces[1:]:
-            a.axvline((piece.segment.start_ns - pieces[0].stamps_ns[0]) * 1e-9, color="black", lw=0.8, ls="--")
+        _mark_resets(a, [(piece.segment.start_ns - pieces[0].stamps_ns[0]) * 1e-9 for piece in pieces[1:]])
     figure.suptitle(_title(pieces), fontsize=11)
+
+
+def _mark_resets(axes: Axes, times: Sequence[float]) -> None:
+    lines = len(times) <= MOST_RESETS_AS_LINES
+    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if lines else (0.95, {"lw": 0.6})
+    axes.vlines(times, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
 
 
 def _title(pieces: Sequence[RecordedSegment]) -> str:
@@ -190,9 +283,11 @@ def _title(pieces: Sequence[RecordedSegment]) -> str:
     motion = scenario.motion
     if motion == "moving_chart":
         motion = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
-    count = sum(len(piece.samples) for piece in pieces)
-    samples = "1 sample" if count == 1 else f"{count} samples"
-    resets = {1: "", 2: ", 1 reset (dashed)"}.get(len(pieces), f", {len(pieces) - 1} resets (dashed)")
+    total = sum(piece.count for piece in pieces)
+    samples = "1 sample" if total == 1 else f"{total} samples"
+    count = len(pieces) - 1
+    mark = "dashed" if count <= MOST_RESETS_AS_LINES else "marks above"
+    resets = f", {count} reset{'s' * (count > 1)} ({mark})" if count else ""
     whose = "first segment: " if len(pieces) > 1 else ""
     return (
         f"torque-free body, {whose}inertia [{inertia}] kg m², initial body rate [{rate}] rad/s\n"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import shutil
 import sys
 from collections.abc import Sequence
@@ -45,14 +44,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-    with console.files_named(given):
-        scenario = Scenario.from_parameters(console.parameters(given))
+    scenario = console.scenario(given)
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
-    last_ns = simulation.clock.last_stamp_ns(duration)
+    last_ns = simulation.clock.last_ns_before(duration)
     out = Path(given.out)
     simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
     _require_room(out, count, _readings(scenario, duration))
@@ -126,6 +123,7 @@ def _record(
             except KeyboardInterrupt:
                 return
             bag.write(encoder.encode(taken))
+            bag.require_intact()
             bar.update(len(taken.samples))
 
 
@@ -140,8 +138,11 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
     if not quiet:
         clock = simulation.clock
         first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
-        console.say(f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})")
-        console.say(f"certify them with: {console.program('check')} {shlex.quote(str(bag.path))}")
+        console.say(
+            f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})\n"
+            f"{console.how_to_certify(bag.path)}",
+            done=f"{bag.path} is written and whole",
+        )
     return console.SUCCESS
 
 

@@ -38,7 +38,7 @@ def describe(path: Path) -> str:
 
 
 def _paragraph(entry: dict[str, object]) -> str:
-    facts = f"inertia {_vector(entry['inertia'])} kg m^2, {entry['rate']:g} samples/s, {entry['motion']}"
+    facts = f"inertia {_vector(entry['inertia'])} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
     return f"{entry['name']}\n    {entry['description']}\n    {facts}"
 
 

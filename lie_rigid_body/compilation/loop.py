@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -36,6 +36,9 @@ class Loop(Work):
 
     def __init__(self, plain: Callable[..., None]) -> None:
         super().__init__(plain, SIGNATURE, STEPS_FOR_COMPILING)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Loop, (self._plain,)
 
     def run(
         self,

@@ -35,6 +35,10 @@ class Work:
         self._work = 0
         self._may_compile = True
 
+    def __reduce__(self) -> tuple[type[Work], tuple[Callable[..., None], str, int]]:
+        """The plain function: a copy counts its own work, and the compiled form stays in the cache for both."""
+        return Work, (self._plain, self._signature, self._enough)
+
     def compile(self) -> bool:
         """Wait until the function is compiled, or loaded from the cache; False where numba cannot do it."""
         with self._lock:

@@ -1,7 +1,8 @@
 """What an attitude estimate is worth: its errors, and why it has them.
 
 `attitude_error` defines the error. `evaluate` associates an estimate with the truth by stamps, makes the statistics,
-looks for the lag and for mistaken conventions, and gives a `Score`. `nees` holds errors against covariances.
+looks for the lag and for mistaken conventions, and gives a `Score`. `nees` holds errors against covariances, and
+`unavoidable_error` bounds what any estimator can reach.
 """
 
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
@@ -11,9 +12,11 @@ from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.scoring import Score, evaluate
 from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
 from lie_rigid_body.evaluation.truth import ExactTruth, SampledTruth, Truth
+from lie_rigid_body.evaluation.unavoidable import BiasNoise, UnavoidableError, VectorReadings, unavoidable_error
 
 __all__ = [
     "AttitudeError",
+    "BiasNoise",
     "Consistency",
     "ExactTruth",
     "Finding",
@@ -22,10 +25,13 @@ __all__ = [
     "Score",
     "Statistics",
     "Truth",
+    "UnavoidableError",
+    "VectorReadings",
     "attitude_error",
     "attitude_nees",
     "bias_error",
     "evaluate",
     "nees",
     "time_to_converge",
+    "unavoidable_error",
 ]

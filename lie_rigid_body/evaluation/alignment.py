@@ -19,6 +19,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 HEADING: Final = "heading_offset"
 MOUNTING: Final = "body_mounting"
@@ -54,6 +55,8 @@ class Convention:
     ned_world: bool = False
     frd_body: bool = False
 
+    __repr__ = short_repr
+
     def undo(self, given_xyzw: Array) -> Array:
         """The estimate in the convention of this package, shape (..., 4)."""
         q = given_xyzw
@@ -82,6 +85,8 @@ class Misalignment:
     heading: float = 0.0
     mounting: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     lag_s: float = 0.0
+
+    __repr__ = short_repr
 
     def moved(self, step: Array) -> Misalignment:
         """Changed by a step of heading, mounting (on its own axes) and lag, shape (5,)."""
@@ -116,6 +121,8 @@ class Comparison:
     estimate_xyzw: Array
     truth: Truth
     longest_lag_s: float
+
+    __repr__ = short_repr
 
     def part(self, chosen: slice | Integers) -> Comparison:
         """Some of the samples."""

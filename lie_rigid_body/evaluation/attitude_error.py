@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 
 class AttitudeError(NamedTuple):
@@ -41,6 +42,9 @@ class AttitudeError(NamedTuple):
     total: Array
     heading: Array
     inclination: Array
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeError:
@@ -103,9 +107,9 @@ def numbers(name: str, value: ArrayLike, *size: int) -> Array:
     except (TypeError, ValueError):
         raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
     if array.shape[-len(size) :] != size:
-        raise InputError(f"{name}: shape {array.shape} is not {wanted}")
+        raise InputError(f"{name}: shape {array.shape} is not {wanted}: give such an array")
     if array.size == 0:
-        raise InputError(f"{name}: empty: there is nothing to compare")
+        raise InputError(f"{name}: empty: give at least one row")
     bad = np.flatnonzero(~np.isfinite(array.reshape(-1, int(np.prod(size)))).all(axis=-1))
     if bad.size:
         total = array.size // int(np.prod(size))
@@ -129,7 +133,7 @@ def unit(name: str, value: ArrayLike) -> Array:
     if zero.size:
         raise InputError(
             f"{name}: {zero.size} of {array.size // 4} quaternions are zero, the first is row {zero[0]}: "
-            "the orientation was never filled in"
+            "leave them out, or fill in the orientation"
         )
     return quaternion.normalize(array)
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import chi2
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
+from lie_rigid_body.wording import short_repr, shown
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,8 @@ class Consistency:
     bounds: tuple[float, float]
     share_inside: float
     probability: float
+
+    __repr__ = short_repr
 
     @property
     def verdict(self) -> str:
@@ -86,13 +88,17 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     InputError
         If a shape is wrong, a number not finite, or a covariance not symmetric and positive definite.
     """
+    from scipy.stats import chi2  # loading it takes longer than all the rest of the package
+
     e = np.asarray(errors, dtype=np.float64)
     if e.ndim != 2:
-        raise InputError(f"errors: shape {e.shape} is not (N, d)")
+        raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
     d = e.shape[1]
     e, P = numbers("errors", e, d), numbers("covariance", covariance, d, d)
     if P.shape not in {(d, d), (len(e), d, d)}:
-        raise InputError(f"covariance: shape {P.shape} does not go with {len(e)} errors of dimension {d}")
+        raise InputError(
+            f"covariance: shape {P.shape} is not ({d}, {d}) or ({len(e)}, {d}, {d}): give one, or one an error"
+        )
     values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
     tails = np.array([0.5 - 0.5 * probability, 0.5 + 0.5 * probability])
     low, high = chi2.ppf(tails, d).tolist()
@@ -134,7 +140,7 @@ def attitude_nees(
     """
     errors = {"world": world_error, "body": body_error}
     if axes not in errors:
-        raise InputError(f"axes {axes!r}: give 'world' or 'body'")
+        raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
     estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
     return nees(errors[axes](estimate, truth), rotation_block(covariance), probability)
 
@@ -175,9 +181,9 @@ def _factor(P: Array) -> Array:
     """Lower Cholesky factor, on axes scaled to unit variance to lose no digits."""
     scale = np.sqrt(np.abs(np.diagonal(P, axis1=-2, axis2=-1)))
     if not np.all(scale > 0.0) or not np.allclose(P, np.swapaxes(P, -1, -2), rtol=1e-6, atol=0.0):
-        raise InputError("covariance: not symmetric with positive variances: NEES needs its inverse")
+        raise InputError("covariance: not symmetric with positive variances: give one that has an inverse")
     try:
         factor = np.linalg.cholesky(P / (scale[..., :, np.newaxis] * scale[..., np.newaxis, :]))
     except np.linalg.LinAlgError:
-        raise InputError("covariance: not positive definite: NEES needs its inverse") from None
+        raise InputError("covariance: not positive definite: give one that has an inverse") from None
     return np.asarray(scale[..., :, np.newaxis] * factor)

@@ -30,6 +30,7 @@ from lie_rigid_body.evaluation.alignment import (
     separable,
 )
 from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
+from lie_rigid_body.wording import short_repr
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Medians below this, rad, count as this, and need no explanation."""
@@ -72,6 +73,8 @@ class Explanation:
     free: frozenset[str]
     misalignment: Misalignment
     median: float
+
+    __repr__ = short_repr
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -118,6 +121,8 @@ class Diagnosis:
     tried: tuple[Explanation, ...]
     lag_s: float | None
     lag_standard_error_s: float | None
+
+    __repr__ = short_repr
 
     def instead_of(self, cause: str) -> tuple[str, ...]:
         """Causes that, put in place of the given one, leave about the same median."""

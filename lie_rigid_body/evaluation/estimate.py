@@ -12,6 +12,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 GAP: Final = 2.5
 """Neighbouring stamps farther apart than this many median periods are a gap: two samples or more are missing."""
@@ -35,6 +36,8 @@ class Remark:
     code: str
     message: str
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -52,6 +55,8 @@ class Estimate:
     stamps_ns: Integers
     attitude_xyzw: Array
     remarks: tuple[Remark, ...] = ()
+
+    __repr__ = short_repr
 
     @classmethod
     def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> Estimate:
@@ -73,7 +78,9 @@ class Estimate:
         """
         stamps, attitude = read_stamps("estimate", stamps_ns), unit("estimate", attitude_xyzw)
         if attitude.shape != (len(stamps), 4):
-            raise InputError(f"estimate: {len(stamps)} stamps do not go with attitudes of shape {attitude.shape}")
+            raise InputError(
+                f"estimate: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"
+            )
         new = np.concatenate([[True], np.diff(stamps) > 0])
         found = (_doubles(stamps, new), _gaps(stamps[new]), _norms(np.asarray(attitude_xyzw, dtype=np.float64)))
         return cls(stamps[new], attitude[new], tuple(remark for remark in found if remark))

@@ -13,6 +13,7 @@ from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
 from lie_rigid_body.evaluation.search import Grid, spread, written
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 FITTED = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
@@ -36,6 +37,8 @@ class Finding:
     code: str
     message: str
     rms_deg_after: float
+
+    __repr__ = short_repr
 
     def to_json(self) -> dict[str, str | float]:
         """The three entries by name."""

@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.wording import short_repr
 
 ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
@@ -32,6 +33,8 @@ class Limits:
 
     max_rms_deg: float | None = None
     max_after: tuple[tuple[float, float], ...] = ()
+
+    __repr__ = short_repr
 
     @classmethod
     def parse(cls, max_rms: str | None = None, max_after: str | tuple[str, ...] = ()) -> Limits:

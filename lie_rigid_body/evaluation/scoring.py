@@ -19,6 +19,7 @@ from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.wording import short_repr
 
 LONGEST_LAG_S: Final = 1.0
 """Default of the largest lag looked for, s, either way."""
@@ -73,6 +74,8 @@ class Score:
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
     gyro_bias_rad_s: Statistics | None = None
+
+    __repr__ = short_repr
 
     @property
     def samples(self) -> int:
@@ -259,6 +262,8 @@ def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Arr
         return covariance
     stamps = np.asarray(stamps_ns)
     if len(covariance) != len(stamps):
-        raise InputError(f"covariance: {len(covariance)} of them do not go with {len(stamps)} estimates")
+        raise InputError(
+            f"covariance: {len(covariance)} of them for {len(stamps)} estimates: give one, or one for each"
+        )
     first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
     return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitude_error import numbers
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Statistics:
     p95: float
     max: float
     final: float
+
+    __repr__ = short_repr
 
     @classmethod
     def of(cls, errors: Array) -> Statistics:

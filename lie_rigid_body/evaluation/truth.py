@@ -61,7 +61,7 @@ class ExactTruth(Truth):
 
     def __init__(self, attitude_xyzw: Callable[[Integers], Array], first_ns: int, last_ns: int) -> None:
         if last_ns < first_ns:
-            raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns")
+            raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns: exchange them")
         self._attitude = attitude_xyzw
         self.first_ns, self.last_ns = int(first_ns), int(last_ns)
 
@@ -97,7 +97,7 @@ class SampledTruth(Truth):
         self._stamps = read_stamps("truth", stamps_ns)
         self._attitude = unit("truth", attitude_xyzw)
         if self._attitude.shape != (len(self._stamps), 4):
-            raise InputError(f"truth: {len(self._stamps)} stamps do not go with shape {self._attitude.shape}")
+            raise InputError(f"truth: shape {self._attitude.shape} for {len(self._stamps)} stamps: give a row for each")
         if np.any(np.diff(self._stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
         self._longest_gap = GAP * period_ns(self._stamps) if longest_gap_ns is None else longest_gap_ns

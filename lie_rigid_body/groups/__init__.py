@@ -1,8 +1,9 @@
 """The paper on any matrix Lie group: Chasles, algebra, Lagrangian, Hamiltonian, conserved quantities, moving chart.
 
 The paper is A. Lucas, *Lagrangian mechanics on Lie groups: a pedagogical approach*, arXiv 1111.1275. In its order:
-`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `hamiltonian`; and of the appendix
-on Lie groups `algebra`, `matrix_lie_group` and `classical_groups`. The motion is integrated in `group_moving_chart`.
+`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `connection`; `hamiltonian`; and of
+the appendices `group_chart`, `algebra`, `matrix_lie_group` and `classical_groups`. The motion is integrated in
+`group_moving_chart`. The table of docs/paper.md leads from each equation to its function.
 
 No executable needs this room. It uses rotations, the second moment of a body and the tableaus of the steppers; nothing
 imports it.
@@ -11,6 +12,9 @@ imports it.
 from lie_rigid_body.groups import double_cover
 from lie_rigid_body.groups.chasles import Displacement, chasles
 from lie_rigid_body.groups.classical_groups import SO, SU, U1
+from lie_rigid_body.groups.coadjoint import coadjoint_action, invariant_form, killing_form
+from lie_rigid_body.groups.connection import christoffel_symbols, connection_coefficients
+from lie_rigid_body.groups.group_chart import ChartReach, chart_metric, chart_reach
 from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart, GroupState
 from lie_rigid_body.groups.hamiltonian import (
     Hamiltonian,
@@ -21,15 +25,17 @@ from lie_rigid_body.groups.hamiltonian import (
     poisson_tensor,
 )
 from lie_rigid_body.groups.invariants import (
+    casimirs,
     manakov_integrals,
     momentum_matrix,
     pfaffian,
+    quadratic_casimirs,
     rotation_casimirs,
     unitary_casimirs,
 )
 from lie_rigid_body.groups.lagrangian import Lagrangian, metric_at
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.metric import mass_matrix, require_metric
+from lie_rigid_body.groups.metric import mass_matrix, metric_derivative, require_metric
 from lie_rigid_body.groups.product import product
 from lie_rigid_body.groups.steady_rotations import (
     Stability,
@@ -45,6 +51,7 @@ __all__ = [
     "SO",
     "SU",
     "U1",
+    "ChartReach",
     "Displacement",
     "GroupMovingChart",
     "GroupState",
@@ -54,20 +61,30 @@ __all__ = [
     "MatrixLieGroup",
     "Stability",
     "SteadyRotation",
+    "casimirs",
+    "chart_metric",
+    "chart_reach",
     "chasles",
+    "christoffel_symbols",
+    "coadjoint_action",
+    "connection_coefficients",
     "conserved_momenta",
     "double_cover",
+    "invariant_form",
     "inverse_legendre_transform",
+    "killing_form",
     "legendre_transform",
     "lie_poisson_bracket",
     "linearisation",
     "manakov_integrals",
     "mass_matrix",
     "metric_at",
+    "metric_derivative",
     "momentum_matrix",
     "pfaffian",
     "poisson_tensor",
     "product",
+    "quadratic_casimirs",
     "require_metric",
     "rotation_casimirs",
     "spatial_momentum",

@@ -17,6 +17,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.mechanics.array_input import as_numbers
+from lie_rigid_body.wording import short_repr
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
@@ -78,8 +79,13 @@ class MatrixLieAlgebra:
 
     generators: Matrix
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         self.generators.setflags(write=False)
+
+    def __reduce__(self) -> tuple[type[MatrixLieAlgebra], tuple[Matrix]]:
+        return MatrixLieAlgebra, (self.generators,)
 
     @property
     def dimension(self) -> int:
@@ -105,14 +111,17 @@ class MatrixLieAlgebra:
 
     @cached_property
     def structure_constants(self) -> Array:
-        """The structure constants fᵃᵇᶜ of eq. (42), shape (d, d, d)."""
+        """The structure constants fᵃᵇᶜ of [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42), shape (d, d, d).
+
+        On SO(3) they are ε, eq. (26). The product rule (17) needs no more of a group than these.
+        """
         f = np.stack([self.coordinates(t @ self.generators - self.generators @ t) for t in self.generators])
         f.setflags(write=False)
         return f
 
     @cached_property
     def adjoint_representation(self) -> Array:
-        """Matrices of ad Tᵃ, shape (d, d, d); see `MatrixLieGroup.adjoint_representation`."""
+        """Matrices of ad Tᵃ, shape (d, d, d), eq. (43) transposed; see `MatrixLieGroup.adjoint_representation`."""
         return self.structure_constants.transpose(0, 2, 1)
 
     @cached_property
@@ -139,7 +148,7 @@ class MatrixLieAlgebra:
         return x
 
     def hat(self, x: ArrayLike) -> Matrix:
-        """The matrix xᵃTᵃ, shape (..., n, n), of coordinates x, shape (..., d)."""
+        """The matrix xᵃTᵃ, shape (..., n, n), of coordinates x, shape (..., d); Ȧ = A hat(ω) in eq. (8)."""
         x = self.as_coordinates(x)
         matrices: Matrix = (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
         return matrices
@@ -188,7 +197,7 @@ class MatrixLieAlgebra:
         return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
 
     def dexp(self, x: ArrayLike) -> Array:
-        """J with d/dt exp(x) = hat(J ẋ) exp(x); see `MatrixLieGroup.dexp`."""
+        """J with d/dt exp(x) = hat(J ẋ) exp(x): eqs. (11) and (15) have J = 1 at x = 0; see `MatrixLieGroup.dexp`."""
         return exponential.phi(self.ad(x))
 
     def dexpinv(self, x: ArrayLike) -> Array:

@@ -1,6 +1,7 @@
 """Chasles' theorem: every displacement of a rigid body is a rotation and a translation; here both from points.
 
-The theorem and its proof are eqs. (1)-(6) of A. Lucas, arXiv 1111.1275.
+The theorem and its proof are eqs. (1) to (6) of A. Lucas, arXiv 1111.1275, whose numbers are used below. Eq. (2) alone
+does not make the rotation the same for all points, as x ↦ R(|x|)x obeys it; eq. (1) does.
 
 References
 ----------
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.wording import short_repr
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
@@ -29,7 +31,7 @@ _THIN: Final = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Displacement:
-    """A displacement x ↦ A x + t of a rigid body in n dimensions.
+    """A displacement x ↦ A x + t of a rigid body in n dimensions: eq. (3), with the translation.
 
     Parameters
     ----------
@@ -51,8 +53,10 @@ class Displacement:
     residual: float
     determinacy: float
 
+    __repr__ = short_repr
+
     def apply(self, points: ArrayLike) -> Array:
-        """The positions of displaced points of the body.
+        """The positions of displaced points of the body, whose distances are unchanged: eqs. (1) and (2).
 
         Parameters
         ----------
@@ -68,7 +72,7 @@ class Displacement:
 
 
 def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None = None) -> Displacement:
-    """The rotation and the translation that best fit points of a body before and after a displacement.
+    """The rotation and the translation that best fit points of a body before and after a displacement, eq. (1).
 
     They minimise Σ wᵢ |yᵢ − A xᵢ − t|² over A in SO(n) and t. The determinant of A is 1 also when the points lie in one
     hyperplane, and when the data are a mirror image, which no rotation fits: see the residual.
@@ -190,7 +194,6 @@ def _too_flat(rank: int, n: int) -> str:
 
 def _no_mirror(sigma: Array) -> str:
     return (
-        f"the rotation is not determined: the displaced points are a mirror image, and the smallest singular values "
-        f"{sigma[-2]:.9g} and {sigma[-1]:.9g} (largest {sigma[0]:.9g}) of the cross covariance must differ: "
-        "undo the reflection, or add or weight points so that the body is less symmetric"
+        f"not determined for a mirror image: the smallest singular values {sigma[-2]:.6g} and {sigma[-1]:.6g} "
+        f"(largest {sigma[0]:.6g}) must differ: undo the reflection, or add points that break the symmetry"
     )

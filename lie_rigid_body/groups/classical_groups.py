@@ -15,7 +15,7 @@ from scipy.linalg import schur
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
-from lie_rigid_body.groups.elements import Elements
+from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
@@ -31,10 +31,10 @@ _BISECTIONS: Final = 60
 def SO(n: int) -> MatrixLieGroup:  # noqa: N802
     """The group of n×n rotation matrices, of dimension n(n−1)/2: eqs. (6) and (39).
 
-    The generators are antisymmetric, eq. (41): ±(E_ji − E_ij) for the planes i < j in descending order, (n−2, n−1)
-    first and (0, 1) last, with the sign (−1)^(i+j+1). Those of SO(3) are the basis of `so3.hat` and obey
-    [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, eq. (26); the matrices printed in (25) have the opposite sign. The first (n−1)(n−2)/2
-    generators are those of SO(n−1) on all axes but the first.
+    The generators are antisymmetric, by eqs. (40) and (41): ±(E_ji − E_ij) for the planes i < j in descending order,
+    (n−2, n−1) first and (0, 1) last, with the sign (−1)^(i+j+1). Those of SO(3) are the basis of `so3.hat` and obey
+    [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, eq. (26); the matrices printed in (25) have the opposite sign. The first (n−1)(n−2)/2 generators
+    are those of SO(n−1) on all axes but the first.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class OrthogonalElements(Elements):
         self._n = n
 
     def distance(self, A: Matrix) -> Array:
-        """Frobenius norm of AᵀA − 1, or infinity where the determinant is not positive."""
+        """Frobenius norm of AᵀA − 1, eqs. (4) and (5), or infinity where the determinant is not positive, eq. (6)."""
         off = frobenius(np.swapaxes(A, -1, -2) @ A - np.eye(self._n))
         return np.where(np.linalg.det(A) > 0.0, off, np.inf)
 
@@ -208,6 +208,11 @@ class SpecialUnitaryElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The logarithm of least norm in the algebra, by the series near the identity, else from the Schur form."""
         return batched_log(A, _log_of_unitary)
+
+    def one_to_one(self, X: Matrix) -> Array:
+        """Where the angles of two eigenvalues of tX first are 2π apart, and another logarithm is as short."""
+        angles = np.linalg.eigvalsh(-1j * X)
+        return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Elements by the Haar measure: as for SO(n), with the determinant divided out of the first column."""

@@ -73,7 +73,7 @@ def to_quaternion(U: ArrayLike) -> Array:
 
 
 def rotation(U: ArrayLike) -> Array:
-    """The rotation that an element of SU(2) covers: R with U σʲ U† = Rⁱʲσⁱ.
+    """The rotation that an element of SU(2), eq. (31), covers: R with U σʲ U† = Rⁱʲσⁱ.
 
     Parameters
     ----------

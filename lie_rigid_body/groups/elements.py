@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.exponential import Matrix
+
+NEGLIGIBLE_ANGLE: Final = 1e-5
+"""Imaginary part of an eigenvalue, relative to the norm, still taken for round-off: nilpotent ones have roots of it."""
 
 
 class Elements(ABC):
@@ -42,9 +46,32 @@ class Elements(ABC):
     def log(self, A: Matrix) -> Matrix:
         """The logarithm in the algebra, shape (..., n, n); an InputError where it is not unique."""
 
+    def one_to_one(self, X: Matrix) -> Array:
+        """The multiple t of each matrix of the algebra below which `log` takes exp(tX) back to tX, shape (...).
+
+        The principal logarithm ends where an eigenvalue of tX first has the imaginary part ±π.
+        """
+        return multiple_until(np.pi, np.abs(np.linalg.eigvals(X).imag).max(axis=-1), X)
+
     @abstractmethod
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Independent random elements, shape (*shape, n, n)."""
+
+
+def multiple_until(limit: float, angles: Array, X: Matrix) -> Array:
+    """The multiple of matrices at which angles proportional to them reach a limit; infinite where nothing turns.
+
+    Parameters
+    ----------
+    limit : float
+        Angle, rad.
+    angles : ndarray, shape (...)
+        Imaginary parts of eigenvalues of X, or their differences, rad.
+    X : ndarray, shape (..., n, n)
+        Their norm tells which angles are round-off.
+    """
+    turns = angles > NEGLIGIBLE_ANGLE * np.linalg.norm(X, axis=(-2, -1))
+    return np.where(turns, limit / np.where(turns, angles, 1.0), np.inf)
 
 
 def measured(A: Matrix, distance: Callable[[Matrix], Array]) -> Array:

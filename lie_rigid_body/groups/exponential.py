@@ -86,7 +86,7 @@ def _scaled(Z: Matrix, halvings: NDArray[np.int_]) -> Matrix:
 
 
 def exp(Z: Matrix) -> Matrix:
-    """The matrix exponential.
+    """The matrix exponential, which makes elements of a group, eq. (38) of A. Lucas, arXiv 1111.1275, to all orders.
 
     Parameters
     ----------

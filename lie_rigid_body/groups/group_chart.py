@@ -1,16 +1,22 @@
-"""The chart A₀ exp(βᵃTᵃ) of a matrix Lie group, and the equations of motion in its coordinates."""
+"""The chart A₀ exp(βᵃTᵃ) of a matrix Lie group: its metric, its reach, and the equations of motion in its coordinates.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.elements import multiple_until
 from lie_rigid_body.groups.lagrangian import Lagrangian
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.groups.metric import symmetrised
 from lie_rigid_body.groups.runge_kutta import Point
 from lie_rigid_body.lie.series import bernoulli_over_factorial
 
@@ -22,11 +28,75 @@ LARGEST_TURN: Final = math.pi
 """Largest turn of a step, rad, as eigenvalue of ad_β: half the radius of the series, whose remainder is 1e-10 there."""
 
 
+_REAL_PART: Final = 1e-9
+"""Real part of an eigenvalue, relative to the norm of the matrix, up to which it counts as imaginary."""
+
+
+class ChartReach(NamedTuple):
+    """How far a chart reaches along a direction ξ, as multiples t of it.
+
+    Attributes
+    ----------
+    one_to_one : ndarray, shape (...)
+        Below it `MatrixLieGroup.log` takes exp(tξ) back to tξ. At it the coordinates of a point cease to be unique, on
+        SO(3) for a half turn.
+    regular : ndarray, shape (...)
+        At it dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn: velocities
+        have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
+    """
+
+    one_to_one: Array
+    regular: Array
+
+
+def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
+    """How far the chart A₀ exp(βᵃTᵃ), eq. (38), reaches along a direction: where its coordinates end.
+
+    Both are infinite where nothing turns, as along translations. `GroupChart` stops its steps at half of `regular`.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+    direction : array_like, shape (..., d)
+        ξ, not 0.
+
+    Returns
+    -------
+    ChartReach
+    """
+    X, ad = group.hat(direction), group.ad(direction)
+    eigenvalues = np.linalg.eigvals(ad)
+    imaginary = np.abs(eigenvalues.real) <= _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
+    turn = np.where(imaginary, np.abs(eigenvalues.imag), 0.0).max(axis=-1)
+    return ChartReach(group.elements.one_to_one(X), multiple_until(2.0 * np.pi, turn, ad))
+
+
+def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
+    """The metric in the chart A₀ exp(βᵃTᵃ), dexp(−β)ᵀ M dexp(−β): L = ½ Gᵃᵇ(β) β̇ᵃβ̇ᵇ, eq. (14) away from the centre.
+
+    Lagrange's equations (37) of this L hold along every motion, wherever the centre A₀ lies.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+        The group, of dimension d, and M.
+    coordinates : array_like, shape (..., d)
+        β.
+
+    Returns
+    -------
+    ndarray, shape (..., d, d)
+        Exactly symmetric, kg m². Singular where the chart ends; see `chart_reach`.
+    """
+    to_rate = lagrangian.group.dexp(-lagrangian.group.as_components(coordinates, "coordinates"))
+    return symmetrised(np.swapaxes(to_rate, -1, -2) @ lagrangian.metric @ to_rate)
+
+
 class GroupChart:
     """The chart A₀ exp(βᵃTᵃ) about an element A₀, with the body momentum p = Mω of the motion.
 
     A point is the list of the coordinates β, followed by the momentum p. In the coordinates of the space frame the
-    chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11) of A. Lucas, arXiv 1111.1275.
+    chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
 
     Parameters
     ----------

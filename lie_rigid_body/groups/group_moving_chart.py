@@ -20,6 +20,7 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
+from lie_rigid_body.wording import call_repr, short_repr
 
 GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The steppers of every group, by their public names."""
@@ -42,6 +43,8 @@ class GroupState:
 
     element: NDArray[Any]
     rate: Array
+
+    __repr__ = short_repr
 
 
 class GroupMovingChart:
@@ -92,6 +95,10 @@ class GroupMovingChart:
         self._max_step = float(max_step)
         self._time_ns = 0
         self._steps = 0
+
+    def __repr__(self) -> str:
+        stepper = {"method": self._stepper.name, "max_step": self._max_step}
+        return call_repr(self, {"lagrangian": self._lagrangian, **stepper, "reached_ns": self._time_ns})
 
     def at(self, t_ns: ArrayLike) -> GroupState:
         """The states at the given times.

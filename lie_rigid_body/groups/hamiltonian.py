@@ -17,6 +17,7 @@ from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directio
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
+from lie_rigid_body.wording import call_repr, short_repr
 
 
 class HamiltonsEquations(NamedTuple):
@@ -32,6 +33,9 @@ class HamiltonsEquations(NamedTuple):
 
     rate: Array
     momentum_rate: Array
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
 
 class Hamiltonian:
@@ -63,8 +67,11 @@ class Hamiltonian:
         self.inverse_metric: Array = require_metric(inverse_metric, group.dimension)
         self.inverse_metric.setflags(write=False)
 
+    def __reduce__(self) -> tuple[type[Hamiltonian], tuple[MatrixLieGroup, Array]]:
+        return Hamiltonian, (self.group, self.inverse_metric)
+
     def __repr__(self) -> str:
-        return f"Hamiltonian({self.group.name}, {self.inverse_metric.tolist()})"
+        return call_repr(self, {"group": self.group, "inverse_metric": self.inverse_metric})
 
     def value(self, momentum: ArrayLike) -> Array:
         """H(p), eq. (34).

@@ -1,33 +1,41 @@
-"""Integrals of free motion that are functions of the momentum as a matrix: Casimirs, the Pfaffian, Manakov's integrals.
+"""Integrals of free motion that are functions of the momentum alone: Casimirs, the Pfaffian, Manakov's integrals.
 
 Casimirs are conserved whatever the body, Manakov's integrals for a rigid body in n dimensions. The energy is
-`Lagrangian.value` or `Hamiltonian.value`; momenta that are conserved by symmetry are in `symmetries`.
+`Lagrangian.value` or `Hamiltonian.value`; momenta that are conserved by symmetry are in `symmetries`. Equation numbers
+are those of A. Lucas, arXiv 1111.1275.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.coadjoint import invariant_metric
+from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
+from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.groups.symmetries import canonical_basis
 from lie_rigid_body.mechanics.array_input import ROUND_OFF
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
+
+_CASIMIR_TOLERANCE: Final = 1e-10
+"""Change of a quadratic form under the coadjoint action, relative to the structure constants, taken for round-off."""
 
 
 def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     """The momentum as a matrix P of the algebra, for which Euler's equations are Ṗ = [P, Ω] with Ω = A⁻¹Ȧ.
 
-    P = hat(g⁻¹p) with the trace metric g: pᵃTᵃ on SO(n) and SU(n), and KΩ + ΩK for a body with second moment K.
+    P = hat(g⁻¹p) with `invariant_form` g: pᵃTᵃ on SO(n) and SU(n), as before eq. (23), and KΩ + ΩK for a body with
+    second moment K. The trace of its square is the invariant of eq. (24).
 
     Parameters
     ----------
     group : MatrixLieGroup
-        Compact, so that its trace metric is invariant.
+        With an invariant form, as compact and semisimple groups.
     momentum : array_like, shape (..., d)
 
     Returns
@@ -38,17 +46,81 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     Raises
     ------
     InputError
-        If the trace metric is not invariant, as on groups that are not compact.
+        If the group has no regular invariant form.
     """
     p = group.as_components(momentum, "momenta")
-    return np.asarray(group.hat(p @ np.linalg.inv(invariant_metric(group))))
+    return np.asarray(group.hat(p @ np.linalg.inv(invariant_form(group))))
+
+
+def quadratic_casimirs(group: MatrixLieGroup) -> Array:
+    """The symmetric matrices C for which p·Cp is conserved by every motion on the group, whatever its metric.
+
+    They are the solutions of f[a,b,c] Cᵇᵈ p_c p_d = 0 for all p. Eqs. (23) and (24) have the case C = 1, of totally
+    antisymmetric structure constants. On a compact simple group it is the inverse of the invariant form and no other; a
+    product has one for each simple factor, and products of the charges of its circles. On groups that are not
+    semisimple C may be singular, as on rigid motions of the plane, and there may be none, as on x ↦ ax + b.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+        Of dimension d.
+
+    Returns
+    -------
+    ndarray, shape (k, d, d)
+        A basis of them, of Frobenius norm 1; a function of their span, by `canonical_basis`.
+    """
+    f, symmetric = group.structure_constants, _symmetric_basis(group.dimension)
+    # d/dt p·Cp along ad*_{Tᵃ} p has the coefficients f[a,b,c] Cᵇᵈ of p_c p_d, symmetrised
+    change = np.einsum("abc,kbd->kacd", f, symmetric)
+    conditions = (change + np.swapaxes(change, -1, -2)).reshape(len(symmetric), -1)
+    directions, sizes, _ = np.linalg.svd(conditions, full_matrices=False)
+    kept = directions[:, sizes <= _CASIMIR_TOLERANCE * np.abs(f).max()]
+    return canonical_basis(kept.T @ symmetric.reshape(len(symmetric), -1)).reshape(-1, *symmetric.shape[1:])
+
+
+def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
+    """The independent Casimirs of SO(n), SU(n), U(1) and their products, those of a product factor by factor.
+
+    On all of them eq. (24) is one of several. They are `rotation_casimirs` of SO(n), `unitary_casimirs` of SU(n), and
+    of U(1) its charge, the momentum itself.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+    momentum : array_like, shape (..., d)
+        p in the body frame, kg m²/s.
+
+    Returns
+    -------
+    ndarray, shape (..., r)
+        With r the rank of the group.
+
+    Raises
+    ------
+    InputError
+        If the group, or a factor of it, is given by generators.
+    """
+    p = group.as_components(momentum, "momenta")
+    if group.factors:
+        parts = np.split(p, np.cumsum([factor.dimension for factor in group.factors])[:-1], axis=-1)
+        return np.concatenate([casimirs(*pair) for pair in zip(group.factors, parts, strict=True)], axis=-1)
+    if isinstance(group.elements, PhaseElements):
+        return p
+    if not isinstance(group.elements, OrthogonalElements | SpecialUnitaryElements):
+        raise InputError(
+            f"the Casimirs of {group.name} are not known: give SO(n), SU(n), U(1) or a product of these, "
+            "or take quadratic_casimirs"
+        )
+    family = rotation_casimirs if isinstance(group.elements, OrthogonalElements) else unitary_casimirs
+    return family(momentum_matrix(group, p))
 
 
 def rotation_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n): tr(Pᵏ) for every even k < n, and for even n the Pfaffian of P.
 
     For even n tr(Pⁿ) depends on these, since Pf² = det P; odd powers have trace 0. There are ⌊n/2⌋, the rank of SO(n).
-    With P = pᵃTᵃ, tr(P²) = −2 pᵃpᵃ, whose rate is 0 by eqs. (23) and (24) of A. Lucas, arXiv 1111.1275.
+    With P = pᵃTᵃ, tr(P²) = −2 pᵃpᵃ, whose rate is 0 by eqs. (23) and (24). The paper names the traces only.
 
     Parameters
     ----------
@@ -165,6 +237,15 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
         words = _next_power(words, p, square)
         integrals += [np.trace(words[m], axis1=-2, axis2=-1) for m in range(2, power + 1, 2)]
     return np.stack(integrals, axis=-1) if integrals else np.zeros((*p.shape[:-2], 0))
+
+
+def _symmetric_basis(d: int) -> Array:
+    """The symmetric d×d matrices: an orthonormal basis of them, shape (d(d+1)/2, d, d)."""
+    rows, columns = np.triu_indices(d)
+    basis = np.zeros((len(rows), d, d))
+    each = range(len(rows))
+    basis[each, rows, columns] = basis[each, columns, rows] = np.where(rows == columns, 1.0, math.sqrt(0.5))
+    return basis
 
 
 def _power_traces(p: NDArray[Any]) -> NDArray[Any]:

@@ -2,13 +2,15 @@
 
 The motion is A(t) with Ȧ = A ωᵃTᵃ, and its Lagrangian L = ½ Mᵃᵇωᵃωᵇ; on SO(n) it is that of a free rigid body.
 Components are those of the body frame, and [Tᵃ, Tᵇ] = f[a,b,c] Tᶜ. Equation numbers are those of A. Lucas, arXiv
-1111.1275, from which this module departs in two ways:
+1111.1275, from which this module departs in three ways:
 
 - The paper takes the rate in the space frame, with M at the present centre A₀ of the chart exp(αᵃTᵃ)A₀. Here both are
   taken in the body frame, in which M is constant. At the centre of the chart A₀exp(αᵃTᵃ) every formula has the same
   form; `metric_at` is the paper's M.
 - The paper's equations hold for totally antisymmetric structure constants. Here the indices are placed so that the
   equations hold on any group.
+- Derivatives by coordinates of the chart are taken at constant velocity of these coordinates, which makes them half of
+  the printed ones; see `Lagrangian.chart_force`.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric, symmetrised
+from lie_rigid_body.wording import call_repr
 
 
 class Lagrangian:
@@ -55,11 +58,14 @@ class Lagrangian:
         for array in (self.metric, self.inverse_metric):
             array.setflags(write=False)
 
+    def __reduce__(self) -> tuple[type[Lagrangian], tuple[MatrixLieGroup, Array]]:
+        return Lagrangian, (self.group, self.metric)
+
     def __repr__(self) -> str:
-        return f"Lagrangian({self.group.name}, {self.metric.tolist()})"
+        return call_repr(self, {"group": self.group, "metric": self.metric})
 
     def value(self, rate: ArrayLike) -> Array:
-        """L(ω), eq. (14), which for free motion is the kinetic energy.
+        """L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).
 
         Parameters
         ----------
@@ -102,10 +108,13 @@ class Lagrangian:
         return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
 
     def chart_force(self, rate: ArrayLike) -> Array:
-        """∂L/∂αᵃ = ½ f[c,a,d] ωᶜ p_d at the centre α = 0 of the moving chart, where α̇ = ω.
+        """∂L/∂βᵃ = ½ f[c,a,d] ωᶜ p_d at the centre β = 0 of the moving chart A₀ exp(βᵃTᵃ), where β̇ = ω.
 
-        The derivative is taken at constant α̇, and ω = α̇ − ½[α, α̇] + … gives the factor ½. The other half of ṗ is in the
-        time derivative of ∂L/∂α̇. Eq. (18) has no ½: it is the derivative at constant rate in the space frame.
+        The derivative is taken at constant β̇, as Lagrange's equations ask: ω = β̇ − ½[β, β̇] + … gives the factor ½. In
+        the paper's chart exp(αᵃTᵃ)A₀ the rate of the space frame, α̇ + ½[α, α̇] + …, gives the opposite, and M, which
+        depends on α there, twice this: the sum is the same. Eqs. (16) and (18) have the derivative of M alone, at
+        constant rate in the space frame, and so twice this. The other half of eq. (21) comes from the left-hand side of
+        Lagrange's equations, d/dt ∂L/∂β̇ = Mβ̈ − `chart_force`, where eq. (20) has Mβ̈ alone: two errors cancel.
 
         Parameters
         ----------
@@ -119,7 +128,10 @@ class Lagrangian:
         return 0.5 * self.momentum_rate(rate)
 
     def momentum_rate(self, rate: ArrayLike) -> Array:
-        """The rate of change of the momenta by the equations of motion, ṗᵃ = f[c,a,d] ωᶜ p_d: eq. (21).
+        """The rate of change of the momenta by the equations of motion, ṗᵃ = f[c,a,d] ωᶜ p_d: eq. (21), with (20).
+
+        Of body components eq. (20), ṗ = Mω̇, holds as printed. The right-hand side is that of eqs. (16) and (18), the
+        derivative of L along the group at constant rate in the space frame.
 
         Parameters
         ----------
@@ -134,10 +146,10 @@ class Lagrangian:
         return coadjoint_action(self.group, w, self.momenta(w))
 
     def acceleration(self, rate: ArrayLike) -> Array:
-        """The rate of change ω̇ by the equations of motion, Mᵃᵇω̇ᵇ = f[c,a,d] Mᵈᵇ ωᵇωᶜ.
+        """The rate of change ω̇ by the equations of motion, Mᵃᵇω̇ᵇ = f[c,a,d] Mᵈᵇ ωᵇωᶜ: the geodesics of the metric M.
 
         For totally antisymmetric structure constants this is eq. (21), Mᵃᵇω̇ᵇ = fᵃᵈᶜMᵈᵇωᵇωᶜ, and on SO(3) Euler's
-        equation Mω̇ = Mω × ω, eq. (29).
+        equation Mω̇ = Mω × ω, eq. (29). At the centre of the chart it is α̈, as in eq. (20).
 
         Parameters
         ----------
@@ -149,6 +161,30 @@ class Lagrangian:
             1/s².
         """
         return np.asarray(self.momentum_rate(rate) @ self.inverse_metric)
+
+    def action(self, path: ArrayLike, step: float) -> Array:
+        """The action ∫ L dt of a path, eq. (36), by its chords Aₖ₊₁ = Aₖ exp(h ω): Σ h L(ω), with an error of order h².
+
+        Parameters
+        ----------
+        path : array_like, shape (..., N, n, n)
+            Elements at equal intervals, neighbours within reach of `MatrixLieGroup.log`.
+        step : float
+            h, s.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            J s.
+
+        Raises
+        ------
+        InputError
+            If an element is off the group, or neighbours are too far apart.
+        """
+        A = self.group.as_matrices(path)
+        chords = self.group.log(self.group.inverse(A[..., :-1, :, :]) @ A[..., 1:, :, :])
+        return np.asarray(self.value(chords / step).sum(axis=-1) * step)
 
 
 def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:

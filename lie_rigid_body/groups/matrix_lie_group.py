@@ -23,6 +23,7 @@ from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
 from lie_rigid_body.mechanics.array_input import as_numbers
+from lie_rigid_body.wording import shortened
 
 ELEMENT_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from fulfilling a group's equations that counts as round-off."""
@@ -46,12 +47,15 @@ class MatrixLieGroup:
         bases, and 1 for U(1) and for groups from generators; g of a product has the blocks of its factors.
     elements : Elements
         Membership, projection, logarithm and random elements.
+    factors : tuple of MatrixLieGroup, optional
+        The groups that `product` made it of, in the order of their blocks and coordinates; none for other groups.
     """
 
     name: str
     algebra: MatrixLieAlgebra
     trace_metric: Array
     elements: Elements
+    factors: tuple[MatrixLieGroup, ...] = ()
 
     @classmethod
     def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:
@@ -117,7 +121,7 @@ class MatrixLieGroup:
         return np.eye(self.size, dtype=self.generators.dtype)
 
     def __repr__(self) -> str:
-        return f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>"
+        return shortened(f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>")
 
     def as_matrices(self, A: ArrayLike) -> Matrix:
         """The argument as n×n matrices of the group's number type; an `InputError` if its type or shape is another."""

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
@@ -21,9 +22,9 @@ _GENERATOR_ROUND_OFF: Final = 1e-12
 def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: ArrayLike | None = None) -> Array:
     """The metric of a rigid body on its rotation group, Mᵃᵇ = −½ tr[A₀ K A₀ᵀ {Tᵃ, Tᵇ}]: eq. (13).
 
-    The kinetic energy ½ ∫ρ |ẋ|² of ẋ = ωᵃTᵃ x, eq. (7), is then ½ Mᵃᵇωᵃωᵇ, eqs. (12) and (14). For n = 3 in the basis
-    Tᵃ = hat(eₐ) it is the inertia tensor, eq. (28). For diagonal K on SO(n), in the basis of the coordinate planes
-    (i, j), it is diagonal with the entries Kᵢᵢ + Kⱼⱼ.
+    The kinetic energy ½ ∫ρ |ẋ|² = ½ tr[K ȦᵀȦ] of ẋ = ωᵃTᵃ x, eqs. (7) and (9), is then ½ Mᵃᵇωᵃωᵇ, eqs. (12) and (14).
+    For n = 3 in the basis Tᵃ = hat(eₐ), with the anticommutators (27), it is the inertia tensor, eq. (28). For diagonal
+    K on SO(n), in the basis of the coordinate planes (i, j), it is diagonal with the entries Kᵢᵢ + Kⱼⱼ.
 
     Parameters
     ----------
@@ -53,6 +54,34 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
     flat = T.reshape(len(T), -1)
     products = (T @ K[..., None, :, :]).reshape(*K.shape[:-2], *flat.shape) @ flat.T
     return np.asarray(0.5 * (products + products.swapaxes(-1, -2)))
+
+
+def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
+    """The derivative of the metric in the space frame along the group, eq. (32) with the opposite sign.
+
+    With `metric_at` it is ∂Mᵇᶜ/∂αᵃ = −f[a,b,d] Mᵈᶜ − f[a,c,d] Mᵇᵈ at the centre of the chart exp(αᵃTᵃ)A₀, where M is
+    that at A₀. The printed right-hand side lacks both minus signs, with which it contradicts eq. (18). It vanishes
+    exactly where M is bi-invariant.
+
+    Parameters
+    ----------
+    group : MatrixLieGroup
+        Of dimension d.
+    metric : array_like, shape (d, d)
+        M at A₀, kg m².
+
+    Returns
+    -------
+    ndarray, shape (d, d, d)
+        Entry [a, b, c] is ∂Mᵇᶜ/∂αᵃ, kg m².
+
+    Raises
+    ------
+    InputError
+        If M is not symmetric positive definite of size d.
+    """
+    change = group.structure_constants @ require_metric(metric, group.dimension)
+    return -change - np.swapaxes(change, 1, 2)
 
 
 def require_metric(metric: ArrayLike, dimension: int) -> Array:
@@ -85,9 +114,8 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
         raise InputError(
-            f"M is not positive definite beyond round-off: its smallest eigenvalue is {eigenvalues[0]:.6g} where the "
-            f"largest is {eigenvalues[-1]:.6g}, and must be above {ROUND_OFF:.2g} of that: give inertia about every "
-            "axis, or scale the generators so that inertias are alike"
+            f"M is not positive definite: its smallest eigenvalue is {eigenvalues[0]:.6g} where the largest is "
+            f"{eigenvalues[-1]:.6g} (limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale"
         )
     return m
 

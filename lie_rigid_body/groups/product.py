@@ -40,7 +40,8 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
         T[rows, block, block] = group.generators
         metric[rows, rows] = group.trace_metric
     metric.setflags(write=False)
-    return MatrixLieGroup(" × ".join(g.name for g in groups), MatrixLieAlgebra(T), metric, ProductElements(groups))
+    name = " × ".join(g.name for g in groups)
+    return MatrixLieGroup(name, MatrixLieAlgebra(T), metric, ProductElements(groups), groups)
 
 
 def _slices(sizes: list[int]) -> list[slice]:
@@ -105,6 +106,10 @@ class ProductElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The logarithm of each block."""
         return self._blockwise(A, lambda elements, part: elements.log(part))
+
+    def one_to_one(self, X: Matrix) -> Array:
+        """The least of the blocks."""
+        return np.asarray(np.min([elements.one_to_one(part) for elements, _, part in self._parts(X)], axis=0))
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Independent elements of the factors."""

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_metric
+from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF
+from lie_rigid_body.wording import short_repr
 
 STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
@@ -58,6 +59,8 @@ class SteadyRotation:
     eigenvalues: NDArray[np.complex128]
     stability: Stability
 
+    __repr__ = short_repr
+
     @property
     def growth_rate(self) -> float:
         """Largest real part λ of an eigenvalue, 1/s: a disturbance grows like exp(λt).
@@ -76,7 +79,7 @@ class SteadyRotation:
 
 
 def steady_axes(lagrangian: Lagrangian) -> Array:
-    """Directions about which the rotation is steady at any rate: the solutions of Mω = λgω with the trace metric g.
+    """Directions about which the rotation is steady at any rate: the solutions of Mω = λgω with `invariant_form` g.
 
     As g is invariant, ad*_ω Mω = λ ad*_ω gω = 0. On SO(3) these are the principal axes, on SO(n) with a diagonal second
     moment the coordinate planes. Where λ is degenerate every linear combination is a solution as well.
@@ -84,7 +87,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     Parameters
     ----------
     lagrangian : Lagrangian
-        On a compact group, so that g is invariant.
+        On a group with an invariant form, as compact and semisimple ones.
 
     Returns
     -------
@@ -94,11 +97,11 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     Raises
     ------
     InputError
-        If g is not invariant.
+        If the group has no regular invariant form.
     """
     lower = np.linalg.cholesky(lagrangian.metric)
     # with ω = C⁻ᵀy and M = CCᵀ, the pencil Mω = λgω is the symmetric (Cᵀg⁻¹C) y = λy
-    values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_metric(lagrangian.group), lower))
+    values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_form(lagrangian.group), lower))
     axes = np.linalg.solve(lower.T, vectors[:, np.argsort(values, kind="stable")]).T
     return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 

@@ -22,7 +22,8 @@ _TIE: Final = 1e-8
 def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
     """The momentum in the space frame, Ad(A)⁻ᵀ p, of which every component is conserved.
 
-    The symmetry is that of L under left translations A ↦ BA with a constant B, as B = exp(αᵃTᵃ).
+    The symmetry is that of L under left translations A ↦ BA with a constant B, as B = exp(αᵃTᵃ): shifts of the
+    paper's chart. Eq. (22) is not needed for it, which is about components in the body.
 
     Parameters
     ----------
@@ -68,9 +69,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     Returns
     -------
     ndarray, shape (k, d)
-        Orthonormal rows in components along the generators. The basis is a function of their span, by Gram–Schmidt:
-        each row is the normalised projection of a generator onto what the rows before it leave of the span. The
-        nearest generator is taken, and of equally near ones the first.
+        Orthonormal rows in components along the generators, a function of their span by `canonical_basis`.
 
     Raises
     ------
@@ -88,16 +87,29 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
     scale = float(np.linalg.norm(m, 2)) * float(np.abs(f).max(initial=0.0))
     conserved = directions[sizes <= tolerance * scale] / size
-    return _canonical_basis(np.linalg.qr(conserved.T)[0].T)
+    return canonical_basis(np.linalg.qr(conserved.T)[0].T)
 
 
-def _canonical_basis(orthonormal: Array) -> Array:
-    """The basis of the span of the rows that is a function of the span alone; see `conserved_momenta`."""
-    projector = orthonormal.T @ orthonormal
+def canonical_basis(orthonormal: Array) -> Array:
+    """The orthonormal basis of a span that is a function of the span alone, by Gram–Schmidt on the unit vectors.
+
+    Each row is the normalised projection of a unit vector onto what the rows before it leave of the span. The nearest
+    unit vector is taken, and of equally near ones the first.
+
+    Parameters
+    ----------
+    orthonormal : ndarray, shape (k, d)
+        Orthonormal rows.
+
+    Returns
+    -------
+    ndarray, shape (k, d)
+    """
+    rest = orthonormal
     basis = np.empty_like(orthonormal)
     for row in range(len(basis)):
-        nearness = np.diag(projector)
+        nearness = np.sum(rest * rest, axis=0)
         nearest = int(np.argmax(nearness >= nearness.max() - _TIE))
-        basis[row] = projector[nearest] / np.linalg.norm(projector[nearest])
-        projector = projector - np.outer(basis[row], basis[row])
+        basis[row] = rest[:, nearest] @ rest / np.sqrt(nearness[nearest])
+        rest = rest - np.outer(rest @ basis[row], basis[row])
     return basis

@@ -2,7 +2,8 @@
 
 The product is Hamilton's: ``multiply(p, q)`` rotates by q first, then by p, as matrices do. An attitude quaternion
 takes body vectors to world vectors. All functions are batched over leading axes, and use elementwise arithmetic only,
-so that a batch gives the same bits as its rows one by one.
+so that a batch gives the same bits as its rows one by one. Equation numbers are those of A. Lucas, arXiv 1111.1275;
+unit quaternions are the group SU(2) of its eq. (31), as `groups.double_cover` writes out.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ def _quaternions(q: ArrayLike) -> Array:
 
 
 def multiply(p: ArrayLike, q: ArrayLike) -> Array:
-    """Hamilton product p⊗q.
+    """Hamilton product p⊗q, the product of SU(2), eq. (31).
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Array:
 
 
 def conjugate(q: ArrayLike) -> Array:
-    """The conjugate, which for unit quaternions is the inverse rotation.
+    """The conjugate, which for unit quaternions is the inverse in SU(2), eq. (31), and the inverse rotation.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def conjugate(q: ArrayLike) -> Array:
 
 
 def norm(q: ArrayLike) -> Array:
-    """Euclidean norm over the last axis.
+    """Euclidean norm over the last axis, 1 on SU(2), eq. (31).
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def norm(q: ArrayLike) -> Array:
 
 
 def normalize(q: ArrayLike) -> Array:
-    """The quaternion divided by its norm.
+    """The quaternion divided by its norm: the nearest element of SU(2), eq. (31).
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ def normalize(q: ArrayLike) -> Array:
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> Array:
-    """The vector v rotated by the unit quaternion q.
+    """The vector v rotated by the unit quaternion q: u = Av, eq. (3).
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
 
 
 def exp(v: ArrayLike) -> Array:
-    """Unit quaternion of a rotation vector; a rotation by 2π is −1, as on the double cover.
+    """Unit quaternion of a rotation vector; a rotation by 2π is −1, as on the double cover, eq. (31).
 
     Parameters
     ----------
@@ -141,7 +142,7 @@ def exp(v: ArrayLike) -> Array:
 
 
 def log(q: ArrayLike) -> Array:
-    """Rotation vector of a unit quaternion, of norm at most π (q and −q give the same).
+    """Rotation vector of a unit quaternion, of norm at most π (q and −q give the same, as both cover it: eq. (31)).
 
     Parameters
     ----------
@@ -163,7 +164,7 @@ def log(q: ArrayLike) -> Array:
 
 
 def to_matrix(q: ArrayLike) -> Array:
-    """Rotation matrix of a unit quaternion.
+    """Rotation matrix of a unit quaternion: the map from SU(2), eq. (31), to SO(3), eq. (6).
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ def to_matrix(q: ArrayLike) -> Array:
 
 
 def from_matrix(m: ArrayLike) -> Array:
-    """Unit quaternion of a rotation matrix, the one with the largest component positive.
+    """Unit quaternion of a rotation matrix, eqs. (31) and (6), the one with the largest component positive.
 
     Of the four components the largest is taken from the diagonal and the rest by division
     (S. W. Shepperd, J. Guidance and Control 1 (1978) 223), so that no angle loses digits.
@@ -219,20 +220,20 @@ def from_matrix(m: ArrayLike) -> Array:
 
 
 def left_jacobian(q: ArrayLike) -> Array:
-    """The left Jacobian of SO(3) at the rotation vector ``log(q)``; see `rotation_vector.left_jacobian`."""
+    """The left Jacobian of SO(3) at ``log(q)``, eq. (11); see `rotation_vector.left_jacobian`."""
     return rotation_vector.left_jacobian(log(q))
 
 
 def right_jacobian(q: ArrayLike) -> Array:
-    """The right Jacobian of SO(3) at the rotation vector ``log(q)``; see `rotation_vector.right_jacobian`."""
+    """The right Jacobian of SO(3) at ``log(q)``, eq. (11); see `rotation_vector.right_jacobian`."""
     return rotation_vector.right_jacobian(log(q))
 
 
 def left_jacobian_inverse(q: ArrayLike) -> Array:
-    """The inverse left Jacobian at ``log(q)``; see `rotation_vector.left_jacobian_inverse`."""
+    """The inverse left Jacobian at ``log(q)``, eq. (11); see `rotation_vector.left_jacobian_inverse`."""
     return rotation_vector.left_jacobian_inverse(log(q))
 
 
 def right_jacobian_inverse(q: ArrayLike) -> Array:
-    """The inverse right Jacobian at ``log(q)``; see `rotation_vector.right_jacobian_inverse`."""
+    """The inverse right Jacobian at ``log(q)``, eq. (11); see `rotation_vector.right_jacobian_inverse`."""
     return rotation_vector.right_jacobian_inverse(log(q))

@@ -3,7 +3,8 @@
 Conventions
 -----------
 ``hat`` is the map with ``hat(v) @ x == cross(v, x)``. Its basis Tᵃ obeys [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, which is eq. (26) of
-A. Lucas, arXiv 1111.1275; the matrices printed in eq. (25) are −Tᵃ, and obey −ε.
+A. Lucas, arXiv 1111.1275; the matrices printed in eq. (25) are −Tᵃ, and obey −ε. Equation numbers are those of that
+paper.
 
 All functions are batched: leading axes of the arguments are carried to the result. They are accurate to a few units
 in the last place of the largest entry for every angle from the smallest double to π.
@@ -44,7 +45,9 @@ def as_matrices(m: ArrayLike) -> Array:
 
 
 def hat(v: ArrayLike) -> Array:
-    """The antisymmetric matrix of a vector, ``hat(v) @ x == cross(v, x)``.
+    """The antisymmetric matrix vᵃTᵃ of a vector, ``hat(v) @ x == cross(v, x)``; eq. (25) has −Tᵃ.
+
+    With these signs [hat v, hat w] = hat(v × w), as after eq. (30); with the printed ones it is the opposite.
 
     Parameters
     ----------
@@ -62,7 +65,7 @@ def hat(v: ArrayLike) -> Array:
 
 
 def vee(m: ArrayLike) -> Array:
-    """The vector of the antisymmetric part of a matrix; inverse of `hat`.
+    """The vector of the antisymmetric part of a matrix, eq. (41); inverse of `hat`.
 
     Parameters
     ----------
@@ -119,6 +122,8 @@ def matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
 def left_jacobian(v: ArrayLike) -> Array:
     """The left Jacobian J_l(v), ``dexp`` of SO(3): d/dt exp(hat v) = hat(J_l v̇) exp(hat v) (Iserles et al., app. B).
 
+    It is eq. (11) away from the centre of the chart, where J_l = 1.
+
     Parameters
     ----------
     v : array_like, shape (..., 3)
@@ -136,6 +141,8 @@ def left_jacobian(v: ArrayLike) -> Array:
 def right_jacobian(v: ArrayLike) -> Array:
     """The right Jacobian J_r(v): d/dt exp(hat v) = exp(hat v) hat(J_r v̇); equals ``left_jacobian(-v)``.
 
+    It is eq. (11) away from the centre of the chart, for the rate in the body frame.
+
     Parameters
     ----------
     v : array_like, shape (..., 3)
@@ -151,7 +158,7 @@ def right_jacobian(v: ArrayLike) -> Array:
 def left_jacobian_inverse(v: ArrayLike) -> Array:
     """The inverse J_l⁻¹(v) of `left_jacobian`, ``dexpinv`` (Iserles et al., app. B).
 
-    It maps the angular velocity in the world frame to v̇.
+    It maps the angular velocity in the world frame to v̇: eq. (11), solved for the rate of the coordinates.
 
     Parameters
     ----------
@@ -170,7 +177,7 @@ def left_jacobian_inverse(v: ArrayLike) -> Array:
 def right_jacobian_inverse(v: ArrayLike) -> Array:
     """The inverse J_r⁻¹(v) of `right_jacobian`; equals ``left_jacobian_inverse(-v)``.
 
-    It maps the angular velocity in the body frame to v̇.
+    It maps the angular velocity in the body frame to v̇: eq. (11), solved for the rate of the coordinates.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The rotation group SO(3): matrices, their exponential and logarithm, and the Jacobians of the exponential.
 
 The algebra and the Jacobians are those of `rotation_vector`, under the names of the group; the logarithm goes through
-`quaternion`.
+`quaternion`. Equation numbers are those of A. Lucas, arXiv 1111.1275.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ __all__ = [
 
 
 def exp(v: ArrayLike) -> Array:
-    """Rotation matrix of a rotation vector (Rodrigues; Iserles et al., app. B).
+    """Rotation matrix of a rotation vector, eq. (38) beyond first order (Rodrigues; Iserles et al., app. B).
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def exp(v: ArrayLike) -> Array:
 
 
 def log(m: ArrayLike) -> Array:
-    """Rotation vector of a rotation matrix, of norm at most π.
+    """Rotation vector of a rotation matrix, eq. (6), of norm at most π.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 """Rounding error allowed in a given or computed matrix, relative to its largest entry or eigenvalue."""
@@ -74,7 +75,7 @@ def real_array(name: str, value: ArrayLike, form: str) -> Array:
     except (TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{name}: {value!r} is not numbers: {remedy}") from None
+        raise InputError(f"{name}: {shown(value)} is not numbers: {remedy}") from None
     if array.size == 0 or not _fits(array.ndim, form):
         raise InputError(f"{name}: shape {array.shape} is not {form}: {remedy}")
     if not np.isfinite(array).all():

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.wording import shown
 
 _NAME: Final = "inertia"
 MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
@@ -43,12 +44,12 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
         raise ParameterError(
             _NAME,
             f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz, and "
-            "many bodies as tensors of shape (..., 3, 3) or by RigidBody.from_principal_moments",
+            "many bodies as tensors (..., 3, 3) or by from_principal_moments",
         )
     lopsided = (array != array.swapaxes(-1, -2)).any(axis=(-2, -1))
     if lopsided.any():
         raise ParameterError(
-            _NAME, f"{array[lopsided][0].tolist()} is not symmetric: give equal entries across the diagonal"
+            _NAME, f"{shown(array[lopsided][0].tolist(), 100)} is not symmetric: give equal entries across the diagonal"
         )
     return array
 
@@ -83,11 +84,11 @@ def _finite(inertia: ArrayLike) -> Array:
         array = np.array(inertia, dtype=np.float64)
     except (TypeError, ValueError):
         raise ParameterError(
-            _NAME, f"{inertia!r} is not numbers: give 3 principal moments or 6 tensor entries"
+            _NAME, f"{shown(inertia)} is not numbers: give 3 principal moments or 6 tensor entries"
         ) from None
     if not np.isfinite(array).all():
-        shown = array if array.size <= 9 else array[~np.isfinite(array)][:1]
-        raise ParameterError(_NAME, f"{shown.tolist()} is not finite: give finite numbers in kg m²")
+        worst = array if array.size <= 9 else array[~np.isfinite(array)][:1]
+        raise ParameterError(_NAME, f"{shown(worst.tolist())} is not finite: give finite numbers in kg m²")
     return array
 
 
@@ -135,8 +136,7 @@ def require_physical(moments: Array) -> None:
     if lacking.any():
         raise ParameterError(
             _NAME,
-            f"smallest principal moment {float(rows[lacking][0, 0])!r} is not positive: "
-            "every moment must be above 0 kg m²",
+            f"smallest principal moment {float(rows[lacking][0, 0])!r} is not positive: give moments above 0 kg m²",
         )
     excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + MOMENT_ROUND_OFF * rows[:, 2]
     if excess.any():
@@ -144,7 +144,7 @@ def require_physical(moments: Array) -> None:
         raise ParameterError(
             _NAME,
             f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality: "
-            "the largest may not exceed the sum of the other two (a flat body has equality)",
+            "lower the largest to at most the sum of the others (equality: a flat body)",
         )
 
 

@@ -1,4 +1,7 @@
-"""Mass, centre and second moment of point masses, and of densities given on a grid or as functions."""
+"""Mass, centre and second moment of point masses, and of densities given on a grid or as functions.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ MOST_EVALUATIONS: Final = 2**22
 
 
 def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
-    """The moments of point masses, K = Σ mᵢ xᵢ xᵢᵀ.
+    """The moments of point masses, K = Σ mᵢ xᵢ xᵢᵀ: eq. (10) as a sum.
 
     Parameters
     ----------
@@ -48,7 +51,7 @@ def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
 
 
 def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> MassMoments:
-    """The moments of a density given on a regular grid, each cell of it a homogeneous box.
+    """The moments of a density given on a regular grid, each cell of it a homogeneous box: eq. (10).
 
     Parameters
     ----------
@@ -88,7 +91,7 @@ def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> Mass
 def moments_of_density(
     density: Callable[[Array], ArrayLike], limits: Sequence[Limits], nodes: int = 16, tolerance: float = 1e-9
 ) -> MassMoments:
-    """The moments of a density given as a function, by Gauss-Legendre quadrature over a box or a curved region.
+    """The moments of a density given as a function, eq. (10), by Gauss-Legendre quadrature in a box or a curved region.
 
     A coordinate on which limits of later ones depend is substituted by x = ½(a + b) + ½(b − a) sin θ: at an end where
     the boundary is smooth the extent of the region goes to 0 like a square root of x, and is smooth in θ. The result
@@ -123,8 +126,7 @@ def moments_of_density(
     if not error <= tolerance:
         raise InputError(
             f"density: quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
-            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps and "
-            "add the parts, with limits as functions along curved faces"
+            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps"
         )
     return fine
 

@@ -1,4 +1,7 @@
-"""Mass, centre of mass and second moment of a body in n dimensions: all that its free motion depends on."""
+"""Mass, centre of mass and second moment of a body in n dimensions: all that its free motion depends on.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,12 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import orthogonal_matrix, real_array
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True, eq=False)
 class MassMoments:
-    """The moments of a mass distribution of orders 0, 1 and 2.
+    """The moments of a mass distribution of orders 0, 1 and 2, the last of them K of eq. (10).
 
     They are stored about the centre of mass, so that a body far from its origin loses no digits. The moments of a
     body are the sum of those of its parts; a hole is subtracted.
@@ -47,11 +51,13 @@ class MassMoments:
     centre: Array
     central_second_moment: Array
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")
         central = second_moment_matrix(self.central_second_moment)
         if not mass > 0.0:
-            raise InputError(f"mass: {mass:.9g} kg is not positive: every body has a mass above 0 kg")
+            raise InputError(f"mass: {mass:.9g} kg is not positive: give a mass above 0 kg")
         _require_size("second moment", len(central), len(centre))
         centre.setflags(write=False)
         central.setflags(write=False)
@@ -70,14 +76,14 @@ class MassMoments:
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: Lucas (arXiv 1111.1275), eq. (10).
+        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: eq. (10).
 
         It is the central second moment plus m c cᵀ (parallel axes).
         """
         return self.central_second_moment + self.mass * np.outer(self.centre, self.centre)
 
     def moved(self, rotation: ArrayLike, translation: ArrayLike) -> MassMoments:
-        """The moments of the displaced body, x ↦ A x + t, about the same origin.
+        """The moments of the displaced body, x ↦ A x + t, about the same origin: the A₀ K A₀ᵀ of eq. (13), displaced.
 
         Parameters
         ----------
@@ -102,11 +108,11 @@ class MassMoments:
         return MassMoments(self.mass, A @ self.centre + t, 0.5 * (turned + turned.T))
 
     def rotated(self, rotation: ArrayLike) -> MassMoments:
-        """The moments of the body turned about the origin: K becomes A K Aᵀ; see `moved`."""
+        """The moments of the body turned about the origin: K becomes A K Aᵀ, as in eq. (13); see `moved`."""
         return self.moved(rotation, np.zeros(self.dimension))
 
     def about(self, origin: ArrayLike) -> MassMoments:
-        """The moments about another origin, by the parallel axis theorem.
+        """The moments about another origin, eq. (10), by the parallel axis theorem.
 
         Parameters
         ----------
@@ -129,7 +135,7 @@ class MassMoments:
         return MassMoments(self.mass, self.centre - o, self.central_second_moment)
 
     def __add__(self, other: MassMoments) -> MassMoments:
-        """The moments of both bodies together, in a common frame."""
+        """The moments of both bodies together, in a common frame: eq. (10) is a sum over the parts of a body."""
         return self._joined(other, 1.0)
 
     def __sub__(self, other: MassMoments) -> MassMoments:

@@ -1,6 +1,11 @@
-"""The rigid body: its inertia, momentum and kinetic energy."""
+"""The rigid body: its inertia, momentum and kinetic energy.
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +21,11 @@ from lie_rigid_body.mechanics.inertia import (
 )
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
+from lie_rigid_body.wording import LONGEST_LINE, shown
 
 
 class RigidBody:
-    """A free rigid body, given by its inertia about its centre of mass, or a batch of bodies.
+    """A free rigid body, given by its inertia about its centre of mass, eq. (28), or a batch of bodies.
 
     Parameters
     ----------
@@ -56,7 +62,7 @@ class RigidBody:
 
     @classmethod
     def from_principal_moments(cls, moments: ArrayLike) -> RigidBody:
-        """The body, or the batch of bodies, with these principal moments along the body axes.
+        """The body, or the batch of bodies, with these principal moments along the body axes, as in eq. (29).
 
         Parameters
         ----------
@@ -76,7 +82,7 @@ class RigidBody:
 
     @classmethod
     def from_second_moment(cls, second_moment: ArrayLike) -> RigidBody:
-        """The body with a given second moment K about its centre of mass, of inertia tr(K) 1 − K.
+        """The body with a given second moment K about its centre of mass, of inertia tr(K) 1 − K, eq. (28).
 
         Parameters
         ----------
@@ -96,7 +102,7 @@ class RigidBody:
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M about the centre of mass in the body frame, shape (..., 3, 3), kg m²."""
+        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (..., 3, 3), kg m²."""
         tensors = self.inertia.reshape(-1, 3, 3)
         return np.array([second_moment_from_inertia(tensor) for tensor in tensors]).reshape(self.inertia.shape)
 
@@ -114,18 +120,25 @@ class RigidBody:
         """The bodies at an index of the first leading axis."""
         if not self.batch_shape:
             raise TypeError("one RigidBody cannot be indexed")
-        part = RigidBody.__new__(RigidBody)
-        for name in self.__slots__:
-            setattr(part, name, getattr(self, name)[index])
-        return part
+        return RigidBody._of(*(getattr(self, name)[index] for name in self.__slots__))
+
+    @classmethod
+    def _of(cls, *arrays: Array) -> RigidBody:
+        """The body of arrays that are not checked or copied, in the order of the slots."""
+        body = cls.__new__(cls)
+        for name, array in zip(cls.__slots__, arrays, strict=True):
+            array.setflags(write=False)
+            setattr(body, name, array)
+        return body
+
+    def __reduce__(self) -> tuple[Callable[..., RigidBody], tuple[Array, ...]]:
+        return RigidBody._of, tuple(getattr(self, name) for name in self.__slots__)
 
     def __repr__(self) -> str:
-        if self.inertia.size > 9:
-            return f"<RigidBody of shape {self.batch_shape}>"
-        return f"RigidBody({self.inertia.tolist()})"
+        return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"
 
     def body_momentum(self, states: State) -> Array:
-        """Angular momentum in the body frame, π = Mω; Lucas (arXiv 1111.1275), eq. (19).
+        """Angular momentum in the body frame, π = Mω, eq. (19).
 
         Parameters
         ----------
@@ -140,7 +153,7 @@ class RigidBody:
         return apply_tensor(self._inertia_for(states), states.body_rate)
 
     def angular_acceleration(self, states: State) -> Array:
-        """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω.
+        """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω, eq. (29).
 
         Parameters
         ----------
@@ -155,7 +168,8 @@ class RigidBody:
         return np.asarray(np.linalg.solve(self._inertia_for(states), torque[..., np.newaxis])[..., 0])
 
     def angular_momentum(self, states: State) -> Array:
-        """Angular momentum in the world frame, L = A M ω: every component is conserved.
+        """Angular momentum in the world frame, L = A M ω: every component is conserved, by the symmetry
+        A ↦ BA of eq. (9).
 
         Parameters
         ----------
@@ -169,7 +183,7 @@ class RigidBody:
         return quaternion.rotate(states.attitude_xyzw, self.body_momentum(states))
 
     def kinetic_energy(self, states: State) -> Array:
-        """Kinetic energy ½ ω·Mω, which is conserved; Lucas (arXiv 1111.1275), eq. (14).
+        """Kinetic energy ½ ω·Mω, which is conserved, eq. (14).
 
         Parameters
         ----------

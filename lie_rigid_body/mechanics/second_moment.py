@@ -56,8 +56,8 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise InputError(
-            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): no mass "
-            "distribution has it: give a positive semidefinite matrix, and check signs and units"
+            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): "
+            "give a positive semidefinite matrix, and check signs and units"
         )
 
 
@@ -90,6 +90,8 @@ def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Arra
 def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
     """K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
 
+    It is eq. (10) of Lucas (arXiv 1111.1275) with x − o for x.
+
     Parameters
     ----------
     second_moment : array_like, shape (n, n)
@@ -114,7 +116,7 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
     K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, "()"))
     c, o = real_array("centre", centre, "(n,)"), real_array("origin", origin, "(n,)")
     if not len(K) == len(c) == len(o):
-        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} second moment")
+        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} K: give {len(K)} each")
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel
     return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))
@@ -148,7 +150,7 @@ def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
 
 
 def second_moment_from_inertia(inertia: ArrayLike) -> Array:
-    """The second moment K = ½ tr(I) 1 − I of a body with a given inertia tensor.
+    """The second moment K = ½ tr(I) 1 − I of a given inertia tensor: Lucas (arXiv 1111.1275), eq. (28) solved for K.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Homogeneous bodies with moments in closed form, each about its own centre and in its own principal axes.
 
 The second moment of a homogeneous body is its mass times the mean of x xᵀ over it. Move, turn, add and subtract the
-results with `MassMoments` to build other bodies of them.
+results with `MassMoments` to build other bodies of them. Equation numbers are those of A. Lucas, arXiv 1111.1275.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lie_rigid_body.mechanics.mass_moments import MassMoments
 
 
 def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
-    """A ball in n dimensions: K = m r²/(n + 2) 1.
+    """A ball in n dimensions: K = m r²/(n + 2) 1, eq. (10).
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
 
 
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
-    """A solid ellipsoid in n dimensions: K = m diag(aᵢ²)/(n + 2).
+    """A solid ellipsoid in n dimensions: K = m diag(aᵢ²)/(n + 2), eq. (10).
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
 
 
 def box(mass: float, edges: ArrayLike) -> MassMoments:
-    """A rectangular box in n dimensions: K = m diag(lᵢ²)/12.
+    """A rectangular box in n dimensions: K = m diag(lᵢ²)/12, eq. (10).
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
 
 
 def cylinder(mass: float, radius: float, height: float) -> MassMoments:
-    """A solid circular cylinder about the z axis: K = m diag(r²/4, r²/4, h²/12).
+    """A solid circular cylinder about the z axis: K = m diag(r²/4, r²/4, h²/12), eq. (10).
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
 
 
 def rod(mass: float, length: float) -> MassMoments:
-    """A thin rod along the z axis: K = m diag(0, 0, l²/12).
+    """A thin rod along the z axis: K = m diag(0, 0, l²/12), eq. (10).
 
     A rod alone is no `RigidBody`, since nothing resists a turn about its own axis; it is a part of one.
 
@@ -136,7 +136,7 @@ def rod(mass: float, length: float) -> MassMoments:
 
 
 def disc(mass: float, radius: float) -> MassMoments:
-    """A thin circular disc across the z axis: K = m diag(r²/4, r²/4, 0).
+    """A thin circular disc across the z axis: K = m diag(r²/4, r²/4, 0), eq. (10).
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def _centred(mass: float, mean_squares: Array) -> MassMoments:
 def _mass(mass: float) -> float:
     value = float(real_array("mass", mass, "()"))
     if not value > 0.0:
-        raise InputError(f"mass: {value:.9g} kg is not positive: every body has a mass above 0 kg")
+        raise InputError(f"mass: {value:.9g} kg is not positive: give a mass above 0 kg")
     return value
 
 

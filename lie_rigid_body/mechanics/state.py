@@ -1,7 +1,8 @@
-"""The state of a rotating body: attitude and body rate."""
+"""The state of a rotating body: attitude and body rate; equation numbers are those of A. Lucas, arXiv 1111.1275."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -10,13 +11,14 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import call_repr, shown
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
 
 
 class State:
-    """Attitude and body rate, of one instant or of many.
+    """Attitude and body rate, of one instant or of many: A of eq. (3), and ω of eq. (11) in the body frame.
 
     Parameters
     ----------
@@ -80,15 +82,18 @@ class State:
             raise TypeError("a State of one instant cannot be indexed")
         return State.trusted(self.attitude_xyzw[index], self.body_rate[index])
 
+    def __reduce__(self) -> tuple[Callable[[Array, Array], State], tuple[Array, Array]]:
+        return State.trusted, (self.attitude_xyzw, self.body_rate)
+
     def __repr__(self) -> str:
-        return f"State(attitude_xyzw={self.attitude_xyzw.tolist()}, body_rate={self.body_rate.tolist()})"
+        return call_repr(self, {name: getattr(self, name) for name in self.__slots__})
 
 
 def _numbers(name: str, value: ArrayLike, size: int) -> Array:
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ParameterError(name, f"{value!r} is not numbers: give {size} of them") from None
+        raise ParameterError(name, f"{shown(value)} is not numbers: give {size} of them") from None
     if array.ndim == 0 or array.shape[-1] != size:
         raise ParameterError(name, f"shape {array.shape} is not (..., {size}): give {size} numbers")
     if not np.isfinite(array).all():

@@ -1,5 +1,7 @@
 """Tops: which kind a body is, how a symmetric one moves, and which of its spins are stable.
 
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+
 References
 ----------
 L. D. Landau, E. M. Lifshitz, *Mechanics*, §33 for the symmetric top, §37 for the stability of a spin.
@@ -18,6 +20,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics.inertia import MOMENT_ROUND_OFF
 from lie_rigid_body.mechanics.rigid_body import RigidBody
 from lie_rigid_body.mechanics.state import State
+from lie_rigid_body.wording import short_repr
 
 Kind: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 Verdict: TypeAlias = Literal["stable", "unstable", "neutral"]
@@ -32,7 +35,10 @@ def equal_moments(one: float, other: float) -> bool:
 
 
 def kind_of_top(body: RigidBody) -> Kind:
-    """The kind of a body: asymmetric, oblate (two equal moments below the third), prolate (two above) or spherical."""
+    """The kind of a body: asymmetric, oblate (two equal moments below the third), prolate (two above) or spherical.
+
+    It tells for how many axes eq. (30) holds.
+    """
     small, middle, large = (float(moment) for moment in body.principal_moments)
     if equal_moments(small, large):
         return "spherical"
@@ -42,21 +48,24 @@ def kind_of_top(body: RigidBody) -> Kind:
 
 
 def is_flat(body: RigidBody) -> bool:
-    """Whether a body is flat: its largest moment, about the normal of its plane, is the sum of the other two."""
+    """Whether a body is flat: its largest moment, about the normal of its plane, is the sum of the other two.
+
+    By eq. (28a) and its permutations that is where no mass lies off a plane.
+    """
     small, middle, large = (float(moment) for moment in body.principal_moments)
     return equal_moments(small + middle, large)
 
 
 def symmetry_axis(body: RigidBody) -> int | None:
-    """The index of the axis of symmetry among the principal axes: 0 if prolate, 2 if oblate, none otherwise."""
+    """The index of the axis of symmetry among the principal axes: 0 if prolate, 2 if oblate, or None; eq. (30)."""
     return {"oblate": 2, "prolate": 0}.get(kind_of_top(body))
 
 
 def conserved_body_axes(body: RigidBody) -> Array:
     """Directions in the body along which the body momentum Mω is constant in every motion.
 
-    They are the axes about which a rotation of the body leaves M unchanged (Noether's theorem); Lucas (arXiv
-    1111.1275), eq. (30), has the case of one such axis. `groups.conserved_momenta` finds them on any group.
+    They are the axes about which a rotation of the body leaves M unchanged (Noether's theorem); eq. (30)
+    has the case of one such axis. `groups.conserved_momenta` finds them on any group.
 
     Parameters
     ----------
@@ -76,6 +85,8 @@ def conserved_body_axes(body: RigidBody) -> Array:
 @dataclass(frozen=True)
 class SymmetricTop:
     """Free motion of a symmetric top with moments I, I across its axis and J along it: two uniform rotations.
+
+    It is the solution of eq. (29) for two equal moments.
 
     Attributes
     ----------
@@ -101,9 +112,11 @@ class SymmetricTop:
     rate_to_axis_rad: float
     rate_to_momentum_rad: float
 
+    __repr__ = short_repr
+
     @classmethod
     def of(cls, body: RigidBody, start: State) -> SymmetricTop | None:
-        """The rates and angles of the motion from a start, or None for a body that is no symmetric top."""
+        """The rates and angles of the motion, eq. (29), from a start, or None for a body that is no symmetric top."""
         axis = symmetry_axis(body)
         if axis is None:
             return None
@@ -125,7 +138,7 @@ class SymmetricTop:
 
 @dataclass(frozen=True)
 class SpinStability:
-    """Stability of the steady spin about one principal axis under a small disturbance.
+    """Stability of the steady spin about one principal axis, by eq. (29), under a small disturbance.
 
     Attributes
     ----------
@@ -145,9 +158,11 @@ class SpinStability:
     growth_rate_1_s: float
     wobble_rate_rad_s: float
 
+    __repr__ = short_repr
+
     @classmethod
     def of(cls, moments: Sequence[float], axis: int, spin_rate: float) -> SpinStability:
-        """The stability by Euler's equations linearised about the spin Ω: δ″ = −Ω² (I−J)(I−K)/(JK) δ.
+        """The stability by Euler's equations, eq. (29), linearised about the spin Ω: δ″ = −Ω² (I−J)(I−K)/(JK) δ.
 
         Parameters
         ----------

@@ -10,7 +10,7 @@ a multiple of n. Padding is written as zeros; rclpy leaves there what the memory
 - `definitions`: type names and definitions of the messages, and their quality of service.
 """
 
-from lie_rigid_body.messages.decoding import Decoded, decode, decode_string
+from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
 from lie_rigid_body.messages.encoding import (
     ImuEncoder,
     MagneticFieldEncoder,
@@ -29,6 +29,7 @@ __all__ = [
     "PoseTwistEncoder",
     "TransformEncoder",
     "decode",
+    "decode_places",
     "decode_string",
     "encode_string",
 ]

@@ -12,6 +12,7 @@ from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuModel, Sensors
 from lie_rigid_body.simulation import ImuSamples, Samples, Taken
+from lie_rigid_body.wording import short_repr
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
@@ -39,6 +40,8 @@ class Messages:
     stamps_ns: list[int]
     payloads: Sequence[bytes]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -55,6 +58,8 @@ class Batch:
     poses: Sequence[bytes]
     twists: Sequence[bytes]
     sensors: Sequence[Messages] = ()
+
+    __repr__ = short_repr
 
     def in_order(self) -> Iterator[tuple[int, str, bytes]]:
         """Stamp, topic and payload of every message; where stamps are equal: pose, twist, IMU, bias, magnetometer."""

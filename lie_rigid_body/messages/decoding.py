@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.wording import short_repr
+
+Bytes: TypeAlias = NDArray[np.uint8]
+"""Rows of bytes, one payload in each, shape (N, size)."""
 
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 
@@ -36,17 +40,32 @@ class Decoded:
     numbers: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
+    """Read poses or twists, of either byte order: `decode_places` of payloads that stand apart."""
+    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
+    ends = np.cumsum(sizes)
+    return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)
+
+
+def decode_places(
+    data: bytes, starts: Integers, ends: Integers, numbers: int, *, stamped: bool, first: int = 0
+) -> Decoded:
     """Read poses or twists, of either byte order.
 
     Parameters
     ----------
-    payloads : sequence of bytes, N of them
+    data : bytes
+    starts, ends : ndarray of int64, shape (N,)
+        Where in ``data`` each payload begins and ends.
     numbers : int
         How many float64 fields each has.
     stamped : bool
         Whether a std_msgs/Header comes first.
+    first : int, optional
+        Number of the first message, for errors.
 
     Returns
     -------
@@ -55,52 +74,50 @@ def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded
     Raises
     ------
     BagError
-        Naming the first message that is not such a payload.
+        Naming a message that is not such a payload.
     """
-    stamps = np.zeros(len(payloads), dtype=np.int64)
-    values = np.empty((len(payloads), numbers))
+    stamps = np.zeros(len(starts), dtype=np.int64)
+    values = np.empty((len(starts), numbers))
     frames: dict[int, str] = {}
-    for indices in _alike(payloads, stamped):
-        _decode_alike(payloads, indices, stamped, stamps, values, frames)
+    sizes, content = ends - starts, np.frombuffer(data, dtype=np.uint8)
+    for size in sorted(set(sizes.tolist())):
+        indices = np.flatnonzero(sizes == size)
+        rows = np.lib.stride_tricks.sliding_window_view(content, size)[starts[indices]]
+        for alike in _alike(rows, stamped=stamped):
+            _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
     distinct = tuple(dict.fromkeys(frames[i] for i in sorted(frames)))
     return Decoded(stamps if stamped else None, values, distinct)
 
 
-def _alike(payloads: Sequence[bytes], stamped: bool) -> list[list[int]]:
-    """Message numbers grouped by what determines the layout: size, encapsulation, length and text of the frame."""
-    groups: dict[tuple[int, bytes, bytes], list[int]] = {}
-    for i, payload in enumerate(payloads):
-        key = (len(payload), payload[:2], payload[12:FRAME] if stamped else b"")
-        groups.setdefault(key, []).append(i)
-    return list(groups.values())
+def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
+    """The rows grouped by what determines the layout of payloads of one size: encapsulation and length of the frame."""
+    keys = np.concatenate([rows[:, :2], rows[:, 12:FRAME]], axis=1) if stamped else rows[:, :2]
+    if (keys == keys[:1]).all():
+        return [slice(None)]
+    _, group = np.unique(keys, axis=0, return_inverse=True)
+    return [np.flatnonzero(group == i) for i in range(int(group.max()) + 1)]
 
 
 def _decode_alike(
-    payloads: Sequence[bytes],
-    indices: list[int],
-    stamped: bool,
-    stamps: Integers,
-    values: Array,
-    frames: dict[int, str],
+    rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: dict[int, str]
 ) -> None:
-    first = payloads[indices[0]]
-    order = byte_order(first, indices[0])
-    length = _word(first, 12, order, indices[0]) if stamped else 0
+    head, at = rows[0].tobytes(), int(indices[0])
+    order = byte_order(head, first + at)
+    length = _word(head, 12, order, first + at) if stamped else 0
     start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
-    _require_size(first, start + 8 * count, indices[0])
-    rows = np.frombuffer(b"".join([payloads[i] for i in indices]), dtype=np.uint8).reshape(len(indices), -1)
+    _require_size(head, start + 8 * count, first + at)
     values[indices] = _column(rows, start, 8 * count, f"{order}f8").reshape(-1, count)
     if stamped:
-        stamps[indices] = _stamps(rows, order, indices)
-        _collect_frames(rows[:, FRAME : FRAME + length], indices, frames)
+        stamps[indices] = _stamps(rows, order, first + indices)
+        _collect_frames(rows[:, FRAME : FRAME + length], indices, first, frames)
 
 
-def _column(rows: NDArray[np.uint8], start: int, size: int, kind: str) -> NDArray[np.generic]:
+def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:
     return np.ascontiguousarray(rows[:, start : start + size]).view(kind)
 
 
-def _stamps(rows: NDArray[np.uint8], order: str, indices: list[int]) -> Integers:
+def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
     sec = _column(rows, 4, 4, f"{order}i4")[:, 0].astype(np.int64)
     nanosec = _column(rows, 8, 4, f"{order}u4")[:, 0].astype(np.int64)
     if (nanosec >= NS).any():
@@ -109,14 +126,14 @@ def _stamps(rows: NDArray[np.uint8], order: str, indices: list[int]) -> Integers
     return sec * NS + nanosec
 
 
-def _collect_frames(texts: NDArray[np.uint8], indices: list[int], frames: dict[int, str]) -> None:
+def _collect_frames(texts: Bytes, indices: Integers, first: int, frames: dict[int, str]) -> None:
     """Note each frame name where it first appears among these messages."""
-    if texts.shape[1] == 0:
-        frames[indices[0]] = ""
+    if texts.shape[1] == 0 or (texts == texts[:1]).all():
+        frames[int(indices[0])] = text_of(texts[0].tobytes(), first + int(indices[0]))
         return
     names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
     for name, at in zip(*np.unique(names, return_index=True), strict=True):
-        frames[indices[at]] = text_of(bytes(name), indices[at])
+        frames[int(indices[at])] = text_of(bytes(name), first + int(indices[at]))
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:

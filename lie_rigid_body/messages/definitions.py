@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
@@ -69,6 +70,33 @@ def definition(message_type: str) -> str:
     """
     own = _FIELDS[message_type.replace("/msg/", "/")]
     return own + "".join(f"{_SEPARATOR}MSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
+
+
+def has_fields_of(text: str, message_type: str) -> bool:
+    """Whether a ``ros2msg`` text has the fields of a message type, whatever its comments, constants and defaults.
+
+    Parameters
+    ----------
+    text : str
+    message_type : str
+        One of the names of this module.
+    """
+    return _fields(text) == _fields(definition(message_type))
+
+
+def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
+    """Type and name of every field, by the type that has them; types without their package, the first without name."""
+    found = {}
+    for part in re.split(r"^=+[ \t\r]*$", text, flags=re.MULTILINE):
+        lines = [line.split("#")[0].split() for line in part.splitlines()]
+        name = next((_base(line[1]) for line in lines if line[:1] == ["MSG:"] and len(line) > 1), "")
+        fields = [line for line in lines if len(line) > 1 and line[0] != "MSG:" and "=" not in "".join(line[1:3])]
+        found[name] = [(_base(line[0]), line[1]) for line in fields]
+    return found
+
+
+def _base(message_type: str) -> str:
+    return message_type.rpartition("/")[2]
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:

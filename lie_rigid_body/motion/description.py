@@ -26,6 +26,7 @@ from lie_rigid_body.mechanics.top import (
 )
 from lie_rigid_body.motion.closed_form.decimal_constants import Periods, Polhode, frame_and_polhode, precession_rate
 from lie_rigid_body.motion.closed_form.decimal_frames import PrincipalFrame, digits_for, is_steady, principal_axes
+from lie_rigid_body.wording import short_repr
 
 Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
@@ -59,6 +60,8 @@ class Flips:
     first_s: float
     nearest_angle_rad: float
     sudden: bool
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,8 @@ class Circulation:
     tilt_max_rad: float
     flips: Flips | None
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class MotionConstants:
@@ -102,6 +107,8 @@ class MotionConstants:
 
     regime: Regime
     circulation: Circulation | None
+
+    __repr__ = short_repr
 
     @classmethod
     def of(cls, body: RigidBody, start: State) -> MotionConstants:
@@ -169,6 +176,8 @@ class PrincipalAxis:
     direction: Vector
     spin: SpinStability
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class SteadyRotation:
@@ -188,6 +197,8 @@ class SteadyRotation:
     principal: tuple[int, ...]
     turn_s: float
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class BodyMomentum:
@@ -195,6 +206,8 @@ class BodyMomentum:
 
     direction: Vector
     momentum_kg_m2_s: float
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -237,6 +250,8 @@ class Description:
     circulation: Circulation | None
     symmetric_top: SymmetricTop | None
     conserved_body_momenta: tuple[BodyMomentum, ...]
+
+    __repr__ = short_repr
 
 
 def describe(body: RigidBody, start: State) -> Description:

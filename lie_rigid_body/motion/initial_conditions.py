@@ -9,6 +9,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.motion import batch_shape, flat_batch
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class InitialConditions:
     inverse_inertia: Array
     attitude_xyzw: Array
     body_rate: Array
+
+    __repr__ = short_repr
 
     @classmethod
     def of(cls, body: RigidBody, start: State) -> InitialConditions:

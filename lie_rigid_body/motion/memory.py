@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 """Memory that one call may take by default, bytes (4 GiB)."""
@@ -67,7 +68,7 @@ def samples_within(bodies: int, times: int, memory_limit: int, needs: WorkingMem
         If the limit is no integer, or leaves no room for the states and a small block of temporaries.
     """
     if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
-        raise InputError(f"memory_limit {memory_limit!r} is not a number of bytes: give an integer")
+        raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
     fixed = bodies * times * _STATE_BYTES + bodies * needs.body + times * needs.time + _FIXED_BYTES
     least = fixed + needs.sample * min(_SMALLEST_BLOCK, bodies * times)
     if memory_limit < least:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.wording import shown
 
 
 class Motion(Protocol):
@@ -51,9 +52,9 @@ def batch_shape(body: object, start: object) -> tuple[int, ...]:
         If one is no RigidBody or State, or their leading axes do not go together.
     """
     if not isinstance(body, RigidBody):
-        raise InputError(f"body {_one_line(body)} is not a RigidBody: give for example RigidBody([1, 2, 3])")
+        raise InputError(f"body {shown(body)} is not a RigidBody: give for example RigidBody([1, 2, 3])")
     if not isinstance(start, State):
-        raise InputError(f"start {_one_line(start)} is not a State: give for example State([0, 0, 0, 1], [0, 1, 0])")
+        raise InputError(f"start {shown(start)} is not a State: give for example State([0, 0, 0, 1], [0, 1, 0])")
     bodies, starts = body.batch_shape, start.body_rate.shape[:-1]
     try:
         shape = np.broadcast_shapes(bodies, starts)
@@ -71,10 +72,6 @@ def flat_batch(values: Array, batch: tuple[int, ...], *own: int) -> Array:
     """Values of shape (..., *own) broadcast to a batch of B elements, as an array of shape (B, *own)."""
     shape = (*batch, *own)
     return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)
-
-
-def _one_line(value: object) -> str:
-    return " ".join(repr(value).split())
 
 
 def nanoseconds(t_ns: ArrayLike) -> Integers:

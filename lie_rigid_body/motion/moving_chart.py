@@ -16,6 +16,7 @@ follows from the momenta before and after the step (`moser_veselov`).
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -33,6 +34,7 @@ from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_inte
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
+from lie_rigid_body.wording import call_repr, listed, short_repr, shown
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class Method:
     order: int
     integrators: Callable[[InitialConditions, float], Sequence[Integrator]]
     largest_turn: float = math.inf
+
+    __repr__ = short_repr
 
 
 def _munthe_kaas(tableau: Tableau) -> Method:
@@ -128,6 +132,18 @@ class MovingChart:
         starts = InitialConditions.of(body, start)
         self._batch = starts.batch
         self._ensemble = MovingEnsemble(starts, METHODS[method].integrators(starts, float(max_step)))
+        self._method, self._max_step = method, float(max_step)
+
+    def __copy__(self) -> MovingChart:
+        """A motion that goes on by itself from the time reached."""
+        other = type(self).__new__(type(self))
+        other.__dict__ = {**self.__dict__, "_ensemble": copy.copy(self._ensemble)}
+        return other
+
+    def __repr__(self) -> str:
+        shape = {"bodies": self._batch} if self._batch else {}
+        stepper = {"method": self._method, "max_step": self._max_step}
+        return call_repr(self, {**shape, **stepper, "reached_ns": self._ensemble.reached_ns})
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
@@ -173,7 +189,7 @@ def require_stepper(method: object, max_step: object, methods: Collection[str]) 
         Naming ``method`` or ``max_step``.
     """
     if not isinstance(method, str) or method not in methods:
-        raise ParameterError("method", f"{method!r} is unknown: choose one of {', '.join(methods)}")
+        raise ParameterError("method", f"{shown(method)} is unknown: choose one of {listed(methods)}")
     number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
     if not (number and 0.0 < max_step < math.inf):  # type: ignore[operator]
-        raise ParameterError("max_step", f"{max_step!r} s is not a positive finite time: give for example 0.001")
+        raise ParameterError("max_step", f"{shown(max_step)} s is not a positive finite time: give for example 0.001")

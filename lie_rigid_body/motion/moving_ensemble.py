@@ -76,6 +76,11 @@ class MovingEnsemble:
         self._states = [integrator.start for integrator in integrators]
         self._reached_ns = 0
 
+    @property
+    def reached_ns(self) -> int:
+        """The time of the states, ns since the start."""
+        return self._reached_ns
+
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         """Write the states at N times that do not decrease.
 

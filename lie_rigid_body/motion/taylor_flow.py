@@ -18,7 +18,6 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.mechanics.inertia import apply_tensor
 
 LONGEST_TURN: Final = 32.0
 """Largest rotation angle, rad, over which the flow is followed."""
@@ -33,7 +32,7 @@ _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
 
 
-def flow(body: RigidBody, states: State, spans: Array, rate_bound: float) -> State:
+def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longest: float | None = None) -> State:
     """The states a time span later.
 
     Parameters
@@ -45,23 +44,28 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float) -> Sta
         Time to go, s; not negative.
     rate_bound : float
         Bound of the body rate, rad/s.
+    longest : float, optional
+        The longest span, s, of all calls that are to give the same bits: it decides on substeps and terms.
 
     Returns
     -------
     State
         Attitudes on the continuous path from the given ones, so with the sign that continuity asks for.
     """
-    turn = rate_bound * float(np.max(spans, initial=0.0))
+    turn = rate_bound * (float(np.max(spans, initial=0.0)) if longest is None else longest)
     substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
     terms = _terms(turn / substeps)
-    attitude, momentum = states.attitude_xyzw.copy(), body.body_momentum(states)
+    # components in rows: each operation then runs along memory
+    attitude, momentum = (np.array(v.T, order="C") for v in (states.attitude_xyzw, body.body_momentum(states)))
     for first in range(0, len(spans), _BLOCK):
         block = slice(first, first + _BLOCK)
         for _ in range(substeps):
-            attitude[block], momentum[block] = _substep(
-                body, attitude[block], momentum[block], spans[block] / substeps, terms
+            attitude[:, block], momentum[:, block] = _substep(
+                body, attitude[:, block], momentum[:, block], spans[block] / substeps, terms
             )
-    return State.trusted(attitude, apply_tensor(body.inverse_inertia, momentum))
+    return State.trusted(
+        np.ascontiguousarray(attitude.T), np.ascontiguousarray(_apply(body.inverse_inertia, momentum).T)
+    )
 
 
 def _terms(turn: float) -> int:
@@ -70,37 +74,48 @@ def _terms(turn: float) -> int:
 
 
 def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tuple[Array, Array]:
-    """Attitude q and body momentum p a span later, normalised."""
+    """Attitude q, shape (4, N), and body momentum p, shape (3, N), a span later, normalised."""
     momenta, attitudes = [p], [q]
-    rates = [apply_tensor(body.inverse_inertia, p)]
+    rates = [_apply(body.inverse_inertia, p)]
     for n in range(terms):
         # (n + 1) π₍ₙ₊₁₎ = Σ πᵢ × ωₙ₋ᵢ and (n + 1) q₍ₙ₊₁₎ = ½ Σ qᵢ ⊗ ωₙ₋ᵢ
-        dp = sum((_cross(momenta[i], rates[n - i]) for i in range(n + 1)), np.zeros_like(p))
-        dq = sum((_times_vector(attitudes[i], rates[n - i]) for i in range(n + 1)), np.zeros_like(q))
+        dp, dq = np.zeros_like(p), np.zeros_like(q)
+        for i in range(n + 1):
+            _add_cross(dp, momenta[i], rates[n - i])
+            _add_times_vector(dq, attitudes[i], rates[n - i])
         momenta.append(dp / (n + 1))
         attitudes.append(0.5 * dq / (n + 1))
-        rates.append(apply_tensor(body.inverse_inertia, momenta[-1]))
-    return quaternion.normalize(_horner(attitudes, span)), _horner(momenta, span)
+        rates.append(_apply(body.inverse_inertia, momenta[-1]))
+    return quaternion.normalize(_horner(attitudes, span).T).T, _horner(momenta, span)
+
+
+def _apply(tensor: Array, vectors: Array) -> Array:
+    """The product of a tensor with vectors, shape (3, N)."""
+    x, y, z = vectors
+    return np.stack([x * row[0] + y * row[1] + z * row[2] for row in tensor])
 
 
 def _horner(coefficients: list[Array], x: Array) -> Array:
     """The polynomial of these coefficients, the constant one first, at x of shape (N,)."""
     value = coefficients[-1]
     for c in reversed(coefficients[:-1]):
-        value = value * x[:, np.newaxis] + c
+        value = value * x + c
     return value
 
 
-def _cross(a: Array, b: Array) -> Array:
-    ax, ay, az = a[:, 0], a[:, 1], a[:, 2]
-    bx, by, bz = b[:, 0], b[:, 1], b[:, 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+def _add_cross(to: Array, a: Array, b: Array) -> None:
+    ax, ay, az = a
+    bx, by, bz = b
+    to[0] += ay * bz - az * by
+    to[1] += az * bx - ax * bz
+    to[2] += ax * by - ay * bx
 
 
-def _times_vector(q: Array, v: Array) -> Array:
-    """The product of a quaternion with a pure one."""
-    x, y, z, w = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
-    a, b, c = v[:, 0], v[:, 1], v[:, 2]
-    return np.stack(
-        [w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c)], axis=-1
-    )
+def _add_times_vector(to: Array, q: Array, v: Array) -> None:
+    """Add the product of a quaternion with a pure one."""
+    x, y, z, w = q
+    a, b, c = v
+    to[0] += w * a + y * c - z * b
+    to[1] += w * b + z * a - x * c
+    to[2] += w * c + x * b - y * a
+    to[3] += -(x * a + y * b + z * c)

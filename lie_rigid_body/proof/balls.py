@@ -20,9 +20,23 @@ LARGEST: Final = float(sys.float_info.max)
 Balls: TypeAlias = tuple[arb, ...]
 """A vector (3 balls) or a quaternion (4 balls, scalar last)."""
 
+Integers: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
+"""A ball exactly: mantissa and exponent of two, of its midpoint and of its radius."""
+
 
 class UndecidedError(ArithmeticError):
     """Balls are too wide to tell what a formula depends on."""
+
+
+def integers(x: arb) -> Integers:
+    """A ball as the integers that it is made of."""
+    (m, e), (r, s) = x.mid().man_exp(), x.rad().man_exp()
+    return (int(m), int(e)), (int(r), int(s))
+
+
+def ball(parts: Integers) -> arb:
+    """A ball that holds that of `integers`, whatever the present precision: its radius is rounded up, to 30 bits."""
+    return arb(*parts)
 
 
 def dot(a: Balls, b: Balls) -> arb:

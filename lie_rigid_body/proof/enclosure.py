@@ -13,10 +13,23 @@ from flint import arb, ctx
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.proof.balls import Balls, UndecidedError, at_least, at_most, conjugate, norm, product, widest
+from lie_rigid_body.proof.balls import (
+    Balls,
+    Integers,
+    UndecidedError,
+    at_least,
+    at_most,
+    ball,
+    conjugate,
+    integers,
+    norm,
+    product,
+    widest,
+)
 from lie_rigid_body.proof.exact_solution import exact_state
 from lie_rigid_body.proof.start import Start
 from lie_rigid_body.proof.taylor import taylor_state
+from lie_rigid_body.wording import short_repr
 
 WIDTH: Final = 2.0**-80
 """8e-25: how wide an `Enclosure` is at most, unless asked otherwise."""
@@ -42,6 +55,15 @@ class Enclosure:
     attitude_xyzw: Balls
     body_rate: Balls
     bits: int
+
+    __repr__ = short_repr
+
+    def __reduce__(self) -> tuple[Callable[..., Enclosure], tuple[object, ...]]:
+        """The balls as integers: python-flint does not pickle them, and rounds a radius up when it is made anew."""
+        return _from_integers, (
+            *(tuple(map(integers, balls)) for balls in (self.attitude_xyzw, self.body_rate)),
+            self.bits,
+        )
 
     @property
     def width(self) -> float:
@@ -92,6 +114,10 @@ class Enclosure:
         return all(x.overlaps(y) for x, y in zip(mine, theirs, strict=True))
 
 
+def _from_integers(attitude: tuple[Integers, ...], rate: tuple[Integers, ...], bits: int) -> Enclosure:
+    return Enclosure(tuple(map(ball, attitude)), tuple(map(ball, rate)), bits)
+
+
 def enclose(
     inertia: ArrayLike, attitude_xyzw: ArrayLike, body_rate: ArrayLike, t_ns: int, *, width: float = WIDTH
 ) -> Enclosure:
@@ -139,7 +165,7 @@ def enclose_by_taylor(
 def _thin(state: Callable[[int], tuple[Balls, Balls]], width: float) -> Enclosure:
     """The first enclosure that is thin enough, with twice the bits each time."""
     if not 0.0 < width < 1.0:
-        raise InputError(f"width: {width!r} is not between 0 and 1")
+        raise InputError(f"width: {width!r} is not between 0 and 1: give for example 1e-20")
     bits = _FIRST_BITS
     while bits <= _MOST_BITS:
         with ctx.workprec(bits), suppress(UndecidedError):
@@ -158,7 +184,7 @@ def _relative_width(rate: Balls) -> float:
 def _balls(values: ArrayLike, size: int) -> Balls:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (size,):
-        raise InputError(f"shape {array.shape} is not ({size},)")
+        raise InputError(f"shape {array.shape} is not ({size},): give {size} numbers")
     return tuple(arb(x) for x in array.tolist())
 
 

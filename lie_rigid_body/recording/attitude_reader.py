@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import (
@@ -21,8 +20,9 @@ from lie_rigid_body.messages.definitions import (
     TF_MESSAGE,
 )
 from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
-from lie_rigid_body.recording.bag_reader import decoded
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.track_decoding import named, payloads, stamped_columns, taken
+from lie_rigid_body.wording import listed, short_repr
 
 _PLACES: Final = {POSE_STAMPED: (7, 3), POSE_WITH_COVARIANCE_STAMPED: (43, 3), QUATERNION_STAMPED: (4, 0), IMU: (37, 0)}
 """Of each type with one frame how many float64 fields it has, and where the attitude begins among them."""
@@ -32,8 +32,6 @@ _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] 
 }
 ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
 """The message types that hold an attitude with a stamp."""
-MOST_NAMES: Final = 5
-"""Names in a message of one line."""
 _POSE_COVARIANCE: Final = slice(7, 43)
 """Fields of the 6 × 6 covariance after a pose."""
 _IMU_COVARIANCE: Final = slice(4, 13)
@@ -65,6 +63,8 @@ class AttitudeTrack:
     frame: str
     child_frame: str = ""
 
+    __repr__ = short_repr
+
 
 def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frames | None = None) -> AttitudeTrack:
     """The attitudes of a topic.
@@ -92,10 +92,9 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     if track.message_type in _FRAMED:
         return _framed_track(path, track, frames)
     count, first = _PLACES[track.message_type]
-    read = decoded(path, track, lambda: messages.decode(track.payloads, count, stamped=True))
-    assert read.stamps_ns is not None
+    stamps, read = stamped_columns(path, track, count)
     if len(read.frame_ids) > 1:
-        raise BagError(f"{path}: topic {topic} is of the frames {_some(read.frame_ids)}: record those of one body")
+        raise BagError(f"{path}: topic {topic} is of the frames {listed(read.frame_ids)}: record those of one body")
     known = np.full(len(read.numbers), True)
     if track.message_type == IMU:
         known = read.numbers[:, _IMU_COVARIANCE.start] != -1.0
@@ -104,7 +103,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     numbers = read.numbers[known]
     attitude = numbers[:, first : first + 4]
     return AttitudeTrack(
-        track.topic, track.message_type, read.stamps_ns[known], attitude, _covariance(track, numbers), read.frame_ids[0]
+        track.topic, track.message_type, stamps[known], attitude, _covariance(track, numbers), read.frame_ids[0]
     )
 
 
@@ -113,29 +112,25 @@ def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
     usable = [track for track in found if track.message_type in ATTITUDE_TYPES]
     if not found:
         topics = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
-        raise BagError(f"{path} has no topic {topic}; attitudes are on {_some(topics) or 'none of its topics'}")
+        raise BagError(f"{path} has no topic {topic}; attitudes are on {listed(topics) or 'none of its topics'}")
     if not usable:
-        kinds = ", ".join(name.rpartition("/")[2] for name in ATTITUDE_TYPES)
-        raise BagError(f"{path}: topic {topic} is of {found[0].message_type}: give one of {kinds}")
+        kind, *kinds, last = (name.rpartition("/")[2] for name in (found[0].message_type, *ATTITUDE_TYPES))
+        raise BagError(f"{path}: topic {topic} is of {kind}: give {', '.join(kinds)} or {last}")
     if len(usable) > 1 or not usable[0].count:
         what = "messages of several types" if len(usable) > 1 else "no message"
         raise BagError(f"{path} has {what} on {topic}: record it again while one estimator runs")
     return usable[0]
 
 
-def _some(names: Sequence[str]) -> str:
-    """The first names of a list, for a message of one line."""
-    rest = [f"{len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
-    return ", ".join([*names[:MOST_NAMES], *rest])
-
-
 def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> AttitudeTrack:
-    found = decoded(path, track, lambda: _FRAMED[track.message_type](track.payloads))
+    pieces = taken(path, track)
+    with named(path, track.topic):
+        found = _FRAMED[track.message_type]([payload for _, payload in payloads(pieces)])
     frames = wanted if wanted in found else next(iter(found), None)
     if frames is None:
         raise BagError(f"{path}: the messages on {track.topic} are empty: record it while an estimator runs")
     if len(found) > 1 and frames != wanted:
-        pairs = _some([f"{frame} to {child}" for frame, child in found])
+        pairs = listed([f"{frame} to {child}" for frame, child in found])
         what = f"none of which is {' to '.join(wanted)}" if wanted else "of which none is known as the body's"
         raise BagError(f"{path}: topic {track.topic} tells of {pairs}, {what}: record one body, or name its frames so")
     numbers = np.array(found[frames].numbers)

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
-import yaml
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Decoded
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, read_file
+from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
+from lie_rigid_body.wording import listed, short_repr
 
-T = TypeVar("T")
-
-TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST, STRING)
-"""The message types of a recording."""
+_BATCH: Final = 32_768
+"""Messages of poses and twists that a batch holds at least, but for the last one."""
+_WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class PoseTrack:
     attitudes_xyzw: Array
     positions: Array
     frame_ids: tuple[str, ...]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,11 @@ class TwistTrack:
     linear: Array
     frame_ids: tuple[str, ...]
 
+    __repr__ = short_repr
+
+
+Track = TypeVar("Track", PoseTrack, TwistTrack)
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -89,6 +97,14 @@ class Recording:
     twists : TwistTrack
     expected_samples : int or None
         How many samples the writer says it wrote, where it does.
+    published_otherwise : int
+        Messages of the three topics whose time of publishing is not their log time.
+    others : tuple of str
+        What the bag holds besides, in words: topics and attachments.
+    undefined : tuple of str
+        Topics among the three whose message definition is left out, or in a language that is not compared.
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
     library: str
@@ -96,10 +112,130 @@ class Recording:
     poses: PoseTrack
     twists: TwistTrack
     expected_samples: int | None
+    published_otherwise: int = 0
+    others: tuple[str, ...] = ()
+    undefined: tuple[str, ...] = ()
+    without_checksum: int = 0
+
+    __repr__ = short_repr
+
+    @property
+    def pose_topic(self) -> str:
+        """Name of the topic of the poses."""
+        return self.poses.topic
+
+    @property
+    def twist_topic(self) -> str:
+        """Name of the topic of the twists."""
+        return self.twists.topic
+
+    @property
+    def stamped(self) -> bool:
+        """Whether twists have stamps of their own."""
+        return self.twists.stamps_ns is not None
+
+    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists, as `Bag.batches` reads them."""
+        yield self.poses, self.twists
+
+
+class Bag:
+    """A bag that is read in batches, as often as they are wanted: its memory does not grow with its length.
+
+    Parameters
+    ----------
+    path : str or Path
+        An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
+    progress : callable, optional
+        Called with the number of bytes that were read since it was called last, in every pass.
+
+    Attributes
+    ----------
+    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum
+        As in `Recording`.
+    pose_topic, twist_topic : str
+    stamped : bool
+        Whether twists have stamps of their own.
+
+    Raises
+    ------
+    BagError
+        If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
+    """
+
+    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
+        self._path, self._files = Path(path), BagFiles(path, progress)
+        contents = self._files.contents((STRING,))
+        self._types = {track.message_type for track in contents.tracks.values()}
+        pose = _find(self._path, contents, "pose", POSE_STAMPED)
+        twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
+        scenario = _find(self._path, contents, "scenario", STRING)
+        own = (pose, twist, scenario)
+        for track in own:
+            require_cdr(self._path, track)
+        self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
+        self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
+        self.library = contents.library
+        self.scenario_texts = texts(self._path, scenario)
+        self.expected_samples = _expected_samples(self._path, contents)
+        self.published_otherwise = sum(track.published_otherwise for track in own)
+        self.others = _others(contents, own)
+        self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
+        self.without_checksum = contents.without_checksum
+
+    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists in file order, some ten thousand at a time."""
+        contents, decoded = McapContents(), [0, 0]
+        for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
+            tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
+            waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
+            if position is None or waiting >= _BATCH:
+                pieces = [[] if track is None else track.take() for track in tracks]
+                yield self._poses(pieces[0], decoded[0]), self._twists(pieces[1], decoded[1])
+                decoded = [n + sum(len(p.starts) for p in taken) for n, taken in zip(decoded, pieces, strict=True)]
+            for track in contents.tracks.values():
+                if (track.topic, track.message_type) not in (self._pose, self._twist):
+                    track.take()
+            if position is None or waiting >= _BATCH:
+                contents.kept = 0
+
+    def messages_of(self, types: Collection[str]) -> McapContents:
+        """All messages of some types, undecoded, in memory; nothing is read if there are none."""
+        return self._files.contents(types) if self._types.intersection(types) else McapContents()
+
+    def load(self) -> Recording:
+        """The whole bag in memory."""
+        poses, twists = zip(*self.batches(), strict=True)
+        return Recording(
+            self.library,
+            self.scenario_texts,
+            _joined(poses),
+            _joined(twists),
+            self.expected_samples,
+            self.published_otherwise,
+            self.others,
+            self.undefined,
+            self.without_checksum,
+        )
+
+    def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
+        with named(self._path, self._pose[0]):
+            log_times, decoded = columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
+        assert decoded.stamps_ns is not None
+        numbers = decoded.numbers
+        return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
+
+    def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
+        with named(self._path, self._twist[0]):
+            log_times, decoded = columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+        numbers = decoded.numbers
+        return TwistTrack(
+            self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
+        )
 
 
 def read_bag(path: str | Path) -> Recording:
-    """Read a bag.
+    """Read a bag into memory.
 
     Parameters
     ----------
@@ -115,67 +251,37 @@ def read_bag(path: str | Path) -> Recording:
     BagError
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
-    path = Path(path)
-    return recording_in(path, read_contents(path, TYPES))
+    return Bag(path).load()
 
 
-def read_contents(path: Path, wanted: Collection[str]) -> McapContents:
-    """The raw messages of a bag, a file or a folder of them, with the payloads of the wanted types.
-
-    Raises
-    ------
-    BagError
-        If it is no bag, cut off or damaged.
-    """
-    contents = McapContents()
-    for file in _files(path):
-        read_file(file, wanted, contents)
-    return contents
+def _joined(tracks: Sequence[Track]) -> Track:
+    """Tracks that continue each other as one."""
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(track, name) for track in tracks])
+        for name, value in vars(tracks[0]).items()
+        if isinstance(value, np.ndarray)
+    }
+    frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
+    return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
-def recording_in(path: Path, contents: McapContents) -> Recording:
-    """The recording in a bag's contents, which hold the payloads of `TYPES`; see `read_bag`."""
-    pose = _find(path, contents, "pose", POSE_STAMPED)
-    twist = _find(path, contents, "twist", TWIST_STAMPED, TWIST)
-    scenario = _find(path, contents, "scenario", STRING)
-    texts = decoded(path, scenario, lambda: [messages.decode_string(p, i) for i, p in enumerate(scenario.payloads)])
-    return Recording(
-        contents.library,
-        list(zip(scenario.log_times_ns, texts, strict=True)),
-        _pose_track(path, pose),
-        _twist_track(path, twist),
-        _expected_samples(path, contents),
-    )
+def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+    rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
+    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 
-def _pose_track(path: Path, track: RawTrack) -> PoseTrack:
-    read = decoded(path, track, lambda: messages.decode(track.payloads, messages.POSE_NUMBERS, stamped=True))
-    assert read.stamps_ns is not None
-    numbers = read.numbers
-    return PoseTrack(track.topic, _log_times(track), read.stamps_ns, numbers[:, 3:], numbers[:, :3], read.frame_ids)
-
-
-def _twist_track(path: Path, track: RawTrack) -> TwistTrack:
-    stamped = track.message_type == TWIST_STAMPED
-    read: Decoded = decoded(
-        path, track, lambda: messages.decode(track.payloads, messages.TWIST_NUMBERS, stamped=stamped)
-    )
-    numbers = read.numbers
-    return TwistTrack(track.topic, _log_times(track), read.stamps_ns, numbers[:, 3:], numbers[:, :3], read.frame_ids)
-
-
-def _log_times(track: RawTrack) -> Integers:
-    return np.array(track.log_times_ns, dtype=np.uint64).astype(np.int64)
-
-
-def decoded(path: Path, track: RawTrack, decode: Callable[[], T]) -> T:
-    """What a decoder makes of a track; its errors name bag and topic."""
-    if track.encoding != "cdr":
-        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: only cdr is read")
-    try:
-        return decode()
-    except BagError as error:
-        raise BagError(f"{path}: topic {track.topic}: {error}: record the bag again") from None
+def _is_defined(path: Path, track: RawTrack) -> bool:
+    """Whether the track's schema has a text that can be compared; if so it must have the fields of the type."""
+    encoding, text = track.definition
+    if encoding != "ros2msg" or not text:
+        return False
+    if not has_fields_of(text.decode(errors="replace"), track.message_type):
+        raise BagError(
+            f"{path}: topic {track.topic}: the definition of {track.message_type} is not that of ROS 2, by which "
+            "others read it: restore a copy, or record again"
+        )
+    return True
 
 
 def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
@@ -185,9 +291,10 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        raise BagError(f"{path} has no topic .../{ending} of type {' or '.join(types)}; it has {_list(contents)}")
+        wanted = f"topic .../{ending} ({' or '.join(types)}{_WHY.get(ending, '')})"
+        raise BagError(f"{path} has no {wanted}: record it; there are {_list(contents)}")
     if len(found) > 1:
-        names = ", ".join(f"{track.topic} ({track.message_type})" for track in found)
+        names = listed([f"{track.topic} ({track.message_type})" for track in found])
         raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
     if not found[0].count:
         raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
@@ -195,7 +302,7 @@ def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTr
 
 
 def _list(contents: McapContents) -> str:
-    return ", ".join(f"{topic} ({kind})" for topic, kind in contents.tracks) or "no topic at all"
+    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:
@@ -203,30 +310,3 @@ def _expected_samples(path: Path, contents: McapContents) -> int | None:
     if text is not None and not re.fullmatch("[0-9]{1,18}", text):
         raise BagError(f"{path} is damaged: its metadata counts {text!r} samples: record it again")
     return None if text is None else int(text)
-
-
-def _files(path: Path) -> list[Path]:
-    """The MCAP files of a bag, in the order of recording."""
-    if not path.is_dir():
-        return [path]
-    listed = _listed_files(path / "metadata.yaml")
-    files = sorted(path.glob("*.mcap"), key=_natural) if listed is None else [path / name for name in listed]
-    if not files:
-        raise BagError(f"{path} is a folder without MCAP files: give a bag")
-    return files
-
-
-def _listed_files(metadata: Path) -> list[str] | None:
-    """The files that a rosbag2 folder's metadata name, or None without metadata: a recorder that was killed."""
-    if not metadata.exists():
-        return None
-    try:
-        information = yaml.safe_load(metadata.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
-        names = [str(name) for name in information["relative_file_paths"]]
-    except (OSError, ValueError, TypeError, LookupError, yaml.YAMLError):
-        raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
-    return names
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]

@@ -8,13 +8,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final
 
+import zstandard  # noqa: F401  # mcap would miss it only once the file is there
 from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch
-from lie_rigid_body.recording.output_file import OutputFile, reason
+from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
 POSE_TOPIC: Final = "/pose"
@@ -56,7 +57,7 @@ class BagWriter:
     Raises
     ------
     BagError
-        If the file cannot be created, or later not written.
+        If the file cannot be created, later not written, or is taken away by another program.
     """
 
     def __init__(
@@ -153,7 +154,13 @@ class BagWriter:
         """Finish the present chunk and hand it to the operating system: it survives the end of this process."""
         with self._writing():
             self._writer.flush()  # type: ignore[no-untyped-call]
+            self._file.require_intact()
             self._chunk_start_ns = None
+
+    def require_intact(self) -> None:
+        """Check that no other program has taken away what was written so far."""
+        with self._writing():
+            self._file.require_intact()
 
     def finish(self) -> None:
         """Write the indexes and close the file. Calling it again does nothing."""
@@ -172,15 +179,21 @@ class BagWriter:
             raise BagError(f"{self.path} is already finished: begin a new bag")
         try:
             yield
+        except BagError:
+            self._abandon()
+            raise
         except OSError as error:
-            self._open = False
-            self._file.abandon()
+            self._abandon()
             raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains()}") from None
+
+    def _abandon(self) -> None:
+        self._open = False
+        self._file.abandon()
 
     def _what_remains(self) -> str:
         if self._file.replaces:
             return "the older file of that name is kept: make room and record again"
-        return f"make room and record again, or read what is whole after 'mcap recover {self.path} -o recovered.mcap'"
+        return f"make room and record again, or rescue what is whole with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self
@@ -191,6 +204,4 @@ class BagWriter:
         if kind is None or not self._file.replaces or issubclass(kind, KeyboardInterrupt | SystemExit):
             self.finish()
         elif self._open:
-            # a run that failed does not replace a bag that is whole
-            self._open = False
-            self._file.abandon()
+            self._abandon()  # a run that failed does not replace a bag that is whole

@@ -7,31 +7,95 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
 
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Footer, Header, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.bounded_input import open_file
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated
+from lie_rigid_body.recording.inventory import (
+    ContradictionError,
+    Inventory,
+    MessageRuns,
+    MessageTable,
+    require_in_chunk,
+)
+from lie_rigid_body.recording.output_file import reason, rescue
+from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
 
 _HEAD: Final = struct.Struct("<BQ")
-_MESSAGE: Final = struct.Struct("<HIQQ")
-_COMPRESSIONS: Final = ("", "lz4", "zstd")
+_MESSAGE_BYTES: Final = 31
+"""Bytes of a message record before its payload."""
+_MOST_LOOSE_BYTES: Final = 2**20
+"""Messages of a file without chunks are taken in pieces of this size."""
+_SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
+    Opcode.STATISTICS: Statistics.read,
+    Opcode.CHUNK_INDEX: ChunkIndex.read,
+    Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
+    Opcode.METADATA_INDEX: MetadataIndex.read,
+    Opcode.SUMMARY_OFFSET: SummaryOffset.read,
+}
+_PROFILES: Final = ("ros2", "")
+ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
+"""The first bytes of whatever zstd compressed."""
+LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
+"""Largest size of a record, bytes."""
+_KEPT_AT_LEAST: Final = 64 * 2**20
+_KEPT_PER_BYTE: Final = 200
+"""Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
+_PER_MESSAGE: Final = 100
+"""About the bytes that a message takes beside its content."""
+_SMALL_SHARE: Final = 4
+"""Messages that take less than this part of a chunk are copied out of it, so that the rest is not kept."""
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
-    b"\x28\xb5\x2f\xfd": "it is zstd-compressed as a whole: unpack it with 'unzstd'",
+    ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
 }
+
+
+@dataclass(frozen=True)
+class RawMessages:
+    """Messages of one track that stand in one chunk, undecoded, in file order.
+
+    Parameters
+    ----------
+    data : bytes
+        The chunk.
+    starts, ends : ndarray of int64, shape (N,)
+        Where in it each payload begins and ends.
+    log_times_ns : ndarray of int64, shape (N,)
+    """
+
+    data: bytes
+    starts: Integers
+    ends: Integers
+    log_times_ns: Integers
 
 
 @dataclass
@@ -41,19 +105,40 @@ class RawTrack:
     Attributes
     ----------
     topic, message_type, encoding : str
-    log_times_ns : list of int
-    payloads : list of bytes
-        Empty when the type was not wanted.
+    definition : tuple of (str, bytes)
+        Encoding and text of its schema.
+    pieces : list of RawMessages
+        Those not yet taken; empty when the type was not wanted.
     count : int
         Messages, wanted or not.
+    published_otherwise : int
+        How many of them were not published at their log time.
     """
 
     topic: str
     message_type: str
     encoding: str
-    log_times_ns: list[int] = field(default_factory=list)
-    payloads: list[bytes] = field(default_factory=list)
+    definition: tuple[str, bytes] = ("", b"")
+    pieces: list[RawMessages] = field(default_factory=list)
     count: int = 0
+    published_otherwise: int = 0
+
+    def take(self) -> list[RawMessages]:
+        """The messages not yet taken, which the track then forgets."""
+        pieces, self.pieces = self.pieces, []
+        return pieces
+
+
+@dataclass(frozen=True)
+class FileSpan:
+    """How many messages a file holds, and from when to when they were logged, ns."""
+
+    name: str
+    count: int
+    first_ns: int
+    last_ns: int
+
+    __repr__ = short_repr
 
 
 @dataclass
@@ -67,11 +152,24 @@ class McapContents:
     tracks : dict of (topic, message type) to RawTrack
     metadata : dict of str to dict
         Metadata records by name.
+    attachments : int
+    files : list of FileSpan
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
+    kept, most_kept : int
+        About the bytes that the messages not yet taken need, and how many they may: each file allows for its own.
     """
 
     library: str = ""
     tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: int = 0
+    files: list[FileSpan] = field(default_factory=list)
+    without_checksum: int = 0
+    kept: int = 0
+    most_kept: int = 0
+
+    __repr__ = short_repr
 
     @property
     def message_count(self) -> int:
@@ -79,28 +177,42 @@ class McapContents:
         return sum(track.count for track in self.tracks.values())
 
 
-def read_file(path: Path, wanted: Collection[str], into: McapContents) -> None:
-    """Add a file's messages to the tracks.
+def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
+    """Add a file's messages to the tracks, chunk by chunk.
 
     Parameters
     ----------
     path : Path
     wanted : collection of str
-        Message types whose payloads are kept.
+        Message types whose payloads are kept until they are taken.
     into : McapContents
+
+    Yields
+    ------
+    int
+        The bytes that were read, after each chunk.
 
     Raises
     ------
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
+    with _opened(path) as stream:
+        try:
+            yield from _FileReader(path, stream, wanted, into).read()
+        except OSError as error:
+            raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
+
+
+def _opened(path: Path) -> BinaryIO:
     try:
-        with open(path, "rb") as stream:
-            _FileReader(path, stream, wanted, into).read()
+        return open_file(path)
+    except InputError as error:
+        raise BagError(str(error)) from None
     except FileNotFoundError:
         raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
-    except OSError as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}") from None
+    except (OSError, ValueError) as error:
+        raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None
 
 
 class _FileReader:
@@ -109,20 +221,30 @@ class _FileReader:
     def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
-        self._types: dict[int, str] = {0: ""}
+        into.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size)
+        self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
-        self._chunks = 0
+        self._inventory = Inventory()
+        self._loose = bytearray()
+        self._loose_ends = [0]
         self._before = into.message_count
+        self._taken = 0
         self._crc = 0  # of the data section, then of the summary
+        self._data_crc = 0
+        self._bare_chunks = 0
         self._position = 0
+        self._length = 0  # of the record there, without its head
 
-    def read(self) -> None:
+    def read(self) -> Iterator[int]:
         self._require_magic()
         self._stream.seek(len(MAGIC))
         self._position = len(MAGIC)
         self._crc = zlib.crc32(MAGIC)
+        count = 0
         while self._read_record() != Opcode.FOOTER:
-            pass
+            if self._taken > count:
+                count = self._taken
+                yield self._position
         if self._stream.read() != MAGIC:
             raise self._cut_off()
 
@@ -145,12 +267,21 @@ class _FileReader:
             raise self._damaged("a record is longer than the file")
         if too_long or opcode == 0:
             raise self._cut_off()
-        content = self._stream.read(length)
+        if length > LARGEST_RECORD:
+            raise self._too_large(f"a record of {length} bytes")
+        content, self._length = self._stream.read(length), length
         self._verify_section(opcode, head, content)
         try:
-            self._take(opcode, content)
-        except BagError:
+            self._inventory.record(opcode, self._position, length)
+            if opcode == Opcode.MESSAGE:
+                self._loose_message(head + content)
+            else:
+                self._end_loose_messages()
+                self._take(opcode, content)
+        except (BagError, ModuleNotFoundError):
             raise
+        except ContradictionError as contradiction:
+            raise self._damaged(str(contradiction)) from None
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
             raise self._damaged(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__) from None
         self._position += _HEAD.size + length
@@ -159,6 +290,7 @@ class _FileReader:
     def _verify_section(self, opcode: int, head: bytes, content: bytes) -> None:
         if opcode == Opcode.DATA_END:
             self._compare(content, 0, "data section")
+            self._data_crc = int.from_bytes(content[:4], "little")
             self._crc = 0
         elif opcode == Opcode.FOOTER:
             self._crc = zlib.crc32(content[:16], zlib.crc32(head, self._crc))
@@ -172,69 +304,151 @@ class _FileReader:
             raise self._damaged(f"the checksum of its {what} is {self._crc:08x}, not {declared:08x}")
 
     def _take(self, opcode: int, content: bytes) -> None:
-        if opcode == Opcode.MESSAGE:
-            self._message(content, 0, len(content))
-        elif opcode == Opcode.CHUNK:
-            self._chunk(_parse(Chunk.read, content))
+        if opcode == Opcode.CHUNK:
+            self._chunk(_parse(Chunk.read, content), len(content))
+        elif opcode == Opcode.MESSAGE_INDEX:
+            self._inventory.message_index(content, self._position)
         elif opcode == Opcode.SCHEMA:
             schema = _parse(Schema.read, content)
-            self._types[schema.id] = schema.name
+            self._inventory.schema(schema)
+            self._schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             self._channel(_parse(Channel.read, content))
         elif opcode == Opcode.HEADER:
-            self._into.library = self._into.library or _parse(Header.read, content).library
+            self._header(_parse(Header.read, content))
         elif opcode == Opcode.METADATA:
             record = _parse(Metadata.read, content)
+            self._inventory.metadata(record, self._position, len(content))
             self._into.metadata[record.name] = record.metadata
+        elif opcode == Opcode.ATTACHMENT:
+            self._inventory.attachment(_parse(Attachment.read, content), self._position, len(content))
+            self._into.attachments += 1
+        elif opcode in _SUMMARY:
+            self._inventory.summary(_parse(_SUMMARY[opcode], content))
         elif opcode == Opcode.FOOTER:
-            _parse(Footer.read, content)
+            self._inventory.finish(_parse(Footer.read, content), self._position)
+            self._into.files.append(FileSpan(self._path.name, *self._inventory.span))
+            if not self._data_crc:
+                self._into.without_checksum += self._bare_chunks or not self._inventory.chunk_count
+
+    def _header(self, header: Header) -> None:
+        if header.profile not in _PROFILES:
+            raise ContradictionError(f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+        self._into.library = self._into.library or header.library
 
     def _channel(self, channel: Channel) -> None:
-        key = channel.topic, self._types[channel.schema_id]
-        self._channels[channel.id] = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding))
+        self._inventory.channel(channel)
+        schema = self._schemas[channel.schema_id]
+        key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
+        track = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
+        if (track.encoding, track.definition) != (channel.message_encoding, definition):
+            raise ContradictionError(f"topic {channel.topic} has messages of two encodings or definitions")
+        self._channels[channel.id] = track
 
-    def _chunk(self, chunk: Chunk) -> None:
-        if chunk.compression not in _COMPRESSIONS:
+    def _chunk(self, chunk: Chunk, length: int) -> None:
+        if chunk.compression not in COMPRESSIONS:
             raise BagError(
                 f"{self._path} is compressed with {chunk.compression!r}, which is unknown here: "
                 "rewrite it with 'mcap compress'"
             )
-        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-        data, position = stream.read(size), 0
+        if chunk.uncompressed_size > LARGEST_CHUNK:
+            raise self._too_large(f"a chunk of {chunk.uncompressed_size} bytes")
+        try:
+            data, position = inflated(chunk), 0
+        except ValueError as error:
+            raise self._damaged(str(error)) from None
+        size = len(data)
+        runs = MessageRuns(data, self._indexed_offsets())
+        parts: list[MessageTable] = []
         while position < size:
-            opcode, length = _HEAD.unpack_from(data, position)
-            position += _HEAD.size
-            end = position + length
+            run = runs.at(position)
+            if run is not None:
+                parts.append(run)
+                position = int(run.ends[-1])
+                continue
+            opcode, record_length = _HEAD.unpack_from(data, position)
+            end = position + _HEAD.size + record_length
             if end > size:
                 raise self._damaged("a record is longer than its chunk")
             if opcode == Opcode.MESSAGE:
-                self._message(data, position, end)
+                parts.append(MessageTable.of(data, np.array([position]), np.array([end])))
             else:
-                self._take(opcode, data[position:end])
+                require_in_chunk(opcode)
+                self._take(opcode, data[position + _HEAD.size : end])
             position = end
-        self._chunks += 1
+        table = MessageTable.joined(data, parts)
+        self._inventory.chunk(chunk, table, self._position, length)
+        self._bare_chunks += not chunk.uncompressed_crc
+        self._messages(table)
 
-    def _message(self, data: bytes, start: int, end: int) -> None:
-        channel, _, log_time, _ = _MESSAGE.unpack_from(data, start)
-        track = self._channels[channel]
-        track.count += 1
-        if track.message_type in self._wanted:
-            track.log_times_ns.append(log_time)
-            track.payloads.append(data[start + _MESSAGE.size : end])
+    def _indexed_offsets(self) -> Integers:
+        """Where the message indexes that follow say that messages begin: hints, that nothing depends on but speed."""
+        self._stream.seek(self._position + _HEAD.size + self._length)
+        found = [np.empty(0, dtype=np.int64)]
+        while (head := self._stream.read(_HEAD.size))[:1] == bytes([Opcode.MESSAGE_INDEX]) and len(head) == _HEAD.size:
+            _, length = _HEAD.unpack(head)
+            content = self._stream.read(min(length, LARGEST_RECORD))
+            found.append(np.frombuffer(content[6 : 6 + (len(content) - 6) // 16 * 16], dtype="<i8")[1::2])
+        self._stream.seek(self._position + _HEAD.size + self._length)
+        return np.concatenate(found)
+
+    def _loose_message(self, record: bytes) -> None:
+        """Take a message that stands in no chunk: together with its neighbours, as one alone takes long."""
+        self._loose += record
+        self._loose_ends.append(len(self._loose))
+        if len(self._loose) > _MOST_LOOSE_BYTES:
+            self._end_loose_messages()
+
+    def _end_loose_messages(self) -> None:
+        if self._loose:
+            table = MessageTable.of(bytes(self._loose), np.array(self._loose_ends[:-1]), np.array(self._loose_ends[1:]))
+            self._loose, self._loose_ends = bytearray(), [0]
+            self._messages(table)
+
+    def _messages(self, table: MessageTable) -> None:
+        self._inventory.messages(table)
+        self._taken += len(table.starts)
+        for channel in np.flatnonzero(np.bincount(table.channels)).tolist():
+            track, own = self._channels[channel], np.flatnonzero(table.channels == channel)
+            log_times = table.log_times[own]
+            track.count += len(own)
+            track.published_otherwise += int(np.count_nonzero(log_times != table.publish_times[own]))
+            if track.message_type in self._wanted:
+                piece = _piece(table.data, table.starts[own] + _MESSAGE_BYTES, table.ends[own], log_times)
+                track.pieces.append(piece)
+                self._keep(len(piece.data) + len(own) * _PER_MESSAGE)
+
+    def _keep(self, count: int) -> None:
+        self._into.kept += count
+        if self._into.kept > self._into.most_kept:
+            raise self._too_large(f"messages of {self._into.kept} bytes in a file of {self._size}")
 
     def _ends_well(self) -> bool:
         self._stream.seek(-len(MAGIC), 2)
         return self._stream.read() == MAGIC
 
     def _cut_off(self) -> BagError:
-        count = self._into.message_count - self._before
+        count = self._into.message_count - self._before + len(self._loose_ends) - 1
         return BagError(
-            f"{self._path} was cut off, or is still being written: its {self._chunks} whole chunks hold {count} "
-            f"messages; rescue them with 'mcap recover {self._path} -o recovered.mcap'"
+            f"{self._path} was cut off, or is still being written: its {self._inventory.chunk_count} whole chunks hold "
+            f"{count} messages; rescue them with {rescue()}"
         )
+
+    def _too_large(self, what: str) -> BagError:
+        return BagError(f"{self._path} has at byte {self._position} {what}, more than is read: record it again")
 
     def _damaged(self, what: str) -> BagError:
         return BagError(f"{self._path} is damaged at byte {self._position}: {what}: restore a copy, or record again")
+
+
+def _piece(data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers) -> RawMessages:
+    """Messages of a chunk, without the rest of it if that is much more."""
+    sizes = ends - starts
+    if _SMALL_SHARE * int(sizes.sum()) >= len(data):
+        return RawMessages(data, starts, ends, log_times_ns)
+    own = b"".join([data[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True)])
+    behind = np.cumsum(sizes)
+    return RawMessages(own, behind - sizes, behind, log_times_ns)
 
 
 def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:

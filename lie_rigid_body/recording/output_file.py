@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
+import secrets
 import stat
-import tempfile
+from io import BufferedWriter, FileIO
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.errors import BagError
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
+_UNFINISHED: Final = (".lie_rigid_body-", ".part")
+"""How the name of a file that is to replace an older one begins and ends until it is whole."""
 
 
 class OutputFile:
@@ -19,7 +27,8 @@ class OutputFile:
     in `commit`; until then the old one is untouched.
 
     An unfinished file is closed by `abandon`, which keeps it for rescue unless it was to replace an older one, or by
-    `discard`, which always removes it.
+    `discard`, which always removes it. What a killed process has left beside a file that it was to replace is removed
+    when the next output file is made in that folder.
 
     Parameters
     ----------
@@ -37,7 +46,10 @@ class OutputFile:
         self.path = Path(path)
         try:
             self._target = self._replaceable(overwrite)
-            self._written, self.stream = _new(self.path) if self._target is None else _beside(self._target)
+            if self._target is None:
+                self._written, self._file = self.path, _GrowingFile(self.path)
+            else:
+                self._written, self._file = _beside(self._target)
         except FileExistsError:
             raise BagError(f"{self.path} exists and is kept: give another name, or --force to replace it") from None
         except (OSError, ValueError) as error:
@@ -49,6 +61,8 @@ class OutputFile:
             raise BagError(
                 f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
             ) from None
+        self.stream = BufferedWriter(self._file)
+        _remove_rests(self._written.parent)
 
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
@@ -65,26 +79,50 @@ class OutputFile:
         """Whether an older file waits to be replaced."""
         return self._target is not None
 
+    def require_intact(self) -> None:
+        """Check that what was written so far is still there, under its name and at its length.
+
+        Raises
+        ------
+        BagError
+            If another program has taken it away.
+        """
+        if damage := self._damage():
+            raise BagError(f"{self.path} is lost: {damage} meanwhile: keep others away, and write it again")
+
+    def _damage(self) -> str:
+        try:
+            there = self._written.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return "the file was deleted or moved"
+        held = os.fstat(self._file.fileno())
+        if not os.path.samestat(there, held):
+            return "another file took its place"
+        if held.st_size != self._file.length:
+            return f"another program made it {held.st_size} bytes long instead of {self._file.length}"
+        return ""
+
     def commit(self) -> None:
-        """Flush, fsync and close, then replace the older file, if any."""
+        """Flush and fsync, replace the older file, if any, and close."""
         self.stream.flush()
-        os.fsync(self.stream.fileno())
-        self.stream.close()
+        os.fsync(self._file.fileno())
+        self.require_intact()
         if self._target is not None:
-            os.replace(self._written, self._target)
+            os.replace(self._written, self._target)  # while it is still locked
+        self.stream.close()
 
     def abandon(self) -> None:
         """Close the unfinished file, and keep it for rescue unless it was to replace an older one."""
-        self._close()
-        if self.replaces:
-            self._written.unlink(missing_ok=True)
+        self._close(remove=self.replaces)
 
     def discard(self) -> None:
         """Close the unfinished file and remove it."""
-        self._close()
-        self._written.unlink(missing_ok=True)
+        self._close(remove=True)
 
-    def _close(self) -> None:
+    def _close(self, *, remove: bool) -> None:
+        with contextlib.suppress(OSError):  # another file may have taken its place
+            if remove and os.path.samestat(self._written.stat(), os.fstat(self._file.fileno())):
+                self._written.unlink()
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
 
@@ -113,12 +151,47 @@ def reason(error: Exception) -> str:
     return (isinstance(error, OSError) and error.strerror) or str(error)
 
 
-def _new(path: Path) -> tuple[Path, BinaryIO]:
-    return path, open(path, "xb")
+def rescue() -> str:
+    """The commands that make a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
+    return "'mcap recover' or 'ros2 bag convert'"
 
 
-def _beside(target: Path) -> tuple[Path, BinaryIO]:
-    """A file of the same permissions in the same folder, which is on the same disk."""
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
-    os.fchmod(handle, stat.S_IMODE(target.stat().st_mode))
-    return Path(name), os.fdopen(handle, "wb")
+class _GrowingFile(FileIO):
+    """A new file that is written at its end only: where another program cuts it, no hole of zeros hides the loss.
+
+    Attributes
+    ----------
+    length : int
+        How many bytes were written.
+    """
+
+    def __init__(self, path: Path, permissions: int = 0o666) -> None:
+        super().__init__(path, "xb", opener=lambda name, flags: os.open(name, flags | os.O_APPEND, permissions))
+        self.length = 0
+
+    def write(self, data: ReadableBuffer, /) -> int:
+        count = super().write(data)
+        self.length += count
+        return count
+
+
+def _beside(target: Path) -> tuple[Path, _GrowingFile]:
+    """A file of the same permissions in the same folder, which is on the same disk; it is locked until it is closed."""
+    begin, end = _UNFINISHED
+    while True:
+        path = target.with_name(f"{begin}{secrets.token_hex(8)}{end}")
+        file = _GrowingFile(path, permissions=0o600)
+        with contextlib.suppress(OSError):  # where there are no locks, nobody gets one either
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.fstat(file.fileno()).st_nlink:
+            os.fchmod(file.fileno(), stat.S_IMODE(target.stat().st_mode))
+            return path, file
+        file.close()  # it was taken for a rest before it was locked
+
+
+def _remove_rests(folder: Path) -> None:
+    """Remove the unfinished files of killed processes: theirs are no longer locked."""
+    for path in folder.glob("*".join(_UNFINISHED)):
+        with contextlib.suppress(OSError), open(path, "r+b") as rest:
+            fcntl.flock(rest, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            path.unlink()

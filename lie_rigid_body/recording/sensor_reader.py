@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
-from lie_rigid_body.recording.bag_reader import decoded
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.track_decoding import stamped_columns
+from lie_rigid_body.wording import listed, short_repr
 
 SENSOR_TYPES: Final = (IMU, MAGNETIC_FIELD)
 """The message types of the sensors."""
@@ -37,6 +37,8 @@ class VectorTrack:
     stamps_ns: Integers
     vectors: tuple[Array, ...]
 
+    __repr__ = short_repr
+
 
 def imu_tracks(path: Path, contents: McapContents) -> tuple[VectorTrack | None, VectorTrack | None]:
     """The readings of the IMU and their true biases; None for a topic that is not in the bag."""
@@ -53,13 +55,12 @@ def _track(path: Path, contents: McapContents, name: str) -> VectorTrack | None:
     found = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
     found = [track for track in found if track.count]
     if len(found) > 1:
-        topics = ", ".join(track.topic for track in found)
+        topics = listed([track.topic for track in found])
         raise BagError(f"{path} has several topics .../{name}: {topics}: record those of one body")
     return _vectors(path, found[0]) if found else None
 
 
 def _vectors(path: Path, track: RawTrack) -> VectorTrack:
     count, places = _VECTORS[track.message_type]
-    read = decoded(path, track, lambda: messages.decode(track.payloads, count, stamped=True))
-    assert read.stamps_ns is not None
-    return VectorTrack(track.topic, read.stamps_ns, tuple(read.numbers[:, i : i + 3].copy() for i in places))
+    stamps, read = stamped_columns(path, track, count)
+    return VectorTrack(track.topic, stamps, tuple(read.numbers[:, i : i + 3].copy() for i in places))

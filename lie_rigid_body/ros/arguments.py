@@ -15,7 +15,7 @@ DESCRIPTION: Final = "Run the live ROS 2 node."
 EPILOG: Final = """
 ROS arguments follow --ros-args: remapping (-r pose:=truth, -r __ns:=/a), parameters (-p rate:=200.0, or
 --params-file FILE). They win over the options above. Ctrl-C ends the node, and finishes the bag of record_path.
-If that bag can no longer be written, the node says so and ends with status 2.
+If that bag can no longer be written, the node says so at once, goes on publishing, and ends with status 2.
 """
 
 

@@ -6,6 +6,8 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import Thread
@@ -17,9 +19,11 @@ from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
+LARGEST_DOMAIN: Final = 232
+"""Largest domain number of DDS, by its numbers of ports."""
 LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
@@ -40,6 +44,7 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
     InputError
         If ROS does not understand them.
     """
+    _require_domain(os.environ.get("ROS_DOMAIN_ID", ""))
     # what rcl logs of bad arguments is in the exception as well
     set_logger_level(_RCL, LoggingSeverity.FATAL)
     with translated_errors(" ".join(arguments) or "to start"):
@@ -50,6 +55,12 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         rclpy.try_shutdown()
+
+
+def _require_domain(text: str) -> None:
+    """Refuse a domain for which there are no ports: Fast DDS would end the process, with status 1."""
+    if text.isdecimal() and int(text[:9]) > LARGEST_DOMAIN:
+        raise InputError(f"ROS_DOMAIN_ID {text} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}")
 
 
 @contextmanager
@@ -79,7 +90,7 @@ def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
 
 @contextmanager
 def translated_errors(request: str) -> Iterator[None]:
-    """Turn any error of rclpy into an InputError of one line.
+    """Turn any error but our own, so of rclpy, into an InputError of one line.
 
     Parameters
     ----------
@@ -91,7 +102,11 @@ def translated_errors(request: str) -> Iterator[None]:
     InputError
     """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of what it cannot undo after the error
+            yield
+    except LieRigidBodyError:
+        raise
     except Exception as error:
         raise InputError(f"ROS refuses {request}: {_reason(error)}") from None
 

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.ros.node import SimulatorNode
     from lie_rigid_body.ros.publishing.announcement import Names
+    from lie_rigid_body.ros.publishing.recorder import Recorder
 
 REQUIRED_PACKAGES: Final = (
     *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),
@@ -29,7 +30,7 @@ REQUIRED_PACKAGES: Final = (
 
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the node until SIGINT or SIGTERM.
+    """Run the node until SIGINT, SIGTERM or SIGHUP.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 when asked to end, 2 when the input is unusable or the bag can no longer be written.
+        Exit status: 0 when asked to end, 2 when the input is unusable or the bag could not be written to its end.
     """
     given = parse(sys.argv[1:] if argv is None else argv)
     require_ros()
@@ -81,7 +82,7 @@ def _require_readable(given: Arguments) -> None:
     from lie_rigid_body.scenario.parameter_file import parse_assignment, read_sections
 
     for path in given.ros_params_files:
-        read_sections(path)
+        read_sections(path, pipes=False)
     for text in given.ros_assignments:
         parse_assignment(text)
 
@@ -96,48 +97,59 @@ def _simulate(given: Arguments, interruption: Interruption) -> None:
     with initialised(given.ros):
         node = SimulatorNode(partial(gather, given.scenario, given.params_files, given.assignments))
         path = str(node.parameters.values()["record_path"])
-        with spinning(node), _finished(node), _recording(node, path) as bag:
-            _run(node, bag, interruption)
+        with spinning(node), _finished(node), _recording(node, path) as recorder:
+            _run(node, recorder, path, interruption)
         node.destroy_node()
 
 
-def _run(node: SimulatorNode, bag: BagWriter | None, interruption: Interruption) -> None:
+def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption: Interruption) -> None:
     from lie_rigid_body.ros.control.run_control import RunControl
-    from lie_rigid_body.ros.publishing.announcement import announcement
-    from lie_rigid_body.ros.publishing.recorder import Recorder
+    from lie_rigid_body.ros.publishing.announcement import announcement, farewell
     from lie_rigid_body.ros.timing.live_run import LiveRun
     from lie_rigid_body.ros.timing.mailbox import Mailbox
     from lie_rigid_body.simulation import Simulation
 
     scenario = node.parameters.scenario()
     mailbox = Mailbox()
-    simulation = Simulation(scenario, scenario.epoch_ns or time.time_ns())
     values = node.parameters.values()
     run = LiveRun(
-        simulation,
-        [*node.sinks, *([Recorder(bag)] if bag else [])],
+        Simulation(scenario),
+        [*node.sinks, *([recorder] if recorder else [])],
         mailbox,
         interruption,
+        wall=None if scenario.epoch_ns else time.time_ns,
         factor=values["real_time_factor"],
         paused=values["paused"],
     )
     node.serve(RunControl(run, mailbox, interruption))
-    _say(announcement(scenario, _names(node), str(bag.path) if bag else ""))
+    _say(announcement(scenario, _names(node), path))
     try:
         run.run()
     finally:
         mailbox.close()
+    _say(farewell(node.get_fully_qualified_name(), run.punctuality))
 
 
 @contextmanager
-def _recording(node: SimulatorNode, path: str) -> Iterator[BagWriter | None]:
-    """Keep the bag of ``record_path`` open, and finish it whatever happens; None without a path."""
+def _recording(node: SimulatorNode, path: str) -> Iterator[Recorder | None]:
+    """Keep the bag of ``record_path`` open, and finish it whatever happens; None without a path.
+
+    Raises
+    ------
+    BagError
+        At the end, if the bag could not be written to its end.
+    """
+    from lie_rigid_body.ros.publishing.recorder import Recorder
+
     if not path:
         yield None
         return
     with _open_bag(node, path) as bag:
-        yield bag
-    _say(f"recorded {bag.sample_count} samples; certify them with: {console.program('check')} {path}")
+        recorder = Recorder(bag, node.report_failure)
+        yield recorder
+    if recorder.failure is not None:
+        raise recorder.failure
+    _say(f"recorded {bag.sample_count} samples; {console.how_to_certify(path)}")
 
 
 def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
@@ -161,9 +173,11 @@ def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
 
 @contextmanager
 def _finished(node: SimulatorNode) -> Iterator[None]:
-    """Deliver the last samples at the end, before rclpy is shut down."""
-    yield
-    node.publisher.finish()
+    """Deliver the last samples at the end, also after a recording that failed, before rclpy is shut down."""
+    try:
+        yield
+    finally:
+        node.publisher.finish()
 
 
 def _names(node: SimulatorNode) -> Names:
@@ -176,7 +190,5 @@ def _names(node: SimulatorNode) -> Names:
 
 def _say(text: str) -> None:
     """Print, if the standard output is open: the node works without it."""
-    try:
-        print(text, flush=True)
-    except OSError:
-        console.silence()
+    with suppress(InputError):
+        console.say(text)

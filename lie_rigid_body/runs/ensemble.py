@@ -79,7 +79,7 @@ def simulate(
 
 def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:
     simulation = Simulation(scenario, motions=motions)
-    taken = simulation.take_until(simulation.clock.last_stamp_ns(duration), sys.maxsize)
+    taken = simulation.take_until(simulation.clock.last_ns_before(duration), sys.maxsize)
     return Run.of(taken, simulation.segment)
 
 

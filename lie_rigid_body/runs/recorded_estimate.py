@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import declared_segments
 from lie_rigid_body.errors import BagError
@@ -17,10 +16,12 @@ from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
-from lie_rigid_body.recording.bag_reader import decoded, read_contents
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import listed, short_repr
 
 _TYPES: Final = (*ATTITUDE_TYPES, STRING)
 
@@ -50,6 +51,8 @@ class RecordedEstimate:
     covariance: Array | None
     notes: tuple[str, ...]
 
+    __repr__ = short_repr
+
 
 def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None = None) -> RecordedEstimate:
     """Read an estimate and the truth.
@@ -75,11 +78,11 @@ def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None 
         If a declared scenario is impossible.
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
-    contents = read_contents(path, _TYPES)
+    contents = BagFiles(path).contents(_TYPES)
     if truth_bag is None:
         return _beside(path, contents, topic, _TrueMotion(path, contents, topic))
     other = Path(truth_bag)
-    return _beside(path, contents, topic, _TrueMotion(other, read_contents(other, _TYPES), ""))
+    return _beside(path, contents, topic, _TrueMotion(other, BagFiles(other).contents(_TYPES), ""))
 
 
 class _TrueMotion:
@@ -99,7 +102,7 @@ class _TrueMotion:
         scenario = _only(path, candidates, "scenario", STRING, estimate_topic)
         self.segments: tuple[Segment, ...] = ()
         if scenario is not None:
-            self.segments = tuple(declared_segments(_texts(path, scenario)))
+            self.segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
             pose_topic = f"{_namespace(scenario)}/pose"
             candidates = [track for track in candidates if track.topic == pose_topic]
         pose = _only(path, candidates, "pose", POSE_STAMPED, estimate_topic)
@@ -187,7 +190,7 @@ def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_t
         near = [t for t in found if _namespace(t) and estimate_topic.startswith(f"{_namespace(t)}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:
-        topics = ", ".join(track.topic for track in found)
+        topics = listed([track.topic for track in found])
         raise BagError(f"{path} has several topics .../{ending}: {topics}: record those of one body")
     return found[0] if found else None
 
@@ -195,7 +198,3 @@ def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_t
 def _namespace(scenario: RawTrack) -> str:
     """The namespace of the node that publishes a private topic."""
     return scenario.topic.rsplit("/", 2)[0]
-
-
-def _texts(path: Path, track: RawTrack) -> list[str]:
-    return decoded(path, track, lambda: [messages.decode_string(p, i) for i, p in enumerate(track.payloads)])

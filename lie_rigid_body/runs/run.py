@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -19,8 +20,11 @@ from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuReadings
 from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, Samples, Segment, Taken
+from lie_rigid_body.wording import call_repr, short_repr
 
 if TYPE_CHECKING:
+    from lie_rigid_body.certificate import Certificate
+    from lie_rigid_body.recording.bag_reader import Recording
     from lie_rigid_body.recording.sensor_reader import VectorTrack
 
 END_OF_TIME: Final = np.iinfo(np.int64).max
@@ -50,6 +54,8 @@ class ImuArrays:
     gyro_bias: Array | None
     accelerometer_bias: Array | None
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class MagnetometerArrays:
@@ -65,6 +71,8 @@ class MagnetometerArrays:
 
     t_ns: Integers
     field: Array
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +97,11 @@ class Run:
     imu: ImuArrays | None
     magnetometer: MagnetometerArrays | None
     segments: tuple[Segment, ...]
+    _recording: Recording | None = None
+
+    def __repr__(self) -> str:
+        parts = {"t_ns": self.t_ns, "imu": self.imu, "magnetometer": self.magnetometer, "segments": len(self.segments)}
+        return call_repr(self, parts)
 
     @classmethod
     def of(cls, taken: Taken, segment: Segment) -> Run:
@@ -114,16 +127,19 @@ class Run:
         ------
         BagError
             If it is no bag, cut off or damaged, or lacks the scenario, the poses or the twists.
+        ParameterError
+            If it declares a scenario that cannot be.
         """
         from lie_rigid_body.certificate.segments import recorded_segments
-        from lie_rigid_body.recording.bag_reader import TYPES, read_contents, recording_in
+        from lie_rigid_body.recording.bag_reader import Bag
         from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, imu_tracks, magnetometer_track
 
-        path = Path(path)
-        contents = read_contents(path, (*TYPES, *SENSOR_TYPES))
-        pieces = recorded_segments(recording_in(path, contents))
+        path, bag = Path(path), Bag(path)
+        contents = bag.messages_of(SENSOR_TYPES)
         data, bias = imu_tracks(path, contents)
         field = magnetometer_track(path, contents)
+        recording = bag.load()
+        pieces = recorded_segments(recording)
         return cls(
             np.concatenate([piece.stamps_ns for piece in pieces]),
             State.trusted(
@@ -133,6 +149,7 @@ class Run:
             None if data is None else _recorded_imu(data, bias),
             None if field is None else MagnetometerArrays(field.stamps_ns, field.vectors[0]),
             tuple(piece.segment for piece in pieces),
+            recording,
         )
 
     @property
@@ -164,6 +181,28 @@ class Run:
             for segment, taken, scenario in pieces:
                 bag.begin_segment(segment)
                 bag.write(BatchEncoder(scenario).encode(taken))
+
+    def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
+        """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
+
+        Parameters
+        ----------
+        inertia : sequence of float, optional
+            To be used in place of the declared one, kg m².
+
+        Returns
+        -------
+        Certificate
+            Its ``passed``, ``messages`` and ``attitude_accuracy`` (rad) tell the verdict.
+        """
+        from lie_rigid_body.certificate import certify
+        from lie_rigid_body.recording.bag_reader import read_bag
+
+        if self._recording is not None:
+            return certify(self._recording, inertia)
+        with TemporaryDirectory() as folder:
+            self.to_bag(Path(folder, "run.mcap"))
+            return certify(read_bag(Path(folder, "run.mcap")), inertia)
 
     def attitude(self) -> ScenarioTruth:
         """The true attitude at any time from the first sample until just before the one after the last."""

@@ -19,6 +19,7 @@ from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_bet
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.sensors import GRADE, PERFECT, SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.wording import call_repr, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
@@ -93,6 +94,11 @@ class Scenario:
         )
         scenario._validate()
         return scenario
+
+    def __repr__(self) -> str:
+        """The parameters that are not at their defaults."""
+        changed = {name: value for name, value in self.parameters().items() if value != _BY_NAME[name].default}
+        return call_repr(self, changed)
 
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
@@ -170,6 +176,7 @@ class Scenario:
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
             require_frame_name(name, getattr(self, name))
+        self._require_distinct_frames()
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body, start = self.body(), self._valid_start()
             _require_normal_inertia(body)
@@ -179,6 +186,13 @@ class Scenario:
             self._require_small_steps(fastest)
             self._require_possible_steps(fastest)
         self._require_small_turns(fastest)
+
+    def _require_distinct_frames(self) -> None:
+        """Refuse a world that turns with the body: tf2 takes no frame that is its own parent."""
+        values = self.parameters()
+        for name in ("body_frame", "imu_frame"):
+            if values.get(name) == self.world_frame:
+                raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")
 
     def _valid_start(self) -> State:
         try:
@@ -192,7 +206,7 @@ class Scenario:
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
                 "max_step",
-                f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, the limit is "
+                f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
 
@@ -201,8 +215,8 @@ class Scenario:
         if steps > MOST_STEPS:
             raise ParameterError(
                 "initial_body_rate",
-                f"a body turning at up to {fastest:.3g} rad/s takes {self.method} {steps:.3g} steps between samples, "
-                f"the limit is {MOST_STEPS:g}: give a lower body rate, or use closed_form",
+                f"at up to {fastest:.3g} rad/s {self.method} takes {steps:.3g} steps between samples, more than "
+                f"{MOST_STEPS:g}: give a lower body rate, or use closed_form",
             )
 
     def _require_small_turns(self, fastest: float) -> None:
@@ -210,8 +224,8 @@ class Scenario:
         if imu is not None and imu.gyro_rate == "integrated" and fastest > imu.rate * LARGEST_TURN_PER_READING:
             raise ParameterError(
                 "imu_rate",
-                f"{imu.rate:g} Hz lets the body turn by up to {fastest / imu.rate:.3g} rad between readings, of which "
-                f"an integrated rate tells at most {LARGEST_TURN_PER_READING:g}: give at least "
+                f"{imu.rate:g} Hz lets the body turn by up to {fastest / imu.rate:.3g} rad between readings, more than "
+                f"an integrated rate tells ({LARGEST_TURN_PER_READING:g}): give at least "
                 f"{_rounded(fastest / LARGEST_TURN_PER_READING, ROUND_CEILING):g} Hz, or gyro_rate instantaneous",
             )
 
@@ -230,8 +244,8 @@ def _require_normal_inertia(body: RigidBody) -> None:
     if not (_is_normal(body.principal_moments) and _is_normal(1.0 / body.principal_moments)):
         raise ParameterError(
             "inertia",
-            f"principal moments {_listed(body.principal_moments)}, or their inverses, leave the range of double "
-            "precision: give moments between 1e-300 and 1e300 kg m²",
+            f"principal moments {_listed(body.principal_moments)}, or their inverses, are beyond double precision: "
+            "give moments between 1e-300 and 1e300 kg m²",
         )
 
 
@@ -241,8 +255,8 @@ def _require_normal_motion(body: RigidBody, start: State) -> None:
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",
-            f"{_listed(start.body_rate)} rad/s gives the energy {energy:g} J and the momentum {momentum:g} kg m²/s, "
-            "which leave the range of double precision: give an ordinary rate, or zeros",
+            f"{_listed(start.body_rate)} rad/s gives an energy of {energy:g} J and a momentum of {momentum:g} kg m²/s, "
+            "beyond double precision: give an ordinary rate, or zeros",
         )
 
 

@@ -6,15 +6,16 @@ a word. So a file means the same to the node and to the headless verbs.
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import yaml
 
+from lie_rigid_body.bounded_input import BoundedLoader, load_yaml, read_text
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown, suggestion
 
 CONFIG: Final = Path(__file__).parent.parent / "config"
 """The folder of the named scenarios."""
@@ -22,13 +23,23 @@ CONFIG: Final = Path(__file__).parent.parent / "config"
 NODE_NAME: Final = "lie_rigid_body"
 PARAMETERS_KEY: Final = "ros__parameters"
 
+LARGEST_FILE: Final = 128 * 1024
+"""Largest size of a parameter file, bytes: YAML takes 10 µs a byte."""
+
+Source: TypeAlias = tuple[str | Path | None, dict[str, object]]
+"""A parameter file, or None for the command line, and the parameters that it gives."""
+
 _NODE_ONLY: Final = re.compile(r"use_sim_time|start_type_description_service|qos_overrides\..*")
 """Parameters that every ROS 2 node has and no scenario."""
 
 _TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"})
 _FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
 _INTEGER: Final = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
-_FLOAT: Final = re.compile(r"[-+]?((\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\.?inf|infinity|\.?nan)", re.IGNORECASE | re.ASCII)
+_MOST_DIGITS: Final = 24
+"""Digits of the longest integer of 64 bits, which is octal."""
+_FLOAT: Final = re.compile(
+    r"[-+]?((\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|\.?inf|infinity|\.?nan)", re.IGNORECASE | re.ASCII
+)
 
 
 def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace: str = "/") -> dict[str, object]:
@@ -60,12 +71,14 @@ def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace:
     return dict(item for values in meant for item in _flatten(values))
 
 
-def read_sections(path: str | Path) -> list[tuple[str, Mapping[str, object]]]:
+def read_sections(path: str | Path, *, pipes: bool = True) -> list[tuple[str, Mapping[str, object]]]:
     """The sections of a ROS 2 parameter file, whichever nodes they mean.
 
     Parameters
     ----------
     path : str or Path
+    pipes : bool, optional
+        Whether a pipe will do, which can be read once.
 
     Returns
     -------
@@ -77,13 +90,24 @@ def read_sections(path: str | Path) -> list[tuple[str, Mapping[str, object]]]:
     InputError
         If the file cannot be read, or is not such a file.
     """
-    content = _load(_read_text(Path(path)), str(path))
+    content = read_yaml(path, pipes=pipes)
     if not isinstance(content, dict):
         raise InputError(f"{path} is not a parameter file: begin it with '/**:' and '{PARAMETERS_KEY}:' below that")
     sections = list(_sections(content, "", str(path)))
     if not sections:
         raise InputError(f"{path} has no '{PARAMETERS_KEY}:': put it below '/**:', and 'name: value' lines below it")
     return sections
+
+
+def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
+    """The content of a YAML file whose plain scalars are read as rcl reads them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not YAML, or gives a key twice.
+    """
+    return load_yaml(read_text(path, LARGEST_FILE, pipes=pipes), str(path), _Loader)
 
 
 def parse_assignment(text: str) -> tuple[str, object]:
@@ -106,7 +130,7 @@ def parse_assignment(text: str) -> tuple[str, object]:
     name = name.strip()
     if not (sign and name and value.strip()):
         raise InputError(f"-p {text!r} is not NAME:=VALUE: give for example -p rate:=200.0")
-    return name, _load(value, f"-p {text!r}")
+    return name, load_yaml(value, f"-p {text!r}", _Loader)
 
 
 def gather(
@@ -135,18 +159,31 @@ def gather(
     ------
     InputError
     """
-    given: dict[str, object] = {}
-    for path in [*([scenario_file(scenario)] if scenario is not None else []), *files]:
-        given.update(read_parameter_file(path, node_name, namespace))
-    given.update(parse_assignment(text) for text in assignments)
-    return {name: value for name, value in given.items() if not _NODE_ONLY.fullmatch(name)}
+    return merge(sources(scenario, files, assignments, node_name, namespace))
 
 
-def file_that_gives(name: str, files: Sequence[str | Path], assignments: Sequence[str]) -> str | Path | None:
-    """The file whose value of a parameter wins in `gather`, or None if it came from elsewhere."""
-    if any(parse_assignment(text)[0] == name for text in assignments):
-        return None
-    return next((path for path in reversed(files) if name in read_parameter_file(path)), None)
+def sources(
+    scenario: str | None,
+    files: Sequence[str | Path],
+    assignments: Sequence[str],
+    node_name: str = NODE_NAME,
+    namespace: str = "/",
+) -> list[Source]:
+    """What `gather` merges, each file read once: a pipe can be read no second time."""
+    paths = [*([scenario_file(scenario)] if scenario is not None else []), *files]
+    given = [(path, read_parameter_file(path, node_name, namespace)) for path in paths]
+    return [*given, (None, dict(parse_assignment(text) for text in assignments))]
+
+
+def merge(given: Sequence[Source]) -> dict[str, object]:
+    """The parameters of all sources, later ones over earlier ones, without those that no scenario has."""
+    merged = {name: value for _, values in given for name, value in values.items()}
+    return {name: value for name, value in merged.items() if not _NODE_ONLY.fullmatch(name)}
+
+
+def file_that_gives(name: str, given: Sequence[Source]) -> str | Path | None:
+    """The file whose value of a parameter wins in `merge`, or None if it came from elsewhere."""
+    return next((path for path, values in reversed(given) if name in values), None)
 
 
 def scenario_files() -> dict[str, Path]:
@@ -170,27 +207,12 @@ def scenario_file(name: str) -> Path:
     """
     files = scenario_files()
     if name not in files:
-        near = difflib.get_close_matches(name, files, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise InputError(f"--scenario {name!r} is unknown: {hint}there are {', '.join(files)}")
+        hint = suggestion(name, list(files), "scenarios")
+        raise InputError(f"--scenario {shown(name)} is unknown: {hint}; 'scenarios' lists all")
     return files[name]
 
 
-def _read_text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"the parameter file {path} does not exist: give the path of a YAML file") from None
-    except IsADirectoryError:
-        raise InputError(f"the parameter file {path} is a folder: give a file in it") from None
-    except UnicodeDecodeError:
-        raise InputError(f"the parameter file {path} is not UTF-8 text: give a YAML file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"the parameter file {path} cannot be read: {reason}") from None
-
-
-class _Loader(yaml.SafeLoader):
+class _Loader(BoundedLoader):
     """A YAML loader that reads plain scalars as rcl does, and refuses a key given twice."""
 
 
@@ -199,12 +221,20 @@ def _plain(text: str) -> object:
     if text in _TRUE or text in _FALSE:
         return text in _TRUE
     if integer := _INTEGER.fullmatch(text):
-        sign, digits = integer.groups()
-        base = 16 if digits[:2] in ("0x", "0X") else 8 if digits[0] == "0" else 10
-        return int(sign + digits, base)
+        return _integer(*integer.groups())
     if _FLOAT.fullmatch(text):
         return float(text.replace(".i", "i").replace(".I", "I").replace(".n", "n").replace(".N", "N"))
     return text
+
+
+def _integer(sign: str, digits: str) -> int | float:
+    """An integer if it has 64 bits, and a double beyond."""
+    is_hexadecimal = digits[:2] in ("0x", "0X")
+    if len(digits) <= _MOST_DIGITS:
+        value = int(sign + digits, 16 if is_hexadecimal else 8 if digits[0] == "0" else 10)
+        if -(2**63) <= value < 2**63:
+            return value
+    return float.fromhex(sign + digits) if is_hexadecimal else float(sign + digits)
 
 
 def _construct_scalar(loader: _Loader, node: yaml.ScalarNode) -> object:
@@ -231,18 +261,6 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
 _Loader.yaml_implicit_resolvers = {}
 _Loader.add_constructor("tag:yaml.org,2002:str", _construct_scalar)
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
-
-
-def _load(text: str, source: str) -> Any:
-    try:
-        return yaml.load(text, _Loader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise InputError(f"{source}{where}: not readable as YAML: {error.problem or error.context}") from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        problem = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{source}: not readable as YAML: {problem}") from None
 
 
 def _sections(content: Mapping[str, object], name: str, source: str) -> Iterator[tuple[str, Mapping[str, object]]]:

@@ -15,7 +15,7 @@ PARAMETERS: Final = (
         "inertia",
         "double_array",
         (1.0, 2.0, 3.0),
-        "Inertia about the mass centre, kg m^2: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
+        "Inertia about the mass centre, kg m²: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
         lengths=(3, 6),
     ),
     Parameter(

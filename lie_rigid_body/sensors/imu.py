@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, cast
@@ -13,6 +14,7 @@ from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, Integr
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
+from lie_rigid_body.wording import short_repr
 
 LONGEST_LEVER_ARM_M: Final = 1e6
 
@@ -48,6 +50,8 @@ class ImuModel:
     accelerometer_mode: str
     gravity: float
     lever_arm: Vector
+
+    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> ImuModel:
@@ -103,6 +107,8 @@ class ImuReadings:
     gyro_bias: Array
     accelerometer_bias: Array
 
+    __repr__ = short_repr
+
     def __len__(self) -> int:
         return len(self.angular_velocity)
 
@@ -143,6 +149,10 @@ class Imu:
             walk=NoiseSource.ACCELEROMETER_WALK,
             white=NoiseSource.ACCELEROMETER_WHITE,
         )
+
+    def __copy__(self) -> Imu:
+        """A sensor that goes on by itself from here."""
+        return copy.deepcopy(self)
 
     def measure(self, stamps_ns: Integers, states: State) -> ImuReadings:
         """The next readings.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.wording import short_repr
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
@@ -62,6 +64,8 @@ class MagnetometerModel:
     soft_iron: Vector
     converter: Converter
 
+    __repr__ = short_repr
+
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> MagnetometerModel:
         """Build the model from parameter values.
@@ -107,6 +111,10 @@ class Magnetometer:
         self._noise = BlockBuffer(
             WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
         )
+
+    def __copy__(self) -> Magnetometer:
+        """A sensor that goes on by itself from here."""
+        return copy.deepcopy(self)
 
     def measure(self, states: State) -> Array:
         """One reading for each state; advances the noise.

@@ -11,6 +11,7 @@ from lie_rigid_body.parameters import Parameter, Value, read_table, require_fram
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
+from lie_rigid_body.wording import short_repr
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate accepted, Hz."""
@@ -36,8 +37,8 @@ def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
     """The parameters that gyro and accelerometer share; ``unit`` is that of a reading."""
     name = sensor.capitalize()
     return (
-        _not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/sqrt(Hz); 0: none."),
-        _not_negative(f"{sensor}_bias_random_walk", f"{name}: random walk of the bias, {unit}/s/sqrt(Hz); 0: none."),
+        _not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/√Hz; 0: none."),
+        _not_negative(f"{sensor}_bias_random_walk", f"{name}: random walk of the bias, {unit}/s/√Hz; 0: none."),
         _not_negative(
             f"{sensor}_turn_on_bias",
             f"{name}: standard deviation of the bias at the start on each axis, drawn from the seed, {unit}; 0: none.",
@@ -46,7 +47,7 @@ def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
         _array(
             f"{sensor}_misalignment",
             _ZEROS,
-            f"{name}: rotation vector from the body's axes to its own, rad, of norm at most pi.",
+            f"{name}: rotation vector from the body's axes to its own, rad, of norm at most π.",
         ),
         _not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
         _not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
@@ -89,11 +90,11 @@ SENSOR_PARAMETERS: Final = (
         "Accelerometer: free_fall reads no gravity, pivot_gravity that of a body held at its mass centre.",
         choices=("free_fall", "pivot_gravity"),
     ),
-    _not_negative("gravity", "Standard gravity, against z of the world frame, m/s^2.", default=9.80665, maximum=1e6),
+    _not_negative("gravity", "Standard gravity, against z of the world frame, m/s².", default=9.80665, maximum=1e6),
     _array("accelerometer_lever_arm", _ZEROS, "From the mass centre to the accelerometer in the body frame, m."),
-    *_triad("accelerometer", "m/s^2"),
+    *_triad("accelerometer", "m/s²"),
     _array("magnetic_field", _CENTRAL_EUROPE, "Magnetic field in the world frame, T; the default is east, north, up."),
-    _not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/sqrt(Hz); 0: none."),
+    _not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/√Hz; 0: none."),
     _array("magnetometer_hard_iron", _ZEROS, "Magnetometer: field of the body's own magnets in the body frame, T."),
     _array("magnetometer_soft_iron", _IDENTITY, "Magnetometer: matrix of the body's soft iron, row by row."),
     _not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
@@ -115,6 +116,8 @@ class Sensors:
 
     imu: ImuModel | None
     magnetometer: MagnetometerModel | None
+
+    __repr__ = short_repr
 
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:

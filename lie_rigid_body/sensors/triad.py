@@ -16,6 +16,7 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.wording import short_repr
 
 LARGEST_SCALE_FACTOR: Final = 1e6
 
@@ -55,6 +56,8 @@ class TriadModel:
     scale_factor: Vector
     misalignment: Vector
     converter: Converter
+
+    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Mapping[str, Value]) -> TriadModel:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, TypeAlias, TypeVar
 
 from lie_rigid_body.arrays import Integers
@@ -14,6 +16,7 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.sample_queue import Rows, SampleQueue, SensorQueue
 from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
 from lie_rigid_body.simulation.segment import Segment
+from lie_rigid_body.wording import call_repr, short_repr
 
 R = TypeVar("R", bound=Rows)
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
@@ -42,6 +45,8 @@ class Taken:
     imu: ImuSamples | None
     magnetometer: MagnetometerSamples | None
 
+    __repr__ = short_repr
+
 
 class Simulation:
     """A simulated body and its sensors: samples in order, on one rising sequence of stamps, across torque-free resets.
@@ -66,6 +71,11 @@ class Simulation:
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
+    def start_at(self, epoch_ns: int) -> None:
+        """Begin anew with another stamp of sample 0, ns, before anything was taken."""
+        self._imu = self._magnetometer = None
+        self._begin(replace(self._segment.scenario, epoch_ns=epoch_ns), 0)
+
     def _begin(self, scenario: Scenario, first: int) -> None:
         clock = SampleClock(scenario.epoch_ns, scenario.rate)
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
@@ -78,6 +88,13 @@ class Simulation:
         self._imu = _followed(self._imu, new_imu, segment.start_ns)
         self._magnetometer = _followed(self._magnetometer, new_magnetometer, segment.start_ns)
         self._clock, self._segment, self._truth = clock, segment, truth
+
+    def __copy__(self) -> Simulation:
+        """A simulation that goes on by itself from here."""
+        return copy.deepcopy(self)
+
+    def __repr__(self) -> str:
+        return call_repr(self, {"segment": self.segment, "next_sample": self.next_sample})
 
     @property
     def segment(self) -> Segment:
@@ -178,7 +195,7 @@ def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[
     return SampleQueue(
         clock,
         segment.first_sample,
-        lambda stamps: Samples(stamps, motion.at(stamps - segment.start_ns)),
+        partial(_states, motion, segment.start_ns),
         segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, clock.rate),
     )
 
@@ -190,13 +207,26 @@ def _imu(segment: Segment, model: ImuModel, motion: Motion) -> SampleQueue[ImuSa
     before_ns = clock.stamp_ns(first - 1) - start_ns
     # an instantaneous rate does not look at the state before
     before = _extended(scenario, motion).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
-    imu = Imu(model, scenario.body(), before_ns, before)
-
-    def compute(stamps: Integers) -> ImuSamples:
-        times = stamps - start_ns
-        return ImuSamples(stamps, imu.measure(times, motion.at(times)))
-
+    compute = partial(_inertial_readings, Imu(model, scenario.body(), before_ns, before), motion, start_ns)
     return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate))
+
+
+# Functions of a module, not closures: a simulation is copied, and sent to other processes, with its queues.
+
+
+def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
+    return Samples(stamps, motion.at(stamps - start_ns))
+
+
+def _inertial_readings(imu: Imu, motion: Motion, start_ns: int, stamps: Integers) -> ImuSamples:
+    times = stamps - start_ns
+    return ImuSamples(stamps, imu.measure(times, motion.at(times)))
+
+
+def _magnetic_readings(
+    magnetometer: Magnetometer, motion: Motion, start_ns: int, stamps: Integers
+) -> MagnetometerSamples:
+    return MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns)))
 
 
 def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
@@ -206,10 +236,10 @@ def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
 
 def _magnetometer(segment: Segment, model: MagnetometerModel, motion: Motion) -> SampleQueue[MagnetometerSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
-    clock, magnetometer = SampleClock(scenario.epoch_ns, model.rate), Magnetometer(model)
+    clock = SampleClock(scenario.epoch_ns, model.rate)
     return SampleQueue(
         clock,
         clock.count_until(start_ns - 1),
-        lambda stamps: MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns))),
+        partial(_magnetic_readings, Magnetometer(model), motion, start_ns),
         scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate),
     )

@@ -12,6 +12,7 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class SampleClock:
 
     epoch_ns: int
     rate: float
+
+    __repr__ = short_repr
 
     @cached_property
     def period_ns(self) -> Fraction:
@@ -54,6 +57,8 @@ class SampleClock:
         ndarray of int64, shape (count,)
         """
         n, d, epoch = self.period_ns.numerator, self.period_ns.denominator, self.epoch_ns
+        if d == 1 and count and epoch + first * n >= 0 and epoch + (first + count - 1) * n <= MAX_EPOCH_NS:
+            return epoch + n * np.arange(first, first + count, dtype=np.int64)
         stamps = (
             [epoch + k * n for k in range(first, first + count)]
             if d == 1
@@ -62,8 +67,8 @@ class SampleClock:
         if stamps and stamps[-1] > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
-                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond {MAX_EPOCH_NS}, the last "
-                "second of builtin_interfaces/Time: start earlier or sample for a shorter time",
+                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
+                "ns: start earlier, or sample for a shorter time",
             )
         return np.array(stamps, dtype=np.int64)
 
@@ -71,12 +76,10 @@ class SampleClock:
         """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""
         return -int(-(duration * Fraction(repr(self.rate))) // 1)
 
-    def last_stamp_ns(self, duration: Fraction) -> int:
-        """The last stamp of a run of a duration, s, for samples of any clock of the same epoch, ns.
-
-        It is the end of the duration, rounded as for the samples of this clock.
-        """
-        end, count = self.epoch_ns + math.ceil(duration * NS) - 1, self.count_before(duration)
+    def last_ns_before(self, duration: Fraction) -> int:
+        """The last stamp, ns, that a reading may have in this time (s) after the epoch, rounded as for samples."""
+        count = self.count_before(duration)
+        end = self.epoch_ns + math.ceil(duration * NS) - 1
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors import ImuReadings
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class Samples:
 
     stamps_ns: Integers
     states: State
+
+    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.stamps_ns)
@@ -50,6 +53,8 @@ class ImuSamples:
 
     stamps_ns: Integers
     readings: ImuReadings
+
+    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.stamps_ns)
@@ -86,6 +91,8 @@ class MagnetometerSamples:
 
     stamps_ns: Integers
     magnetic_field: Array
+
+    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.stamps_ns)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.wording import short_repr
 
 SOFTWARE: Final = "lie_rigid_body"
+LONGEST_TEXT: Final = 64 * 1024
+"""Characters of the longest scenario message that is read; those of this package have about 2000."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,8 @@ class Segment:
     first_sample: int
     start_ns: int
 
+    __repr__ = short_repr
+
     def to_json(self) -> str:
         """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
         from lie_rigid_body import __version__
@@ -50,19 +57,43 @@ class Segment:
         Raises
         ------
         InputError
-            If the text is not such a message.
+            If the text is not such a message, or its ``start_ns`` is not the stamp of its ``first_sample``.
         """
+        if len(text) > LONGEST_TEXT:
+            raise InputError(f"the scenario message has {len(text)} characters: at most {LONGEST_TEXT} are read")
         try:
-            content = json.loads(text)
+            content = json.loads(text, object_pairs_hook=_without_repeats)
             first, start = content.pop("first_sample"), content.pop("start_ns")
             content.pop("software", None)
-        except (ValueError, KeyError, AttributeError, TypeError) as error:
+        except (ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
             raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error!r}") from None
         for name, value in (("first_sample", first), ("start_ns", start)):
-            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                raise InputError(f"the scenario message gives {name} {value!r}: it must be an integer of at least 0")
-        return cls(Scenario.from_parameters(content), first, start)
+            if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_EPOCH_NS:
+                raise InputError(
+                    f"the scenario message gives {name} {value!r:.40}: it must be an integer from 0 to {MAX_EPOCH_NS}"
+                )
+        segment = cls(_scenario(json.dumps(content)), first, start)
+        if segment.clock().stamp_ns(first) != start:
+            raise InputError(
+                f"the scenario message starts at {start} ns with sample {first}, which its epoch_ns and rate stamp "
+                f"{segment.clock().stamp_ns(first)} ns: restore the bag"
+            )
+        return segment
 
     def clock(self) -> SampleClock:
         """The clock of the segment's stamps."""
         return SampleClock(self.scenario.epoch_ns, self.scenario.rate)
+
+
+@lru_cache(maxsize=1)
+def _scenario(parameters: str) -> Scenario:
+    """The scenario of a JSON object; most resets repeat the one before, and to validate it takes most of the time."""
+    return Scenario.from_parameters(json.loads(parameters))
+
+
+def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """The object of these names and values; of a name given twice, some readers would take the first value."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        raise ValueError("it gives a name twice")
+    return content

@@ -10,6 +10,7 @@ import pytest
 from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, with_numbers
 
 from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
@@ -223,6 +224,118 @@ def _another_start(message: Message) -> Message:
     content = json.loads(message.data[8:-1])
     content["initial_body_rate"][0] += 1e-7
     return message._replace(data=encode_string(json.dumps(content)))
+
+
+def declared(**changes: object):
+    """The scenario message with other values."""
+
+    def changed(message: Message) -> Message:
+        content = json.loads(message.data[8:-1])
+        return message._replace(data=encode_string(json.dumps({**content, **changes})))
+
+    return on("/lie_rigid_body/scenario", at(0, changed))
+
+
+def without_first(count: int):
+    cut = lambda ms: ms[count:]  # noqa: E731
+    return lambda messages: on("/twist", cut)(on("/pose", cut)(messages))
+
+
+@pytest.mark.parametrize("first", [5, 10**30])
+def test_a_beginning_that_is_declared_away(bag, tmp_path, first):
+    with pytest.raises(BagError, match=r"first_sample|which its epoch_ns and rate stamp"):
+        certificate(bag, tmp_path, lambda ms: declared(first_sample=first)(without_first(5)(ms)))
+
+
+def test_a_late_epoch_does_not_make_a_sample_before_the_first(bag, tmp_path):
+    epoch = read_bag(bag).poses.stamps_ns[0].item() + 10**7
+    with pytest.raises(BagError, match="which its epoch_ns and rate stamp"):
+        certificate(bag, tmp_path, declared(epoch_ns=epoch))
+
+
+@pytest.mark.parametrize("recorder", [False, True])
+def test_a_beginning_that_is_declared_away_in_every_field(bag, tmp_path, recorder):
+    """The motion from sample 5 on is a true one; it is certified where a recorder came late, and only with a note."""
+    whole = read_bag(bag)
+    start, attitude = whole.poses.stamps_ns[5].item(), whole.poses.attitudes_xyzw[5].tolist()
+    forged = declared(
+        first_sample=5,
+        start_ns=start,
+        initial_attitude_xyzw=attitude,
+        initial_body_rate=whole.twists.body_rates[5].tolist(),
+        motion="closed_form",
+    )
+    logged = start + 7 if recorder else start
+    late = on("/lie_rigid_body/scenario", at(0, lambda m: m._replace(log_time=logged)))
+    found = certificate(bag, tmp_path, lambda ms: late(forged(without_first(5)(ms))))
+    if recorder:
+        assert "declaration" not in broken(found)
+        assert "what came before its first sample" in found.not_certified
+    else:
+        assert "declaration" in broken(found)
+        assert any("begins with sample 5" in message for message in found.messages)
+
+
+def test_a_scenario_logged_at_another_time(bag, tmp_path):
+    """Log times are a law of a bag of this package, whatever they are; those of a recorder are said not to be."""
+    with pytest.raises(BagError, match="log_time of a message is 18446744073709551615"):
+        certificate(bag, tmp_path, on("/lie_rigid_body/scenario", at(0, lambda m: m._replace(log_time=2**64 - 1))))
+    later = on("/lie_rigid_body/scenario", at(0, lambda m: m._replace(log_time=m.log_time + 1)))
+    foreign = tamper(bag, tmp_path / "later.mcap", later)
+    found = certify(read_bag(foreign))
+    assert found.passed
+    assert "log times: a recorder's" in found.not_certified
+    assert broken(certify(replace(read_bag(foreign), library="lie_rigid_body 9"))) == {"log times"}
+
+
+@pytest.fixture
+def two_segments(tmp_path):
+    path = tmp_path / "two.mcap"
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}))
+    with BagWriter(path, stamped_twist=True) as writer:
+        for count in (20, 30):
+            writer.begin_segment(simulation.segment)
+            encoder = BatchEncoder(simulation.segment.scenario)
+            writer.write(encoder.encode(Taken(simulation.take(count), None, None)))
+            simulation.reset(Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [1.0, 0.0, 0.5]}))
+    return path
+
+
+def test_a_segment_robbed_of_all_its_samples(two_segments, tmp_path):
+    found = certificate(two_segments, tmp_path, without_first(20))
+    assert broken(found) == {"stamps"}
+    assert found.messages[0].startswith("segment 1: pose: gap, 20 samples from 0 to 19 are missing")
+
+
+def test_a_segment_that_does_not_follow_the_clock_before_it(two_segments, tmp_path):
+    def shifted(message: Message) -> Message:
+        content = json.loads(message.data[8:-1])
+        content |= {"epoch_ns": content["epoch_ns"] + 3, "start_ns": content["start_ns"] + 3}
+        return message._replace(data=encode_string(json.dumps(content)))
+
+    found = certificate(two_segments, tmp_path, on("/lie_rigid_body/scenario", at(1, shifted)))
+    assert "declaration" in broken(found)
+    assert any("does not follow the clock" in message for message in found.messages)
+
+
+def test_a_recorders_gap_is_told_as_one_and_as_the_recorders(bag, tmp_path):
+    def recorded(messages: list[Message]) -> list[Message]:
+        return [m._replace(log_time=m.log_time + 12_345) for m in messages]
+
+    lost = on("/pose", lambda ms: [*ms[:100], *ms[141:]])
+    begin = on("/twist", lambda ms: ms[3:])
+    found = certificate(bag, tmp_path, lambda ms: recorded(begin(lost(ms))))
+    assert broken(found) == {"stamps"}
+    [segment] = found.segments
+    law = segment.law("stamps")
+    assert (law.worst, law.unit, law.sample) == (41, "gap", 100)
+    assert law.stamp_ns == segment.segment.clock().stamp_ns(100)
+    notes = "; ".join(segment.notes)
+    assert "begins at sample 3" in notes
+    assert "41 messages are missing (41 samples are on one topic only)" in notes
+    assert "the node published them, and the recorder or the network lost them" in notes
+    own = certificate(bag, tmp_path, lost)
+    assert (own.segments[0].law("stamps").worst, own.segments[0].notes) == (41, ())
 
 
 def test_missing_end_is_noticed_by_the_count_at_the_end(bag):

@@ -175,7 +175,7 @@ BAD: dict[str, Any] = {
     ),
     "zero": (
         lambda t, q: (t, np.where(np.arange(len(t))[:, None] == 7, 0.0, q)),
-        "the orientation was never filled in",
+        "or fill in the orientation",
     ),
     "out of order": (lambda t, q: (np.r_[t[125:], t[:125]], q), "out of order in 1 places"),
     "another clock": (lambda t, q: (t + 10**18, q), "none of its 250 stamps"),
@@ -260,9 +260,7 @@ def test_other_estimates_are_not_taken_for_the_truth(own, stamps, noisy, tmp_pat
 def test_topics_without_an_attitude_are_refused(own, bag, tmp_path, capsys):
     assert "attitudes are on /pose, /imu/data_raw, /imu/bias" in refused(capsys, own, "--estimate", "/imu/data")
     assert "has no orientation" in refused(capsys, own, "--estimate", "/imu/data_raw")
-    assert "is of geometry_msgs/msg/TwistStamped: give one of PoseStamped, " in refused(
-        capsys, own, "--estimate", "/twist"
-    )
+    assert "is of TwistStamped: give PoseStamped, " in refused(capsys, own, "--estimate", "/twist")
     assert "does not exist" in refused(capsys, tmp_path / "no.mcap", "--estimate", "/pose")
     assert "does not exist" in refused(capsys, bag, "--estimate", "/pose", "--truth", tmp_path / "no.mcap")
     assert "the following arguments are required: --estimate" in refused(capsys, bag)

@@ -6,6 +6,7 @@ import fcntl
 import os
 import pty
 import select
+import shutil
 import signal
 import struct
 import subprocess
@@ -26,6 +27,8 @@ RECORD = [sys.executable, "-m", "lie_rigid_body", "record"]
 FAST = ["-p", "motion:=closed_form"]
 ENDLESS = [*FAST, "--duration", "10000"]
 SLOW_STEPS = ["-p", "rate:=0.01", "-p", "max_step:=1e-6", "--duration", "1000"]
+DEADLINE = 60.0
+"""s, far less than the slow steps take."""
 
 
 def record(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -122,11 +125,11 @@ def running(out: Path, *arguments: str, size: int = 300_000) -> subprocess.Popen
     return process
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_finishes_the_file(out: Path, number: signal.Signals) -> None:
     process = running(out, *ENDLESS)
     process.send_signal(number)
-    stdout, stderr = process.communicate(timeout=20)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
     recording = read_bag(out)
     count = len(recording.poses.stamps_ns)
     assert process.returncode == 130
@@ -144,7 +147,7 @@ def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
         time.sleep(0.01)
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=5)[1].count("\n") == 1
+    assert process.communicate(timeout=DEADLINE)[1].count("\n") == 1
     assert process.returncode == 130
     assert out.stat().st_size > 0
 
@@ -157,6 +160,31 @@ def test_many_signals_do_no_more_than_one(out: Path) -> None:
     assert process.communicate()[1].count("interrupted") == 1
     assert process.returncode == 130
     assert read_bag(out).expected_samples
+
+
+def test_a_terminal_that_closes_leaves_a_whole_file(out: Path) -> None:
+    ours, theirs = pty.openpty()
+    with subprocess.Popen([*RECORD, out, *ENDLESS], stdout=theirs, stderr=theirs) as process:
+        os.close(theirs)
+        while not (out.exists() and out.stat().st_size > 300_000):
+            assert process.poll() is None
+            time.sleep(0.01)
+        os.close(ours)
+        process.send_signal(signal.SIGHUP)
+        assert process.wait(20) == 130
+    assert read_bag(out).expected_samples
+
+
+def test_a_file_that_is_deleted_ends_it_at_once(tmp_path: Path) -> None:
+    out = tmp_path / "bags" / "out.mcap"
+    out.parent.mkdir()
+    process = running(out, *ENDLESS)
+    shutil.rmtree(out.parent)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, stdout) == (2, "")
+    assert stderr.startswith("lie-rigid-body record: error: ")
+    assert "out.mcap is lost: the file was deleted" in stderr
+    assert stderr.count("\n") == 1
 
 
 def test_force_keeps_the_old_file_until_the_new_one_is_whole(out: Path) -> None:

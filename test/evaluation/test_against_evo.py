@@ -8,6 +8,7 @@ from typing import Any
 import estimates
 import numpy as np
 import pytest
+from evo.core import metrics, sync, trajectory
 from mcap.reader import make_reader
 from motions import STAMPS, attitude, truth_of, turns
 
@@ -15,10 +16,6 @@ from lie_rigid_body import simulate
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import evaluate
 from lie_rigid_body.lie import quaternion
-
-metrics = pytest.importorskip("evo.core.metrics", reason="evo is not installed")
-sync = pytest.importorskip("evo.core.sync", reason="evo is not installed")
-trajectory = pytest.importorskip("evo.core.trajectory", reason="evo is not installed")
 
 
 def evo_trajectory(attitude_xyzw):

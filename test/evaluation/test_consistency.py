@@ -88,7 +88,7 @@ def test_six_dimensions():
         ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
         (np.eye(2), r"shape \(2, 2\) is not"),
         (np.full((3, 3), np.nan), "not finite"),
-        (np.tile(P, (7, 1, 1)), "does not go with 4000 errors"),
+        (np.tile(P, (7, 1, 1)), "is not \\(3, 3\\) or \\(4000, 3, 3\\)"),
     ],
 )
 def test_refusals(covariance, message):

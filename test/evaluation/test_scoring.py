@@ -137,7 +137,7 @@ def test_covariances_go_with_their_stamps():
     assert score.consistency is not None
     assert score.consistency.verdict == "consistent"
     assert score.consistency.nees.shape == (1000,)
-    with pytest.raises(InputError, match="5 of them do not go with 1501 estimates"):
+    with pytest.raises(InputError, match="5 of them for 1501 estimates"):
         evaluate(STAMPS, NOISY, truth, covariance=P[:5])
 
 

@@ -27,6 +27,7 @@ def rows(text: str) -> Table:
 @pytest.fixture(scope="module")
 def tables() -> tuple[Table, Table]:
     """Of the bag without errors of the sensors, and of the one with."""
+    pytest.importorskip("ahrs")
     run = subprocess.run([sys.executable, str(EXAMPLE)], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     perfect, mems = run.stdout.split("consumer MEMS")
@@ -73,3 +74,12 @@ def test_the_page_shows_what_comes_out(tables: tuple[Table, Table]) -> None:
         for name, numbers in run.items():
             # the noise is the same everywhere, but not the last bits, and some filters take them up
             assert page[name] == pytest.approx(numbers, rel=0.25, abs=1e-11), name
+
+
+@pytest.mark.parametrize("name", ["missing.mcap", "test_estimators.py"])
+def test_what_is_no_bag_is_told_in_one_line(name: str) -> None:
+    given = Path(__file__).with_name(name)
+    run = subprocess.run([sys.executable, str(EXAMPLE), str(given)], capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    [line] = run.stderr.splitlines()
+    assert f"{name} cannot be read" in line

@@ -70,3 +70,15 @@ def derivative_along(polynomial, point: np.ndarray, direction: np.ndarray) -> np
 def gradient(polynomial, point: np.ndarray) -> np.ndarray:
     """Derivatives along all coordinates, shape (d, ...)."""
     return np.array([derivative_along(polynomial, point, e) for e in np.eye(len(point))])
+
+
+def assert_still(invariants, p, rate):
+    """The derivative along ṗ is round-off beside the sizes of gradient and ṗ."""
+    sizes = np.linalg.norm(gradient(invariants, p), axis=0) * np.linalg.norm(rate)
+    assert np.all(np.abs(derivative_along(invariants, p, rate)) <= 1e-12 * sizes)
+
+
+def rank(gradients):
+    """The rank of gradients (d, count), each measured by its own length."""
+    sizes = np.linalg.svd(gradients / np.linalg.norm(gradients, axis=0), compute_uv=False)
+    return int(np.sum(sizes > 1e-9))

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.linalg import expm
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from scipy.stats import special_ortho_group
 
 from lie_rigid_body import InputError
-from lie_rigid_body.groups import chasles
+from lie_rigid_body.groups import SO, chasles
 from lie_rigid_body.lie import so3
 
 DIMENSIONS = range(2, 7)
@@ -45,6 +46,18 @@ def test_exact_displacements_are_found(n, seed):
     np.testing.assert_allclose(found.translation, t, rtol=0, atol=1e-12)
     np.testing.assert_allclose(found.apply(x), x @ A.T + t, rtol=0, atol=1e-12)
     assert found.residual < 1e-13
+
+
+def test_velocities_of_a_turning_body_are_those_of_its_rate():
+    """u̇ = Ȧx with Ȧ = A hat(ω), eq. (8): by differences of displaced points, and A (ω × x) in three dimensions."""
+    rng, h = np.random.default_rng(9), 1e-4
+    for group in (SO(3), SO(5)):
+        A, rate, x = group.random(rng), rng.normal(size=group.dimension), rng.normal(size=(4, group.size))
+        ahead, behind = (x @ (A @ expm(t * np.tensordot(rate, group.generators, 1))).T for t in (h, -h))
+        found = x @ (A @ group.hat(rate)).T
+        np.testing.assert_allclose(found, (ahead - behind) / (2 * h), rtol=0, atol=1e-6)
+        if group.size == 3:
+            np.testing.assert_allclose(found, np.cross(rate, x) @ A.T, rtol=0, atol=1e-13)
 
 
 @given(st.integers(2, 6), seeds)

@@ -38,6 +38,17 @@ def test_so3_and_su2_have_epsilon_as_structure_constants():
     np.testing.assert_array_equal(SU(2).generators, -0.5j * PAULI)
 
 
+@pytest.mark.parametrize("n", range(2, 8))
+def test_generators_of_rotations_keep_orthogonality_to_first_order(n):
+    """(1 + ε)ᵀ(1 + ε) = 1 to first order in ε, and the trace of ε is 0, as det g = 1 asks; all there are."""
+    group = SO(n)
+    small = 1e-6 * group.hat(np.random.default_rng(n).normal(size=group.dimension))
+    first = group.identity + small
+    np.testing.assert_allclose(first.T @ first, group.identity, rtol=0, atol=4 * np.sum(small**2))
+    np.testing.assert_array_equal(np.swapaxes(group.generators, 1, 2), -group.generators)
+    assert np.linalg.matrix_rank(group.generators.reshape(group.dimension, -1)) == n * (n - 1) // 2
+
+
 @pytest.mark.parametrize("n", range(3, 8))
 def test_so_of_one_axis_less_comes_first(n):
     inner = SO(n - 1)

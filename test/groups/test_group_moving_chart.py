@@ -18,6 +18,7 @@ from lie_rigid_body.groups import (
     GroupState,
     Lagrangian,
     MatrixLieGroup,
+    casimirs,
     manakov_integrals,
     mass_matrix,
     momentum_matrix,
@@ -186,6 +187,23 @@ def test_a_group_that_is_not_compact_keeps_its_spatial_momentum():
     states = GroupMovingChart(lagrangian, start, max_step=0.002).at(np.arange(0, 5_000_000_000, 500_000_000))
     spatial = spatial_momentum(group, states.element, lagrangian.momenta(states.rate))
     assert vector_drift(spatial) < 1e-10
+
+
+def test_a_motion_on_a_product_keeps_the_casimirs_of_each_factor():
+    """U(1)×SU(2)×SU(3) with a metric that couples all three: charge, isospin and two of colour, energy, A P A⁻¹."""
+    group, rng = product(U1(), SU(2), SU(3)), np.random.default_rng(12)
+    mixed = rng.normal(size=(12, 12))
+    lagrangian = Lagrangian(group, np.eye(12) + 0.05 * mixed @ mixed.T)
+    start = GroupState(group.random(rng), rng.normal(size=12) / 4)
+    states = GroupMovingChart(lagrangian, start, max_step=2e-3).at(np.arange(0, 600_000_000, 100_000_000))
+    p = lagrangian.momenta(states.rate)
+    assert np.ptp(p, axis=0)[1:].min() > 1e-3
+    values = casimirs(group, p)
+    assert values.shape == (6, 4)
+    for name, value in zip(("charge", "isospin", "colour 2", "colour 3"), values.T, strict=True):
+        assert scalar_drift(value, 1.0) < 1e-12, name
+    assert scalar_drift(lagrangian.value(states.rate)) < 1e-12
+    assert vector_drift(spatial_momentum(group, states.element, p)) < 1e-12
 
 
 def test_a_step_too_long_is_told():

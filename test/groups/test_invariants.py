@@ -7,11 +7,12 @@ import pytest
 from group_bodies import (
     ROTATIONS,
     UNITARY,
-    affine_line,
+    assert_still,
     derivative_along,
     diagonal_body,
     gradient,
     random_metric,
+    rank,
     skewed_rotations,
 )
 from hypothesis import given, settings
@@ -53,18 +54,6 @@ def metric_of(group, k):
 def casimirs_of(group):
     casimirs = unitary_casimirs if np.iscomplexobj(group.generators) else rotation_casimirs
     return lambda p: casimirs(momentum_matrix(group, p))
-
-
-def assert_still(invariants, p, rate):
-    """The derivative along ṗ is round-off beside the sizes of gradient and ṗ."""
-    sizes = np.linalg.norm(gradient(invariants, p), axis=0) * np.linalg.norm(rate)
-    assert np.all(np.abs(derivative_along(invariants, p, rate)) <= 1e-12 * sizes)
-
-
-def rank(gradients):
-    """The rank of gradients (d, count), each measured by its own length."""
-    sizes = np.linalg.svd(gradients / np.linalg.norm(gradients, axis=0), compute_uv=False)
-    return int(np.sum(sizes > 1e-9))
 
 
 @pytest.mark.parametrize("group", [*ROTATIONS.values(), *UNITARY.values()], ids=lambda g: g.name)
@@ -225,11 +214,6 @@ def test_no_spatial_momentum_and_no_metric_off_the_group(group, factor, said):
         spatial_momentum(group, factor * group.identity, np.ones(3))
     with pytest.raises(InputError, match=said):
         metric_at(Lagrangian(group, np.eye(3)), factor * group.identity)
-
-
-def test_a_group_without_invariant_metric_has_no_momentum_matrix():
-    with pytest.raises(InputError, match=r"trace metric of .* is not invariant"):
-        momentum_matrix(affine_line(), np.ones(2))
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,16 @@ def test_commutators_are_the_structure_constants(group):
 
 
 @groups
+def test_commutators_with_products_are_the_product_rule(group):
+    """[Tᵃ, TᵇTᶜ] = fᵃᶜᵈ TᵇTᵈ + fᵃᵇᵈ TᵈTᶜ, eq. (17), on any group."""
+    T, f = group.generators, group.structure_constants
+    pairs = np.einsum("bij,cjk->bcik", T, T)
+    found = np.einsum("aij,bcjk->abcik", T, pairs) - np.einsum("bcij,ajk->abcik", pairs, T)
+    expected = np.einsum("acd,bdik->abcik", f, pairs) + np.einsum("abd,dcik->abcik", f, pairs)
+    close(found, expected, 1e-13)
+
+
+@groups
 def test_jacobi_identity(group):
     f = group.structure_constants
     nested = np.einsum("abe,ecd->abcd", f, f)

@@ -6,13 +6,18 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from group_bodies import random_metric
+from group_bodies import COMPACT, GROUPS, random_metric
 from hypothesis import given
 
 from lie_rigid_body import InputError
-from lie_rigid_body.groups import SO, Lagrangian, mass_matrix, require_metric
+from lie_rigid_body.groups import SO, Lagrangian, mass_matrix, metric_at, metric_derivative, require_metric
 from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics import moments_of_points, rotated_second_moment
+from lie_rigid_body.mechanics import (
+    inertia_from_second_moment,
+    moments_of_density,
+    moments_of_points,
+    rotated_second_moment,
+)
 from random_masses import dimensions, plane_generators, random_points, rotation_of, seeds
 
 UNIT = np.eye(3)
@@ -46,6 +51,88 @@ def test_the_formula_of_the_paper_entry_by_entry(n, seed):
     expected = [[-0.5 * np.trace(turned @ (a @ b + b @ a)) for b in T] for a in T]
     scale = np.abs(expected).max()
     np.testing.assert_allclose(mass_matrix(K, T, A), expected, rtol=0, atol=1e-13 * scale)
+
+
+def cloud(x):
+    """A density without any symmetry."""
+    return np.exp(x @ np.linspace(0.3, 0.9, x.shape[1]) - x[:, 0] * x[:, -1])
+
+
+def nodes_of(ends):
+    """Gauss–Legendre nodes and weights in a box."""
+    roots, weights = np.polynomial.legendre.leggauss(14)
+    axes = [0.5 * (b + a) + 0.5 * (b - a) * roots for a, b in ends]
+    sizes = [0.5 * (b - a) * weights for a, b in ends]
+    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(ends))
+    return x, np.prod(np.stack(np.meshgrid(*sizes, indexing="ij"), axis=-1).reshape(-1, len(ends)), axis=1)
+
+
+@pytest.mark.parametrize("ends", [[(-1.0, 0.5), (0.2, 2.0)], [(-0.5, 0.7), (0.1, 1.0), (-0.3, 0.2)]], ids=["2D", "3D"])
+def test_a_body_given_by_a_density_has_the_energy_of_its_integral(ends):
+    """½ ∫ρ|u̇|² of u̇ = Ȧx, ½ tr(KȦᵀȦ) and ½ Mᵃᵇωᵃωᵇ are one number, with the integrals K and M taken here."""
+    n = len(ends)
+    group, rng = SO(n), np.random.default_rng(n)
+    x, volumes = nodes_of(ends)
+    masses = volumes * cloud(x)
+    A, w = group.random(rng), rng.normal(size=group.dimension)
+    velocity = A @ group.hat(w)
+    energy = 0.5 * masses @ np.sum((x @ velocity.T) ** 2, axis=1)
+    K = moments_of_density(cloud, ends).second_moment
+    np.testing.assert_allclose(K, np.einsum("m,mi,mj->ij", masses, x, x), rtol=1e-11)
+    assert 0.5 * np.trace(K @ velocity.T @ velocity) == pytest.approx(energy, rel=1e-11)
+    assert Lagrangian(group, mass_matrix(K, group.generators)).value(w) == pytest.approx(energy, rel=1e-11)
+
+
+def test_the_inertia_of_a_density_is_its_integrals():
+    """M¹¹ = ∫ρ (y² + z²), M¹² = −∫ρ xy and the cyclic permutations."""
+    ends = [(-0.5, 0.7), (0.1, 1.0), (-0.3, 0.2)]
+    x, volumes = nodes_of(ends)
+    masses = volumes * cloud(x)
+    expected = np.empty((3, 3))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        expected[i, i] = masses @ (x[:, j] ** 2 + x[:, k] ** 2)
+        expected[i, j] = expected[j, i] = -masses @ (x[:, i] * x[:, j])
+    K = moments_of_density(cloud, ends).second_moment
+    np.testing.assert_allclose(mass_matrix(K, SO(3).generators), expected, rtol=1e-11)
+    np.testing.assert_allclose(inertia_from_second_moment(K), expected, rtol=1e-11)
+
+
+def test_the_inertia_of_a_point_reads_off_the_anticommutators():
+    """−½ xᵀ{Tᵃ, Tᵇ}x of a unit mass at x, with the printed anticommutators (27a), (27b) and their permutations."""
+    square, mixed = np.diag([0.0, -2.0, -2.0]), np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    T, shift = SO(3).generators, np.eye(3)[[1, 2, 0]]
+    for a in range(3):
+        b = (a + 1) % 3
+        np.testing.assert_array_equal(T[a] @ T[a] + T[a] @ T[a], square)
+        np.testing.assert_array_equal(T[a] @ T[b] + T[b] @ T[a], mixed)
+        for x in np.random.default_rng(a).normal(size=(4, 3)):
+            found = mass_matrix(np.outer(x, x), T)
+            assert found[a, a] == pytest.approx(-0.5 * x @ square @ x, rel=1e-13)
+            assert found[a, b] == pytest.approx(-0.5 * x @ mixed @ x, rel=1e-13)
+        square, mixed = shift.T @ square @ shift, shift.T @ mixed @ shift
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_the_derivative_of_the_metric_is_its_change_along_the_group(name):
+    """∂M/∂α of M at exp(αᵃTᵃ)A₀, by central differences: minus the right-hand side that is printed as (32)."""
+    group, rng = GROUPS[name], np.random.default_rng(91)
+    body, A, h = Lagrangian(group, random_metric(rng, group.dimension)), group.random(rng), 1e-4
+    units = h * np.eye(group.dimension)
+    measured = np.array([metric_at(body, group.exp(e) @ A) - metric_at(body, group.exp(-e) @ A) for e in units])
+    here, f = metric_at(body, A), group.structure_constants
+    found = metric_derivative(group, here)
+    scale = np.abs(here).max()
+    np.testing.assert_allclose(found, measured / (2 * h), rtol=0, atol=1e-6 * scale)
+    printed = np.einsum("abd,dc->abc", f, here) + np.einsum("acd,bd->abc", f, here)
+    np.testing.assert_allclose(found, -printed, rtol=0, atol=1e-12 * scale)
+    assert name == "U1" or np.abs(found).max() > 1e-2 * scale
+
+
+@pytest.mark.parametrize("name", COMPACT)
+def test_a_bi_invariant_metric_does_not_change(name):
+    group = COMPACT[name]
+    np.testing.assert_allclose(metric_derivative(group, 2.0 * group.trace_metric), 0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("n", range(2, 7))

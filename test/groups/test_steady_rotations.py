@@ -7,12 +7,22 @@ from itertools import combinations
 import numpy as np
 import pytest
 from group_bodies import COMPACT, ROTATIONS, affine_line, diagonal_body, random_metric
+from sample_groups import sl2
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups import SO, U1, Lagrangian, Stability, linearisation, steady_axes, steady_rotation
+from lie_rigid_body.groups import (
+    SO,
+    U1,
+    Lagrangian,
+    MatrixLieGroup,
+    Stability,
+    linearisation,
+    steady_axes,
+    steady_rotation,
+)
 from lie_rigid_body.mechanics.top import SpinStability
 
 MOMENTS = {3: [0.3, 0.5, 0.9], 4: [0.3, 0.5, 0.9, 1.4], 5: [0.2, 1.1, 0.5, 0.8, 1.7], 6: [0.2, 1.1, 0.5, 0.8, 1.7, 2.5]}
@@ -205,5 +215,12 @@ def test_a_rotation_that_is_not_steady_is_refused():
 
 
 def test_axes_want_an_invariant_metric():
-    with pytest.raises(InputError, match="is not invariant"):
+    with pytest.raises(InputError, match="no regular invariant form"):
         steady_axes(Lagrangian(affine_line(), np.eye(2)))
+
+
+def test_axes_of_a_group_that_is_not_compact_are_steady_as_well():
+    body = Lagrangian(MatrixLieGroup.from_generators(sl2()), random_metric(np.random.default_rng(44), 3))
+    axes = steady_axes(body)
+    assert axes.shape == (3, 3)
+    np.testing.assert_allclose(body.momentum_rate(axes), 0.0, atol=1e-12)

@@ -146,7 +146,7 @@ def test_a_batch_of_principal_moments():
     ("inertia", "said"),
     [
         (np.ones((5, 3)), "from_principal_moments"),
-        (np.ones((4, 6)), r"shape \(4, 6\): .*tensors of shape \(..., 3, 3\)"),
+        (np.ones((4, 6)), r"shape \(4, 6\): .*tensors \(..., 3, 3\)"),
         (np.empty((0, 3, 3)), "0 numbers"),
         ([np.eye(3), np.diag([1.0, 1.0, 2.1])], "1.0, 1.0, 2.1 break"),
         ([np.eye(3), np.diag([-0.5, 1.0, 1.0])], "moment -0.5 is not"),

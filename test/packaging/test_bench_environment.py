@@ -39,3 +39,14 @@ def test_without_any_python_it_is_one_clear_line() -> None:
 def test_help_and_clean_know_it() -> None:
     assert "make bench" in make().stdout
     assert ".venv-bench" in (ROOT / "Makefile").read_text(encoding="utf-8")
+
+
+def test_its_help_builds_nothing_and_a_mistyped_argument_neither() -> None:
+    """PYTHON=/bin/false would stop every set-up."""
+    told = make("bench", "PYTHON=/bin/false", "ARGS=--help")
+    assert told.returncode == 0
+    assert "--save" in told.stdout
+    mistyped = make("bench", "PYTHON=/bin/false", "ARGS=--sav")
+    assert mistyped.returncode != 0
+    assert "unknown argument '--sav'" in mistyped.stderr
+    assert "no Python" not in mistyped.stderr

@@ -22,7 +22,18 @@ def test_with_ros(number): ...
 def test_slow(): ...
 
 def test_quick(): ...
+
+def test_with_a_library():
+    import allantools
 """
+START = """
+import importlib.machinery, sys, pytest
+find = importlib.machinery.PathFinder.find_spec
+importlib.machinery.PathFinder.find_spec = lambda name, *rest: None if name == "allantools" else find(name, *rest)
+sys.modules["rclpy"] = None
+sys.exit(pytest.main(sys.argv[1:]))
+"""
+WITH_A_LIBRARY = "import allantools\ndef test_a(): ...\ndef test_b(): ..."
 
 
 @pytest.fixture
@@ -31,24 +42,26 @@ def project(tmp_path: Path) -> Path:
         shutil.copy(file, tmp_path)
     (tmp_path / "test_parts.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    ros\n    slow\n", encoding="utf-8")
+    (tmp_path / "test_noise.py").write_text(WITH_A_LIBRARY, encoding="utf-8")
     return tmp_path
 
 
 def run_without_ros(project: Path, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    start = "import sys; sys.modules['rclpy'] = None; import pytest; sys.exit(pytest.main(sys.argv[1:]))"
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST", "LIE_RIGID_BODY"))}
-    command = (sys.executable, "-c", start, "-p", "no:cacheprovider", *options)
+    command = (sys.executable, "-c", START, "-p", "no:cacheprovider", *options)
     alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     return subprocess.run(
         command, cwd=project, env=kept | alone | environment, capture_output=True, text=True, check=False
     )
 
 
-def test_ros_tests_left_out_are_counted(project: Path) -> None:
+def test_tests_left_out_are_counted(project: Path) -> None:
     done = run_without_ros(project)
     assert done.returncode == 0
-    assert "1 passed, 3 skipped, 1 deselected" in done.stdout
-    assert done.stdout.splitlines()[-1].startswith("ROS part left out: 3 tests")
+    assert "1 passed, 5 skipped, 1 deselected" in done.stdout
+    library, ros = done.stdout.splitlines()[-2:]
+    assert library == "left out: 2 files or tests (allantools is not installed)"
+    assert ros.startswith("ROS part left out: 3 tests")
 
 
 def test_ros_that_should_be_there_is_missed(project: Path) -> None:

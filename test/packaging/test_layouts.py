@@ -30,7 +30,7 @@ NOT_SOURCES = shutil.ignore_patterns(
 )
 CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {"sim", "record", "check", "evaluate", "plot", "explain", "scenarios"}
+VERBS = {"sim", "record", "check", "evaluate", "plot", "explain", "scenarios", "campaign"}
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,10 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     listed = layout.run("scenarios", cwd=tmp_path)
     assert [name for name in sorted(SCENARIOS) if name not in listed] == []
     name = min(SCENARIOS)
-    layout.run("record", "out.mcap", "--scenario", name, "--duration", "0.5", cwd=tmp_path)
-    layout.run("check", "out.mcap", cwd=tmp_path)
+    said = layout.run("record", "my out.mcap", "--scenario", name, "--duration", "0.5", cwd=tmp_path)
+    command = "ros2 run lie_rigid_body check" if layout.by_verb else "lie-rigid-body check"
+    assert said.splitlines()[-1] == f"certify them with: {command} 'my out.mcap'"
+    layout.run("check", "my out.mcap", cwd=tmp_path)
     # pytest finds the plugin for tests of filters by itself
     markers = run(layout.python(), "-m", "pytest", "--markers", cwd=tmp_path, env=layout.environment)
     assert "@pytest.mark.attitude_run(" in markers

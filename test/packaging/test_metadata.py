@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
 import yaml
 
 import lie_rigid_body
+from rooms import MODULES, imports
 
 ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
+
+CHANGELOG = ROOT / "CHANGELOG.rst"
+# What rosdep cannot give to a package that is released, or what is used where it is installed.
+WITHOUT_KEY = {"dask", "distributed", "mcap", "pyarrow", "zstandard", "flint", "numba", "simulation_interfaces"}
+WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
+KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
+KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
 
 
 def metadata(*options: str) -> list[str]:
@@ -38,3 +48,47 @@ def test_configuration_is_one_set_of_files() -> None:
     link = ROOT / "lie_rigid_body" / "config"
     assert link.is_symlink()
     assert link.resolve() == ROOT / "config"
+
+
+def test_what_is_imported_is_a_dependency() -> None:
+    """In every module of the package, and in the launch files, which start a program of another package."""
+    sources = [path.read_text(encoding="utf-8") for path in (*MODULES.values(), *(ROOT / "launch").glob("*.py"))]
+    found = {name.partition(".")[0] for source in sources for name in imports(source, "lie_rigid_body")}
+    found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", "_typeshed"}
+    wanted = {KEY_OF.get(name, name) for name in found} | {"tf2_ros"}  # of which a program is started
+    assert wanted == {str(dependency.text) for dependency in MANIFEST.findall("exec_depend")}
+
+
+def test_the_manifest_is_valid_for_the_build_farm() -> None:
+    """As bloom reads it."""
+    package = pytest.importorskip("catkin_pkg.package")
+    warnings: list[str] = []
+    manifest = package.parse_package(ROOT / "package.xml", warnings=warnings)
+    manifest.validate(warnings=warnings)
+    assert warnings == []
+    assert [manifest.get_build_type(), manifest.licenses] == ["ament_python", ["Apache-2.0"]]
+    assert (ROOT / manifest.licenses[0].file).is_file()
+
+
+def test_the_changelog_is_one_that_bloom_reads(tmp_path: Path) -> None:
+    changelog = pytest.importorskip("catkin_pkg.changelog")
+    text = CHANGELOG.read_text(encoding="utf-8")
+    head, mark, items = text.partition("Forthcoming\n-----------\n")
+    assert mark
+    assert head.splitlines()[1] == "Changelog for package lie_rigid_body"
+    (tmp_path / "CHANGELOG.rst").write_text(f"{head}0.1.0 (2026-01-31)\n------------------\n{items}", encoding="utf-8")
+    found = changelog.get_changelog_from_path(str(tmp_path), "lie_rigid_body")
+    [(version, _, contents)] = found.foreach_version()
+    assert version == "0.1.0"
+    assert [len(content.bullets) for content in contents] == [len(re.findall(r"^\* ", items, flags=re.MULTILINE))]
+
+
+def test_launch_files_carry_the_notice_of_the_licence() -> None:
+    """As ament_copyright wants it: the notice at the end of the licence, in the first comment of the file."""
+    one, *others = (path.read_text(encoding="utf-8") for path in (ROOT / "launch").glob("*.py"))
+    notice = one[: one.index("\n\n")]
+    lines = [line.removeprefix("#").strip() for line in notice.splitlines()]
+    assert re.fullmatch(r"Copyright \d{4} .+", lines[0])
+    licence = " ".join((ROOT / "LICENSE").read_text(encoding="utf-8").split())
+    assert " ".join(filter(None, lines[1:])) in licence
+    assert all(other.startswith(notice) for other in others)

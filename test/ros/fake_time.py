@@ -129,7 +129,7 @@ class ScriptedRun:
     Parameters
     ----------
     factor, paused
-        As those of `LiveRun`.
+        As those of `LiveRun`, like ``wall``.
     sinks : sequence of Sink
         Others than the one that keeps what comes.
     **parameters
@@ -137,7 +137,13 @@ class ScriptedRun:
     """
 
     def __init__(
-        self, *, factor: float = 1.0, paused: bool = False, sinks: Sequence[Sink] = (), **parameters: object
+        self,
+        *,
+        factor: float = 1.0,
+        paused: bool = False,
+        wall: Callable[[], int] | None = None,
+        sinks: Sequence[Sink] = (),
+        **parameters: object,
     ) -> None:
         self.interruption = Interruption()
         self.scenario = Scenario.from_parameters({"motion": "closed_form", **parameters})
@@ -149,6 +155,7 @@ class ScriptedRun:
             self.time,
             self.interruption,
             self.time.steady,
+            wall=wall,
             factor=factor,
             paused=paused,
         )

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 from threading import Event, Thread
@@ -22,8 +22,18 @@ CLIENT = Path(__file__).with_name("stream_client.py")
 RAW_CLIENT = Path(__file__).with_name("raw_client.py")
 
 
-def sim_command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "lie_rigid_body", "sim", *arguments]
+WITHOUT = """
+import sys
+sys.modules |= dict.fromkeys({libraries})  # None: what Python itself writes there for a module that is not to be found
+from lie_rigid_body.__main__ import main
+sys.exit(main(["sim", *sys.argv[1:]]))
+"""
+
+
+def sim_command(*arguments: str, without: Sequence[str] = ()) -> list[str]:
+    """The command line of the node, with some libraries as if they were not installed."""
+    start = ["-c", WITHOUT.format(libraries=without)] if without else ["-m", "lie_rigid_body", "sim"]
+    return [sys.executable, *start, *arguments]
 
 
 def assignments(**values: object) -> list[str]:
@@ -34,10 +44,16 @@ def assignments(**values: object) -> list[str]:
 class SimulatorProcess:
     """A running ``sim``; leaving the context kills it if it still runs."""
 
-    def __init__(self, *arguments: str, domain: int | None = None, preexec: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self,
+        *arguments: str,
+        domain: int | None = None,
+        preexec: Callable[[], None] | None = None,
+        without: Sequence[str] = (),
+    ) -> None:
         self.domain = int(os.environ["ROS_DOMAIN_ID"]) if domain is None else domain
         self.process = subprocess.Popen(
-            sim_command(*arguments),
+            sim_command(*arguments, without=without),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

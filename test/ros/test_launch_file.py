@@ -1,4 +1,4 @@
-"""The launch files load, and hand on what they are given and nothing else."""
+"""The launch files find all that they need before they start anything, and hand on what they are given."""
 
 from __future__ import annotations
 
@@ -14,18 +14,24 @@ from typing import Any
 import pytest
 import yaml
 
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import scenario_files
-from lie_rigid_body.scenario.parameter_table import read_parameters
+from lie_rigid_body.scenario.parameter_file import parse_assignment, scenario_files
+from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 
 LAUNCH = Path(__file__).parents[2] / "launch"
 FILES = sorted(LAUNCH.glob("*.launch.py"))
+NAMES = {parameter.name for parameter in PARAMETERS}
+OF_ONE_NODE = {"world_frame", "body_frame", "imu_frame", "record_path", "publish_clock"}
 ARGUMENTS = {
-    "sim.launch.py": {
-        *("scenario", "params_file", "namespace", "name", "world_frame", "body_frame", "imu_frame"),
-        *("record", "record_path", "rviz"),
-    },
-    "bodies.launch.py": {"bodies", "params_file", "spacing", "record", "rviz"},
+    "sim.launch.py": {"scenario", "params_file", "namespace", "name", "record", "rviz"} | NAMES,
+    "bodies.launch.py": {"bodies", "params_file", "spacing", "record", "rviz"} | NAMES - OF_ONE_NODE,
+}
+EXECUTABLES = {
+    "lie_rigid_body": "sim",
+    "tf2_ros": "static_transform_publisher",
+    "rviz2": "rviz2",
 }
 
 Node = dict[str, Any]
@@ -51,19 +57,45 @@ def described(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Any]:
         OpaqueFunction=lambda function: function,
         LaunchConfiguration=lambda name: SimpleNamespace(perform=lambda context: context[name]),
         Node=lambda **settings: settings,
+        Shutdown=lambda reason: f"end everything: {reason}",
     )
     for name, module in stand_ins.items():
         monkeypatch.setitem(sys.modules, name, module)
     return lambda file: runpy.run_path(str(LAUNCH / file))["generate_launch_description"]()
 
 
+class Context(dict[str, str]):
+    """A launch context: the launch configurations, and the words of the command line."""
+
+    def __init__(self, configurations: dict[str, str], argv: list[str]) -> None:
+        super().__init__(configurations)
+        self.argv = argv
+
+
 @pytest.fixture
-def launch(described: Callable[[str], Any]) -> Launch:
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Path]:
+    """The executables that the launch files may start, installed in two prefixes, by their packages."""
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'workspace'}:{tmp_path / 'jazzy'}")
+    found = {}
+    for package, executable in EXECUTABLES.items():
+        prefix = "workspace" if package == "lie_rigid_body" else "jazzy"
+        path = found[package] = tmp_path / prefix / "lib" / package / executable
+        path.parent.mkdir(parents=True)
+        path.touch(mode=0o755)
+    return found
+
+
+@pytest.fixture
+def launch(described: Callable[[str], Any], installed: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> Launch:
     """The nodes that a launch file starts, with its defaults where an argument is not given."""
 
     def nodes(file: str, **given: str) -> list[Node]:
         *declared, function = described(file)
-        started: list[Node] = function({name: settings["default_value"] for name, settings in declared} | given)
+        argv = [f"{name}:={value}" for name, value in given.items()]
+        monkeypatch.setattr(sys, "argv", ["ros2", "launch", "lie_rigid_body", file, *argv])
+        started: list[Node] = function(
+            Context({name: settings["default_value"] for name, settings in declared} | given, argv)
+        )
         return started
 
     return nodes
@@ -73,48 +105,33 @@ def launch(described: Callable[[str], Any]) -> Launch:
 def test_arguments_are_described_and_switches_have_two_values(file: str, described: Callable[[str], Any]) -> None:
     *declared, _ = described(file)
     assert {name for name, _ in declared} == ARGUMENTS[file]
+    assert len(declared) == len(ARGUMENTS[file])
     assert all(settings["description"] for _, settings in declared)
     choices = {name: settings["choices"] for name, settings in declared if "choices" in settings}
     assert choices == {"record": ["true", "false"], "rviz": ["true", "false"]}
 
 
-@pytest.mark.parametrize(
-    ("given", "arguments", "parameters", "names"),
-    [
-        ({}, [], [], ("", "lie_rigid_body")),
-        (
-            {
-                "scenario": "dzhanibekov",
-                "params_file": "p.yaml",
-                "namespace": "a",
-                "name": "top",
-                "record_path": "a.mcap",
-                "record": "true",
-                "body_frame": "a/base_link",
-            },
-            ["--scenario", "dzhanibekov", "--params-file", "p.yaml"],
-            [{"record_path": "a.mcap", "body_frame": "a/base_link"}],
-            ("a", "top"),
-        ),
-    ],
-)
-def test_what_is_given_reaches_the_node(
-    launch: Launch,
-    given: dict[str, str],
-    arguments: list[str],
-    parameters: list[dict[str, str]],
-    names: tuple[str, str],
-) -> None:
-    [node] = launch("sim.launch.py", **given)
+def test_what_is_given_reaches_the_node_and_nothing_else(launch: Launch, tmp_path: Path) -> None:
+    [node] = launch("sim.launch.py")
     assert (node["package"], node["executable"]) == ("lie_rigid_body", "sim")
-    assert (node["arguments"], node["parameters"]) == (arguments, parameters)
-    assert (node["namespace"], node["name"]) == names
+    assert (node["namespace"], node["name"], node["arguments"]) == ("", "lie_rigid_body", [])
+    file = tmp_path / "p.yaml"
+    file.write_text("/a/top: {ros__parameters: {rate: 20.0}}")
+    given = {"scenario": "dzhanibekov", "params_file": str(file), "namespace": "a", "name": "top"}
+    parameters = {"rate": "200.0", "inertia": "[1.0, 2.0, 3.0]", "record_path": "a.mcap", "body_frame": "a/base_link"}
+    [node] = launch("sim.launch.py", record="true", **given, **parameters)
+    assert (node["namespace"], node["name"]) == ("a", "top")
+    own, assigned = node["arguments"][:4], node["arguments"][4:]
+    assert own == ["--scenario", "dzhanibekov", "--params-file", str(file)]
+    assert set(assigned[::2]) == {"-p"}
+    assert set(assigned[1::2]) == {f"{name}:={value}" for name, value in parameters.items()}
 
 
 def test_a_bag_is_named_after_node_and_time(launch: Launch) -> None:
     [node] = launch("sim.launch.py", namespace="/lab/a", record="true")
-    [parameters] = node["parameters"]
-    assert re.fullmatch(r"lab_a_lie_rigid_body_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d\.mcap", parameters["record_path"])
+    [_, assignment] = node["arguments"]
+    bag = r"lab_a_lie_rigid_body_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d\.mcap"
+    assert re.fullmatch(f"record_path:={bag}", assignment)
 
 
 @pytest.mark.parametrize("given", [{}, {"world_frame": "map"}])
@@ -123,7 +140,7 @@ def test_rviz_looks_into_the_namespace(launch: Launch, given: dict[str, str]) ->
     assert (view["package"], view["executable"], view["namespace"]) == ("rviz2", "rviz2", "a")
     option, file, *rest = view["arguments"]
     assert option == "--display-config"
-    assert rest == (["--fixed-frame", "map"] if given else [])
+    assert rest == ["--fixed-frame", given.get("world_frame", "world")]
     shown = set(topics(yaml.safe_load(Path(file).read_text(encoding="utf-8"))))
     assert shown == {"/markers", "/pose"}
     # a relative name is the node's, in its namespace
@@ -142,16 +159,17 @@ def of(nodes: list[Node], package: str) -> list[Node]:
 def test_bodies_have_namespaces_scenarios_and_frames_of_their_own(launch: Launch) -> None:
     bodies = of(launch("bodies.launch.py", bodies="a:dzhanibekov, b:symmetric_top,c", record="true"), "lie_rigid_body")
     assert [node["namespace"] for node in bodies] == ["a", "b", "c"]
-    assert [node["arguments"] for node in bodies] == [
-        ["--scenario", "dzhanibekov"],
-        ["--scenario", "symmetric_top"],
-        [],
-    ]
-    parameters = [parameters for node in bodies for parameters in node["parameters"]]
+    assert [words_of(node).get("--scenario") for node in bodies] == ["dzhanibekov", "symmetric_top", None]
+    parameters = [dict(map(parse_assignment, node["arguments"][1::2][-4:])) for node in bodies]
     for name in ("world_frame", "body_frame", "imu_frame", "record_path"):
         assert len({given[name] for given in parameters}) == 3, name
     for given in parameters:
         Scenario.from_parameters(read_parameters(given))
+
+
+def test_parameters_are_for_every_body(launch: Launch) -> None:
+    for node in of(launch("bodies.launch.py", bodies="a,b", rate="200.0"), "lie_rigid_body"):
+        assert "rate:=200.0" in node["arguments"]
 
 
 def test_default_bodies_are_scenarios_of_the_package(launch: Launch) -> None:
@@ -162,7 +180,7 @@ def test_default_bodies_are_scenarios_of_the_package(launch: Launch) -> None:
 
 def test_bodies_stand_side_by_side_in_one_world(launch: Launch) -> None:
     nodes = launch("bodies.launch.py", bodies="a,b,c", spacing="2")
-    worlds = [node["parameters"][0]["world_frame"] for node in of(nodes, "lie_rigid_body")]
+    worlds = [f"{node['namespace']}/world" for node in of(nodes, "lie_rigid_body")]
     places = [words_of(node) for node in of(nodes, "tf2_ros")]
     assert [place["--child-frame-id"] for place in places] == worlds
     assert {place["--frame-id"] for place in places} == {"world"}
@@ -185,15 +203,60 @@ def test_rviz_shows_every_body(launch: Launch) -> None:
 
 
 @pytest.mark.parametrize(
-    "given",
-    [{"bodies": "a:dzhanibekov,a:symmetric_top"}, {"bodies": ":top"}, {"bodies": "a/b:top"}, {"spacing": "wide"}],
+    ("file", "given", "said"),
+    [
+        ("bodies.launch.py", {"bodies": "a:dzhanibekov,a:symmetric_top"}, "bodies: 'a:symmetric_top' .* give NAME"),
+        ("bodies.launch.py", {"bodies": ":top"}, "bodies: ':top' .* give NAME"),
+        ("bodies.launch.py", {"bodies": "a/b:top"}, "bodies: 'a/b:top' .* give NAME"),
+        ("bodies.launch.py", {"bodies": "a:dzanibekov"}, "'dzanibekov' is unknown: did you mean dzhanibekov"),
+        ("bodies.launch.py", {"spacing": "wide"}, "spacing: 'wide' .* give metres"),
+        ("bodies.launch.py", {"params_file": "/nowhere.yaml"}, "/nowhere.yaml does not exist: give"),
+        ("bodies.launch.py", {"record_path": "a.mcap"}, "bodies.launch.py has no argument 'record_path'"),
+        ("sim.launch.py", {"scenario": "dzanibekov"}, "'dzanibekov' is unknown: did you mean dzhanibekov"),
+        ("sim.launch.py", {"rate": "-1.0"}, "rate: -1 is outside"),
+        ("sim.launch.py", {"rte": "1.0"}, "rte:=1.0: sim.launch.py has no argument 'rte': did you mean rate"),
+    ],
 )
-def test_unusable_input_is_told_in_one_line(launch: Launch, given: dict[str, str]) -> None:
-    [(name, text)] = given.items()
-    with pytest.raises(ValueError, match=rf"{name}: .* give") as refusal:
-        launch("bodies.launch.py", **given)
-    assert re.split(",", text)[-1] in str(refusal.value)
+def test_unusable_input_is_told_in_one_line(launch: Launch, file: str, given: dict[str, str], said: str) -> None:
+    with pytest.raises(ValueError, match=said) as refusal:
+        launch(file, **given)
     assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("file", ARGUMENTS)
+@pytest.mark.parametrize("package", EXECUTABLES)
+def test_nothing_is_started_before_everything_is_found(
+    launch: Launch, installed: dict[str, Path], file: str, package: str
+) -> None:
+    if file == "sim.launch.py" and package == "tf2_ros":
+        assert launch(file, rviz="true")  # which it does not need
+        return
+    installed[package].chmod(0o644)
+    with pytest.raises(InputError, match=f"{package} is not there: nothing was started"):
+        launch(file, rviz="true")
+    if package == "rviz2":
+        assert launch(file)
+
+
+def test_arguments_of_a_launch_file_that_includes_this_one_are_its_own(
+    launch: Launch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["ros2", "launch", "robot", "robot.launch.py", "colour:=red"])
+    launching.require_known("/launch/sim.launch.py", ["colour:=red"], ["scenario"])
+    assert launch("sim.launch.py", **{"launch-prefix": "nice"})  # an option of ros2 launch itself
+
+
+@pytest.mark.parametrize("file", ARGUMENTS)
+def test_when_one_part_ends_nothing_is_left_running(launch: Launch, file: str) -> None:
+    nodes = launch(file, rviz="true")
+    ended = SimpleNamespace(process_name="rviz2-3", returncode=0)
+    failed = SimpleNamespace(process_name="rviz2-3", returncode=-6)
+    for node in nodes:
+        if node["package"] != "rviz2":
+            assert node["on_exit"].startswith("end everything")
+            continue
+        assert node["on_exit"](ended, None) is None
+        assert node["on_exit"](failed, None) == "end everything: rviz2-3 failed"
 
 
 @pytest.mark.skipif(find_spec("launch_ros") is None, reason="launch_ros is not installed: PyPI does not have it")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -41,6 +42,14 @@ def test_process_ends_with_status_2() -> None:
 
 
 @pytest.mark.ros
+def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
+    assert main(["--reset", "/nobody"]) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert "no service /nobody" in line
+
+
+@pytest.mark.ros
 def test_silence_is_told_once() -> None:
     soon = "from lie_rigid_body.ros import listen; listen.LONGEST_WAIT = 0.2; listen.main(['--pose', '/nobody'])"
     with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:
@@ -64,3 +73,37 @@ def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> No
     done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=DEADLINE, check=False)
     assert done.stderr == ""
     assert done.stdout.count("\n") == 1
+
+
+@pytest.mark.ros
+def test_scenario_control_and_parameters_without_the_ros2_command() -> None:
+    with SimulatorProcess("-p", "rate:=50.0", "--ros-args", "-r", "__ns:=/quiet") as simulator:
+        node = "/quiet/lie_rigid_body"
+        assert json.loads(asked("--scenario", f"{node}/scenario", domain=simulator.domain))["rate"] == 50.0
+        assert asked("--pause", f"{node}/pause", domain=simulator.domain).startswith("time stands still at ")
+        assert asked("--step", f"{node}/step", domain=simulator.domain).startswith("sent the sample stamped ")
+        assert asked("--resume", f"{node}/resume", domain=simulator.domain) == "time goes on"
+        assert asked("--set", "rate:=40", "--node", node, domain=simulator.domain) == f"{node} has rate 40"
+        assert asked("--get", "rate", "--node", node, domain=simulator.domain) == "40.0"
+        for option, said in (("--set", "paused:=true"), "call ~/pause"), (("--get", "rte"), "no such parameter"):
+            assert said in asked(*option, "--node", node, domain=simulator.domain, status=2)
+
+
+@pytest.mark.ros
+def test_no_answer_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("lie_rigid_body.ros.listen.LONGEST_WAIT", 0.1)
+    for option in (["--reset", "/nobody"], ["--scenario", "/nobody"], ["--get", "rate", "--node", "/nobody"]):
+        assert main(option) == 2
+        [line] = capfd.readouterr().err.splitlines()
+        assert "/nobody" in line
+        assert "is the node running?" in line
+
+
+def asked(*arguments: str, domain: int, status: int = 0) -> str:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    done = subprocess.run(
+        (*LISTEN, *arguments), capture_output=True, text=True, timeout=DEADLINE, check=False, env=environment
+    )
+    assert done.returncode == status, done.stderr
+    # the middleware may complain on either before
+    return (done.stdout if status == 0 else done.stderr).splitlines()[-1]

@@ -6,6 +6,8 @@ import re
 import shlex
 import signal
 import subprocess
+import sys
+import threading
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -23,8 +25,10 @@ from lie_rigid_body.simulation import Segment
 
 if find_spec("rclpy"):
     from geometry_msgs.msg import PoseStamped, Twist
-    from peer import LATCHED, Peer
-    from rcl_interfaces.srv import GetParameters
+    from peer import LATCHED, NODE, Peer
+    from rcl_interfaces.msg import Parameter as ParameterMessage
+    from rcl_interfaces.msg import ParameterValue
+    from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
     from rclpy.parameter_client import AsyncParameterClient
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from std_msgs.msg import String
@@ -94,8 +98,8 @@ def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"rate": -1.0}, "rate"),
-        ({"rate": "fast"}, "DOUBLE"),
+        ({"rate": -1.0}, "rate: -1 is outside [1e-06, 1e+09]: give for example 100.0"),
+        ({"rate": "fast"}, "rate: 'fast' is not a number: give for example 100.0"),
         ({"inertia": [1.0, 1.0, 3.0]}, "triangle inequality"),
         ({"inertia": [1.0, 1.0]}, "3 or 6"),
         ({"inertia": [1.0, float("nan"), 1.0]}, "finite"),
@@ -103,21 +107,66 @@ def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient
         ({"motion": "perpetual"}, "moving_chart, closed_form"),
         ({"method": "rkmk4", "max_step": 10.0, "rate": 0.01}, "max_step"),
         ({"world_frame": "/world"}, "slash"),
-        ({"stamped_twist": False}, "read-only"),
-        ({"record_path": "/tmp/x.mcap"}, "read-only"),
-        ({"speed": 1.0}, "undeclared"),
+        ({"stamped_twist": False}, "stamped_twist: fixed at the start, as a topic keeps its type: start"),
+        (
+            {"record_path": "/tmp/x.mcap"},
+            "as the bag is begun with the first sample: start the node anew with it",
+        ),
+        ({"rte": 1.0}, "rte: no such parameter: did you mean rate"),
         ({"body_frame": "good", "inertia": [0.0, 1.0, 1.0]}, "positive"),
     ],
 )
 def test_bad_change_is_refused_with_the_reason(
     peer: Peer, parameters: AsyncParameterClient, changes: dict[str, Any], reason: str
 ) -> None:
-    known = [name for name in changes if name != "speed"]
+    known = [name for name in changes if name != "rte"]
     before = peer.values(parameters, *known)
     result = peer.set_together(**changes)
     assert not result.successful
     assert reason in result.reason
     assert peer.values(parameters, *known) == before
+
+
+def test_a_value_of_an_unknown_type_is_answered_and_its_neighbours_are_set(peer: Peer) -> None:
+    unknown = ParameterMessage(name="rate", value=ParameterValue(type=42))
+    known = ParameterMessage(name="sensor_seed", value=ParameterValue(type=2, integer_value=7))
+    each = peer.answer(SetParameters, f"{NODE}/set_parameters", SetParameters.Request(parameters=[unknown, known]))
+    assert [result.successful for result in each.results] == [False, True]
+    assert each.results[0].reason == "rate: type 42 is none of rcl_interfaces/ParameterType: give 0 to 9"
+    request = SetParametersAtomically.Request(parameters=[known, unknown])
+    together = peer.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
+    assert (together.successful, together.reason) == (False, each.results[0].reason)
+
+
+def test_what_every_node_has_can_be_set(peer: Peer) -> None:
+    assert peer.set_together(use_sim_time=False).successful
+
+
+def test_a_second_node_of_one_name_is_warned_about() -> None:
+    twin = ["--ros-args", "-r", "__ns:=/twin"]
+    soon = "import sys; from lie_rigid_body.ros import node, sim; node.LOOK_INTERVAL = 0.5; node.LOOKS = 200; "
+    command = (sys.executable, "-c", f"{soon} sys.exit(sim.main(sys.argv[1:]))", *twin)
+    with (
+        SimulatorProcess(*twin),
+        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as second,
+    ):
+        patience = threading.Timer(DEADLINE, second.kill)
+        patience.start()
+        try:
+            assert second.stderr
+            assert any("another node is called /twin/lie_rigid_body" in line for line in second.stderr)
+            second.send_signal(signal.SIGINT)
+            assert second.wait(DEADLINE) == 0
+        finally:
+            patience.cancel()
+            second.kill()
+
+
+def test_at_its_end_the_node_says_how_much_it_sent() -> None:
+    with SimulatorProcess("--ros-args", "-r", "__ns:=/brief") as simulator:
+        assert simulator.end(signal.SIGINT) == 0
+    [said] = [line for line in simulator.said if " ends: " in line]
+    assert re.fullmatch(r"/brief/lie_rigid_body ends: \d+ samples sent, (none|\d+) of them late.*", said)
 
 
 def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:

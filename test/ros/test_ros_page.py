@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
+from lie_rigid_body.scenario.parameter_file import CONFIG
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 if find_spec("rclpy"):
     from peer import Peer
-    from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+    from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-    from lie_rigid_body.ros.control.parameters import IMMEDIATE, READ_ONLY
+    from lie_rigid_body.ros.control.parameters import FIXED, IMMEDIATE
     from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
+    from lie_rigid_body.ros.node import OF_EVERY_NODE
 
 pytestmark = pytest.mark.ros
 
@@ -48,7 +54,8 @@ def test_topics_have_their_types(observer: Peer) -> None:
 
     def seen() -> dict[str, list[str]]:
         found = dict(observer.node.get_publisher_names_and_types_by_node("lie_rigid_body", "/"))
-        return {name: kinds for name, kinds in found.items() if name not in ("/rosout", "/parameter_events")}
+        of_actions = {name for name in found if "/_action/" in name}  # where simulation_interfaces is installed
+        return {name: kinds for name, kinds in found.items() if name not in {*OF_EVERY_NODE, *of_actions}}
 
     observer.spin_until(lambda: len(seen()) >= len(told), "all topics")
     assert seen() == {name: [kind] for name, kind in told.items()}
@@ -86,11 +93,44 @@ def test_qualities_that_can_be_overridden_have_parameters(observer: Peer) -> Non
     assert found - {"/parameter_events"} == {name for name in told if there(name)}
 
 
+def rosbag2_profiles() -> dict[str, QoSProfile]:
+    """The overrides as rosbag2 reads them: a profile by the full name of its topic, of these keys with short names."""
+    read: dict[str, Callable[[Any], Any]] = {
+        "history": HistoryPolicy.get_from_short_key,
+        "reliability": ReliabilityPolicy.get_from_short_key,
+        "durability": DurabilityPolicy.get_from_short_key,
+        "depth": int,
+    }
+    found = yaml.safe_load((CONFIG / "rosbag2" / "qos.yaml").read_text(encoding="utf-8"))
+    return {
+        topic: QoSProfile(**{key: read[key](value) for key, value in profile.items()})
+        for topic, profile in found.items()
+    }
+
+
+def test_rosbag2_keeps_all_of_what_the_node_offers(observer: Peer) -> None:
+    told, heard = rosbag2_profiles(), {}
+    kept = [full_name(t) for topics, *_, n, _ in rows("## Quality of service") for t in names(topics) if n != "last 10"]
+    assert set(told) == set(kept) - {"/tf"}
+    for topic, profile in told.items():
+        assert profile.history == HistoryPolicy.KEEP_ALL
+        observer.spin_until(partial(observer.node.get_publishers_info_by_topic, topic), topic)
+        [offered] = observer.node.get_publishers_info_by_topic(topic)
+        assert (profile.reliability, profile.durability) == (
+            offered.qos_profile.reliability,
+            offered.qos_profile.durability,
+        )
+        package, _, name = offered.topic_type.split("/")
+        heard[topic] = observer.listen(getattr(import_module(f"{package}.msg"), name), topic, profile)
+    observer.spin_until(lambda: all(heard.values()), "a message on each topic")
+    assert f"{CONFIG.name}/rosbag2/qos.yaml\n" in PAGE.split("--qos-profile-overrides-path ")[1]
+
+
 def test_when_a_change_acts() -> None:
     acts = {when.split(":")[0]: set(names(parameters)) for when, parameters in rows("## Parameters while it runs")}
     assert acts["at once"] == IMMEDIATE
-    assert acts["never"] == READ_ONLY
-    assert {parameter.name for parameter in PARAMETERS} > IMMEDIATE | READ_ONLY
+    assert acts["never"] == set(FIXED)
+    assert {parameter.name for parameter in PARAMETERS} > IMMEDIATE | set(FIXED)
 
 
 def test_standard_services_are_those_of_the_code() -> None:

@@ -29,7 +29,8 @@ STANDARD_SERVICES = {
     f"/{NODE}/{name}"
     for name in (
         *("get_simulator_features", "reset_simulation", "get_simulation_state", "set_simulation_state"),
-        *("step_simulation", "get_entities", "get_entity_info", "get_entity_state", "set_entity_state"),
+        *("step_simulation", "get_entities", "get_entities_states", "get_entity_info", "get_entity_state"),
+        "set_entity_state",
     )
 }
 STANDARD_ACTIONS = {f"/{NODE}/simulate_steps"}
@@ -79,7 +80,7 @@ def test_policy_is_for_this_node_and_names_each_thing_once() -> None:
 def test_standard_services_of_the_policy_are_those_of_the_code(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where simulation_interfaces is not installed: a stand-in takes the names."""
     package = ModuleType("simulation_interfaces")
-    package.__dict__.update(srv=AnyName(), action=AnyName())
+    package.__dict__.update(srv=AnyName(), action=AnyName(), msg=AnyName())
     monkeypatch.setitem(sys.modules, "simulation_interfaces", package)
     services: list[str] = []
     actions: list[str] = []

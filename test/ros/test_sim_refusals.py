@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -27,7 +31,7 @@ BAD_PARAMETERS = {
     "unknown motion": (["-p", "motion:=perpetual"], ["motion", "moving_chart, closed_form"]),
     "unknown method": (["-p", "method:=rk5"], ["method", "rkmk4"]),
     "unknown name": (["-p", "metod:=rkmk4"], ["metod", "did you mean method"]),
-    "step too long": (["-p", "method:=rkmk4", "-p", "max_step:=5.0", "-p", "rate:=0.1"], ["max_step", "limit"]),
+    "step too long": (["-p", "method:=rkmk4", "-p", "max_step:=5.0", "-p", "rate:=0.1"], ["max_step", "more than 1"]),
     "epoch at the end of time": (["-p", "epoch_ns:=2147483647000000001"], ["epoch_ns", "outside"]),
     "no folder for the bag": (["-p", "record_path:=/no/such/folder/a.mcap"], ["record_path", "/no/such/folder"]),
     "bag exists": (["-p", "record_path:={folder}/existing.mcap"], ["record_path", "exists and is kept"]),
@@ -48,9 +52,14 @@ CASES = {
     "ros: pose on twist": (["--ros-args", "-r", "pose:=twist"], ["pose and twist", "/twist"]),
     "ros: two topics in one": (
         ["--ros-args", "-r", "twist:=/a", "-r", "~/scenario:=/a"],
-        ["twist and ~/scenario", "remapped to /a"],
+        ["twist and ~/scenario", "both be /a"],
     ),
-    "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["the topic pose as /rosout"]),
+    "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["pose and /rosout", "both be /rosout"]),
+    "ros: the clock is no twist": (["--ros-args", "-r", "twist:=/clock"], ["twist and /clock", "both be /clock"]),
+    "ros: bad topic name": (["--ros-args", "-r", "pose:=/a//b"], ["pose:=/a//b"]),
+    "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "255"]),
+    "ros: node name too long for services": (["--ros-args", "-r", f"__node:={240 * 'n'}"], ["this node", "255"]),
+    "ros: params file a device": (["--ros-args", "--params-file", "/dev/zero"], ["/dev/zero is a device"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }
 FILES = {
@@ -62,7 +71,10 @@ FILES = {
 }
 
 # Before rclpy is initialised, while it is, and while the node is made.
-IN_A_PROCESS_OF_ITS_OWN = ["ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"]
+IN_A_PROCESS_OF_ITS_OWN = [
+    *("ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"),
+    "ros: long node name",
+]
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +95,15 @@ def require_one_good_line(name: str, out: str, err: str) -> None:
     assert [word for word in CASES[name][1] if word not in line] == []
 
 
+@pytest.fixture(autouse=True)
+def deadline() -> Iterator[None]:
+    """The end of a node that takes what it should refuse: it would run for ever, in this process."""
+    end = threading.Timer(DEADLINE, os.kill, (os.getpid(), signal.SIGTERM))
+    end.start()
+    yield
+    end.cancel()
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_refused_in_one_line_with_status_2(name: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(filled(name, folder)) == 2
@@ -97,3 +118,22 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     )
     assert done.returncode == 2
     require_one_good_line(name, done.stdout, done.stderr)
+
+
+def test_a_domain_without_ports_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a process of its own, which Fast DDS would end."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "99999")
+    done = subprocess.run(sim_command(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+    assert done.returncode == 2
+    [line] = done.stderr.splitlines()
+    assert "ROS_DOMAIN_ID 99999 is above 232" in line
+
+
+@pytest.mark.usefixtures("own_signals")
+def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.CaptureFixture[str]) -> None:
+    ours, theirs = os.pipe()
+    os.write(theirs, b"/**: {ros__parameters: {rate: 10.0}}")
+    os.close(theirs)
+    assert main(["--ros-args", "--params-file", f"/dev/fd/{ours}"]) == 2
+    os.close(ours)
+    assert f"/dev/fd/{ours} is a pipe" in capfd.readouterr().err

@@ -17,6 +17,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.runs import ImuArrays
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.wording import LONGEST_LINE
 
 SENSORS: dict[str, Any] = {
     "imu_rate": 200.0,
@@ -87,6 +88,15 @@ def test_bits_and_bytes_are_those_of_record(tmp_path, motion):
     read = Run.from_bag(recorded)
     assert bits(read) == bits(run)
     assert read.scenario == run.scenario
+
+
+def test_a_run_has_the_certificate_of_its_bag(run, tmp_path):
+    run.to_bag(tmp_path / "a.mcap")
+    found, of_bag = run.certificate(), Run.from_bag(tmp_path / "a.mcap").certificate()
+    assert found.passed
+    assert found.attitude_accuracy == of_bag.attitude_accuracy < 1e-14
+    assert found.messages == of_bag.messages
+    assert not run.certificate([1.5, 2.25, 3.0]).passed
 
 
 def test_an_existing_bag_is_kept_unless_told(run, tmp_path):
@@ -208,7 +218,7 @@ def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
     assert np.isnan(some[~told]).all()
     np.testing.assert_array_equal(some[told], np.asarray(imu_of(run).gyro_bias)[told])
     without_topic(tmp_path / "a.mcap", tmp_path / "e.mcap", "/lie_rigid_body/scenario")
-    with pytest.raises(BagError, match="scenario"):
+    with pytest.raises(BagError, match="tells body, motion and frames"):
         Run.from_bag(tmp_path / "e.mcap")
 
 
@@ -262,7 +272,7 @@ def test_refusals_are_one_line(arguments, message):
     with pytest.raises(InputError, match=message) as error:
         simulate(**arguments)
     assert "\n" not in str(error.value)
-    assert len(str(error.value)) <= 400
+    assert len(str(error.value)) <= LONGEST_LINE
 
 
 def test_the_error_of_an_estimated_bias(run):

@@ -51,6 +51,9 @@ SCALARS = [
     ("0x1F", 31),
     ("-0x1f", -31),
     ("9223372036854775807", 2**63 - 1),
+    ("9223372036854775808", 2.0**63),
+    ("-9223372036854775809", -(2.0**63)),
+    ("0x10000000000000000", 2.0**64),
     ("true", True),
     ("Yes", True),
     ("on", True),
@@ -176,7 +179,7 @@ REFUSED = [
     ("/**:\n  ros__parameters: 3\n", "of /\\*\\* holds 3"),
     ("talker: {ros__parameters: {a: 1}}\n/x/*: {ros__parameters: {a: 1}}", "only for /talker, /x/\\*"),
     ("/**: {ros__parameters: {a: !!python/object:os.system 1}}", "not readable as YAML"),
-    ("/**: {ros__parameters: {a: *b}}", "undefined alias"),
+    ("/**: {ros__parameters: {a: *b}}", "aliases .* are not read"),
     ("--- 1\n--- 2\n", "not readable as YAML"),
     ("\x07", "not readable as YAML"),
     ("[" * 5000, "not readable as YAML"),
@@ -188,7 +191,7 @@ def test_what_is_no_parameter_file_is_refused_in_one_line(write: Write, text: st
     path = write(text)
     with pytest.raises(InputError, match=said) as caught:
         read_parameter_file(path)
-    assert str(path) in str(caught.value)
+    assert path.name in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -225,8 +228,8 @@ def test_a_value_that_is_not_yaml_is_refused() -> None:
         parse_assignment("inertia:=[1.0")
 
 
-def test_an_unknown_scenario_is_refused_with_those_that_are_there() -> None:
-    with pytest.raises(InputError, match=r"did you mean dzhanibekov\? there are asymmetric_top, .*tumbling_cubesat"):
+def test_an_unknown_scenario_is_refused_with_the_one_that_may_be_meant() -> None:
+    with pytest.raises(InputError, match=r"did you mean dzhanibekov or slow_dzhanibekov\?; 'scenarios' lists all$"):
         scenario_file("dzanibekov")
 
 
@@ -244,3 +247,11 @@ def test_shipped_files_suit_a_node_as_well(name: str) -> None:
         assert {type(item) for item in items} == kinds
     plain = yaml.safe_load(path.read_text())
     assert list(plain) == ["/**"]
+
+
+def test_long_numbers_take_little_time() -> None:
+    """Were a digit looked at again for each one after it, this would not end."""
+    assert parse_assignment(f"rate:={10**5 * '1'}x")[1] == f"{10**5 * '1'}x"
+    assert parse_assignment(f"rate:={10**5 * '1'}")[1] == math.inf
+    with pytest.raises(InputError, match="too large"):
+        parse_assignment(f"rate:=0x{10**5 * 'F'}")

@@ -60,7 +60,7 @@ def test_the_steps_between_readings_of_a_sensor_are_refused_as_well() -> None:
 def test_more_steps_than_can_be_taken_are_refused() -> None:
     fast = {"initial_body_rate": [1e12, 1e12, 0.0]}
     Scenario.from_parameters(fast)
-    with pytest.raises(ParameterError, match=r"initial_body_rate: .* dmv20 \S*e\+18 steps between samples"):
+    with pytest.raises(ParameterError, match=r"initial_body_rate: .* dmv20 takes \S*e\+18 steps between samples"):
         Scenario.from_parameters({**fast, "rate": 1e-6})
     Scenario.from_parameters({**fast, "rate": 1e-6, "motion": "closed_form"})
     Scenario.from_parameters({"rate": 1e-6, "max_step": 1e-9})

@@ -30,7 +30,7 @@ LIMITS = {
     "field": ("magnetic_field", {"magnetic_field": [0.0, 0.0, 48.0e6]}, r"±1000 T"),
     "hard iron": ("magnetometer_hard_iron", {"magnetometer_hard_iron": [1e4, 0.0, 0.0]}, r"±1000 T"),
     "soft iron": ("magnetometer_soft_iron", {"magnetometer_soft_iron": [1e7] * 9}, r"±1e\+06: give"),
-    "unknown": ("gyro_noise_densty", {"gyro_noise_densty": 1.0}, r"did you mean gyro_noise_density\?"),
+    "unknown": ("gyro_noise_densty", {"gyro_noise_densty": 1.0}, r"did you mean gyro_noise_density or "),
     **{
         f"{sensor} resolution": (
             f"{sensor}_resolution",

@@ -13,6 +13,7 @@ from lie_rigid_body.motion.closed_form.ensemble import Ensemble
 from lie_rigid_body.motion.closed_form.motion_parameters import Starts
 from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
 from lie_rigid_body.motion.motion import batch_shape, flat_batch, nanoseconds
+from lie_rigid_body.wording import call_repr
 
 _WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
 """Bytes beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
@@ -52,6 +53,13 @@ class ClosedForm:
         )
         self._attitude_xyzw, self._body_rate = starts.attitude_xyzw, starts.body_rate
         self._ensemble = Ensemble.of(starts)
+
+    def __repr__(self) -> str:
+        shape = {"bodies": self._batch} if self._batch else {}
+        attitude, rate = self._attitude_xyzw, self._body_rate
+        if not self._batch:
+            attitude, rate = attitude[0], rate[0]
+        return call_repr(self, {**shape, "attitude_xyzw": attitude, "body_rate": rate})
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.

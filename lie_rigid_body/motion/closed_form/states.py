@@ -272,6 +272,8 @@ class Kind:
 
     Attributes
     ----------
+    name : str
+        That of the constant of this module that holds the kind.
     constants : callable
         The constants from a row.
     sample : callable
@@ -280,15 +282,26 @@ class Kind:
         The function that fills in many states, compiled when it pays.
     """
 
+    name: str
     constants: Callable[[Sequence[Number]], Any]
     sample: Callable[[Any, DoubleDouble], Sample]
     work: Work
 
+    def __reduce__(self) -> str:
+        """By name: copies of a motion share what is compiled, and in another process there is one of its own."""
+        return self.name
 
-CIRCULAR: Final = Kind(general_constants, circular_sample, Work(fill_circular, SIGNATURE, SAMPLES_FOR_COMPILING))
-HYPERBOLIC: Final = Kind(general_constants, hyperbolic_sample, Work(fill_hyperbolic, SIGNATURE, SAMPLES_FOR_COMPILING))
-SEPARATRIX: Final = Kind(general_constants, separatrix_sample, Work(fill_separatrix, SIGNATURE, SAMPLES_FOR_COMPILING))
-STEADY: Final = Kind(steady_constants, steady_sample, Work(fill_steady, SIGNATURE, SAMPLES_FOR_COMPILING))
+
+CIRCULAR: Final = Kind(
+    "CIRCULAR", general_constants, circular_sample, Work(fill_circular, SIGNATURE, SAMPLES_FOR_COMPILING)
+)
+HYPERBOLIC: Final = Kind(
+    "HYPERBOLIC", general_constants, hyperbolic_sample, Work(fill_hyperbolic, SIGNATURE, SAMPLES_FOR_COMPILING)
+)
+SEPARATRIX: Final = Kind(
+    "SEPARATRIX", general_constants, separatrix_sample, Work(fill_separatrix, SIGNATURE, SAMPLES_FOR_COMPILING)
+)
+STEADY: Final = Kind("STEADY", steady_constants, steady_sample, Work(fill_steady, SIGNATURE, SAMPLES_FOR_COMPILING))
 KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 
 

@@ -14,11 +14,20 @@ from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.parameters import Parameter, Value
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.wording import shortened
 
-READ_ONLY: Final = frozenset(
-    {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate", "sensor_grade"}
-)
-"""Parameters on which message types, stamps, files, publishers and other parameters depend: fixed at the start."""
+_NEW_NODE: Final = "start the node anew with it"
+FIXED: Final[Mapping[str, str]] = {
+    "stamped_twist": f"a topic keeps its type: {_NEW_NODE}",
+    "epoch_ns": f"stamps go on rising: {_NEW_NODE}",
+    "record_path": f"the bag is begun with the first sample: {_NEW_NODE}",
+    "publish_clock": f"publishers are made at the start: {_NEW_NODE}",
+    "paused": "it is how the node starts: call ~/pause or ~/resume",
+    "publish_tf": f"publishers are made at the start: {_NEW_NODE}",
+    "marker_rate": f"publishers are made at the start: {_NEW_NODE}",
+    "sensor_grade": f"other parameters depend on it: {_NEW_NODE}",
+}
+"""Parameters that are fixed at the start, each with the reason and what to do instead."""
 IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
@@ -58,7 +67,10 @@ class NodeParameters:
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
-        return Scenario.from_parameters(self.values())
+        scenario = Scenario.from_parameters(self.values())
+        if scenario.sensors.imu or scenario.sensors.magnetometer:
+            import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
+        return scenario
 
     def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
         """Call ``act`` with the new values, by name, when parameters in `IMMEDIATE` change."""
@@ -70,19 +82,32 @@ class NodeParameters:
 
         self._node.add_post_set_parameters_callback(changed)
 
+    def refusal(self, changes: list[RosParameter]) -> SetParametersResult | None:
+        """The reason why a request is refused, or None; rclpy's own says neither why nor what to do."""
+        for change in changes:
+            if change.name in FIXED:
+                return refused(f"{change.name}: fixed at the start, as {FIXED[change.name]}")
+        judged = self._validate(integers_as_doubles(changes))
+        return None if judged.successful else judged
+
     def _validate(self, changes: Sequence[RosParameter]) -> SetParametersResult:
         """Accept all changes of a request, or refuse all with the reason."""
         new = {change.name: change.value for change in changes if change.name in _BY_NAME}
         try:
             Scenario.from_parameters({**self.values(), **new})
         except LieRigidBodyError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+            return refused(str(error))
         return SetParametersResult(successful=True)
+
+
+def refused(reason: str) -> SetParametersResult:
+    """The answer to a request that changes nothing."""
+    return SetParametersResult(successful=False, reason=shortened(reason))
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
-    fixed = parameter.name in READ_ONLY
+    fixed = parameter.name in FIXED
     described = ParameterDescriptor(
         description=parameter.description,
         additional_constraints="; ".join([*_constraints(parameter), *_effect(parameter.name)]),
@@ -107,7 +132,7 @@ def _constraints(parameter: Parameter) -> Iterable[str]:
 
 
 def _effect(name: str) -> Iterable[str]:
-    if name in READ_ONLY:
+    if name in FIXED:
         yield "fixed at the start"
     else:
         yield f"a change takes effect {'at once' if name in IMMEDIATE else 'at the next ~/reset'}"

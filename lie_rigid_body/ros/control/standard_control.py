@@ -23,6 +23,7 @@ from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.timing.live_run import RunState
 from lie_rigid_body.ros.timing.step_request import StepRequest
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.wording import shown
 
 
 class Code(IntEnum):
@@ -52,7 +53,8 @@ class StandardState(IntEnum):
 
 FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
 """Numbers of simulation_interfaces/SimulatorFeatures: categories, getting and setting of an entity's state, its info,
-reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action."""
+reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action.
+All others are unsupported, and have no service: spawning, deleting, named poses, bounds, tags, infos, worlds."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_OBJECT: Final = 0
@@ -149,8 +151,8 @@ class StandardControl:
         if scope != SCOPE_DEFAULT and not scope & SCOPE_STATE:
             return Result(
                 Code.FEATURE_UNSUPPORTED,
-                f"scope {scope} leaves out the state, which is all that a reset changes: nothing is spawned here, and "
-                "stamps go on rising; give SCOPE_STATE (2), or SCOPE_ALL (255)",
+                f"scope {scope} leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or "
+                "SCOPE_ALL (255)",
             )
         return self._result_of(lambda: self._control.reset(self._scenario()))
 
@@ -200,7 +202,10 @@ class StandardControl:
         try:
             named = not pattern or re.search(pattern, self._entity) is not None
         except re.error as error:
-            return Result(Code.OPERATION_FAILED, f"filter {pattern!r} is no regular expression: {error}"), []
+            return Result(
+                Code.OPERATION_FAILED,
+                f"filter {shown(pattern)} is no regular expression ({error}): give one, or none",
+            ), []
         passes = named and (not categories or CATEGORY_DYNAMIC_OBJECT in categories)
         return Result(Code.OK), [self._entity] if passes else []
 
@@ -239,16 +244,19 @@ class StandardControl:
         if wanted.frame not in ("", world):
             return Result(
                 Code.OPERATION_FAILED,
-                f"frame {wanted.frame!r} is unknown: give pose and twist in {world!r}, or leave it empty",
+                f"frame {shown(wanted.frame)} is unknown: give pose and twist in {world!r}, or leave it empty",
             )
         if wanted.set_pose and any(wanted.position):
-            return Result(INVALID_POSE, f"position {list(wanted.position)} is not 0: the mass centre stays there")
+            return Result(
+                INVALID_POSE, f"position {list(wanted.position)} is not 0, where the mass centre stays: give 0"
+            )
         if wanted.set_twist and any(wanted.linear):
             return Result(
-                Code.OPERATION_FAILED, f"linear velocity {list(wanted.linear)} is not 0: the mass centre stays"
+                Code.OPERATION_FAILED,
+                f"linear velocity {list(wanted.linear)} is not 0: give 0, the mass centre stays",
             )
         if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
-            return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite")
+            return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite: give numbers")
         return self._reset_to(wanted)
 
     def _reset_to(self, wanted: EntityStateRequest) -> Result:
@@ -268,7 +276,7 @@ class StandardControl:
         return Result(Code.OK)
 
     def _not_found(self, entity: str) -> Result:
-        return Result(Code.NOT_FOUND, f"there is no entity {entity!r}: the body is {self._entity!r}")
+        return Result(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
 
     @staticmethod
     def _result_of(action: Callable[[], object]) -> Result:

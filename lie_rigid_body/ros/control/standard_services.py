@@ -60,10 +60,15 @@ class StandardServices:
 
     def offer(self, node: Node) -> None:
         """Create the services and the action on a node, under their own names in snake case."""
-        from simulation_interfaces import action, srv
+        from simulation_interfaces import action, msg, srv
 
         for name, handler in self._handlers.items():
             node.create_service(getattr(srv, name), f"~/{snake_case(name)}", handler)
+        node.create_service(
+            srv.GetEntitiesStates,
+            "~/get_entities_states",
+            lambda request, response: self.get_entities_states(request, response, msg.EntityState),
+        )
         # steps may take long, and must not keep the other services waiting
         concurrent = ReentrantCallbackGroup()
         node.create_service(srv.StepSimulation, "~/step_simulation", self.step_simulation, callback_group=concurrent)
@@ -124,15 +129,25 @@ class StandardServices:
 
     def get_entities(self, request: Any, response: Any) -> Any:
         """The name of the one body, if it passes the filters."""
-        filters = request.filters
-        result, names = self._standard.entities(
+        result, response.entities = self._filtered(request.filters)
+        return _filled(response, result)
+
+    def get_entities_states(self, request: Any, response: Any, empty: Callable[[], Any]) -> Any:
+        """Name and state of the one body, if it passes the filters; ``empty`` makes the message of a state."""
+        result, names = self._filtered(request.filters)
+        for name in names:
+            result, state = self._standard.entity_state(name)
+            if state is not None:
+                response.entities, response.states = [name], [_with_state(empty(), state)]
+        return _filled(response, result)
+
+    def _filtered(self, filters: Any) -> tuple[Result, list[str]]:
+        return self._standard.entities(
             filters.filter,
             [category.category for category in filters.categories],
             tags=bool(filters.tags.tags),
             bounds=bool(filters.bounds.points),
         )
-        response.entities = names
-        return _filled(response, result)
 
     def get_entity_info(self, request: Any, response: Any) -> Any:
         """Description and category of the body."""
@@ -144,7 +159,7 @@ class StandardServices:
         """Pose, twist and acceleration of the body in the world frame."""
         result, state = self._standard.entity_state(request.entity)
         if state is not None:
-            _fill_state(response.state, state)
+            _with_state(response.state, state)
         return _filled(response, result)
 
     def set_entity_state(self, request: Any, response: Any) -> Any:
@@ -169,7 +184,7 @@ def _progress(feedback: Any, completed: int, total: int) -> Any:
     return feedback
 
 
-def _fill_state(message: Any, state: EntityState) -> None:
+def _with_state(message: Any, state: EntityState) -> Any:
     message.header.frame_id = state.frame
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(state.stamp_ns, NS)
     for field, vector in (
@@ -179,6 +194,7 @@ def _fill_state(message: Any, state: EntityState) -> None:
     ):
         for name, value in zip("xyzw", vector.tolist(), strict=False):
             setattr(field, name, value)
+    return message
 
 
 def _state_request(request: Any) -> EntityStateRequest:

@@ -1,4 +1,4 @@
-"""The text that the node prints at its start: body, motion, topics, and commands to listen with."""
+"""What the node prints at its start, body, motion, topics, and commands to listen with; and at its end."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
+from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
 
 
@@ -59,6 +60,12 @@ def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
         "Ctrl-C ends it.",
     ]
     return "\n".join(lines)
+
+
+def farewell(node: str, punctuality: Punctuality) -> str:
+    """The line at the end: how many samples were sent, and how many of them late."""
+    late = f"{punctuality.missed} of them late, by up to {punctuality.worst_ns / 1e6:.3g} ms"
+    return f"{node} ends: {punctuality.sent} samples sent, {late if punctuality.missed else 'none of them late'}"
 
 
 def commands(names: Names) -> list[str]:

@@ -1,4 +1,4 @@
-"""``/diagnostics``: rate, lateness and drift of the run, once a second."""
+"""``/diagnostics``: rate, lateness and drift of the run, and a recording that failed, once a second."""
 
 from __future__ import annotations
 
@@ -35,6 +35,12 @@ class Diagnostics(Sink):
         self._due_ns: int | None = None
         self._before = (0, Punctuality())
         self._state: State | None = None
+        self._failure = ""
+
+    def report_failure(self, reason: str) -> None:
+        """Be at level ERROR for this reason from now on, and say so in the next turn of the run."""
+        self._failure = reason
+        self._due_ns = self._before[0]
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the body and the initial state, whose energy and momentum are conserved in this segment."""
@@ -67,7 +73,7 @@ class Diagnostics(Sink):
         missed = punctuality.missed - before.missed
         energy, momentum = self.drifts()
         values = {
-            "samples per second": f"{(punctuality.sent - before.sent) * NS / (steady_ns - then_ns):.6g}",
+            "samples per second": f"{(punctuality.sent - before.sent) * NS / max(1, steady_ns - then_ns):.6g}",
             "samples per second of simulated time": f"{self._rate:g}",
             "samples sent": str(punctuality.sent),
             "lateness of the latest sample (ms)": f"{punctuality.lateness_ns / 1e6:.3f}",
@@ -77,7 +83,7 @@ class Diagnostics(Sink):
             "energy drift since the last reset (relative)": f"{energy:.2e}",
             "momentum drift since the last reset (relative)": f"{momentum:.2e}",
         }
-        level, message = _judgement(missed, max(energy, momentum))
+        level, message = _judgement(self._failure, missed, max(energy, momentum))
         return DiagnosticStatus(
             level=level,
             name=f"{self._node.get_fully_qualified_name()}: simulation",
@@ -98,7 +104,9 @@ class Diagnostics(Sink):
         return abs(energies[1] / energies[0] - 1.0), float(np.linalg.norm(momenta[1] - momenta[0])) / size
 
 
-def _judgement(missed: int, drift: float) -> tuple[bytes, str]:
+def _judgement(failure: str, missed: int, drift: float) -> tuple[bytes, str]:
+    if failure:
+        return DiagnosticStatus.ERROR, failure
     if drift > LARGEST_DRIFT:
         return DiagnosticStatus.ERROR, "energy or momentum drifts: choose a better method or a smaller max_step"
     if missed:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import time
 from collections.abc import Iterator, Mapping
-from itertools import chain, combinations
+from itertools import chain
 from typing import Final
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -18,7 +18,6 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, MagneticField
 from std_msgs.msg import String
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
@@ -68,7 +67,7 @@ class SamplePublisher(Sink):
     Raises
     ------
     InputError
-        If two topics are remapped to one name, or ROS refuses a name.
+        If ROS refuses a name.
     """
 
     def __init__(
@@ -79,7 +78,6 @@ class SamplePublisher(Sink):
         self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
         self._blocked: tuple[Publisher, bytes] | None = None
         self._logger = node.get_logger()
-        _require_distinct({topic: node.resolve_topic_name(topic) for topic in (POSE, TWIST, SCENARIO, *_SENSOR_TYPES)})
         latched = QoSProfile(
             depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
         )
@@ -195,12 +193,6 @@ class SamplePublisher(Sink):
 def _clock(stamp_ns: int) -> bytes:
     """The bytes of a rosgraph_msgs/Clock."""
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
-
-
-def _require_distinct(full_names: Mapping[str, str]) -> None:
-    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
-        if its_name == other_name:
-            raise InputError(f"the topics {one} and {other} are both remapped to {its_name}: give each its own name")
 
 
 def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:

@@ -18,7 +18,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.mailbox import Mailbox
-from lie_rigid_body.ros.timing.pace import Halted, Pace, pace_of
+from lie_rigid_body.ros.timing.pace import CATCH_UP, LONGEST_REST_NS, Halted, Pace, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
@@ -28,6 +28,12 @@ STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
+FAR_BEHIND_NS: Final = 10 * NS
+"""Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
+SELDOM_WOKEN: Final = Fraction(5, 4)
+"""As many times as fast as simulated time passes it then sends at least."""
+STALL_NS: Final = 25_000_000
+"""Time without samples from which on it is a stall, which comes once, ns."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
@@ -59,6 +65,8 @@ class LiveRun:
         Ends the loop when it is requested.
     steady : callable, optional
         The steady clock, ns.
+    wall : callable, optional
+        The time of day, ns. It stamps the first sample at the time when the run begins; by default the scenario does.
     factor : float, optional
         Real-time factor: simulated time over steady time; 0: as fast as possible.
     paused : bool, optional
@@ -73,6 +81,7 @@ class LiveRun:
         interruption: Interruption,
         steady: Callable[[], int] = time.monotonic_ns,
         *,
+        wall: Callable[[], int] | None = None,
         factor: float = 1.0,
         paused: bool = False,
     ) -> None:
@@ -81,8 +90,9 @@ class LiveRun:
         self._mailbox = mailbox
         self._interruption = interruption
         self._steady = steady
+        self._wall = wall
         self._factor = factor
-        self._pace: Pace = Halted(simulation.next_stamp_ns - 1)
+        self._take_pace(Halted(simulation.next_stamp_ns - 1))
         self._state = RunState.PAUSED if paused else RunState.PLAYING
         self._request: StepRequest | None = None
         self._punctuality = Punctuality()
@@ -107,6 +117,11 @@ class LiveRun:
         """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
         return self._latest
 
+    @property
+    def punctuality(self) -> Punctuality:
+        """How many samples were sent so far, and how late."""
+        return self._punctuality
+
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
 
@@ -115,8 +130,12 @@ class LiveRun:
         LieRigidBodyError
             If a sink fails, or the stamps reach their end.
         """
-        if self._state is RunState.PLAYING:
-            self._pace = pace_of(self._factor, self._simulation.next_stamp_ns, self._steady())
+        steady = self._steady()
+        if self._wall is not None:
+            self._simulation.start_at(self._wall())
+        first = self._simulation.next_stamp_ns
+        playing = self._state is RunState.PLAYING
+        self._take_pace(pace_of(self._factor, first, steady) if playing else Halted(first - 1))
         self._begin(self._simulation.segment)
         try:
             while not self._interruption.requested:
@@ -166,7 +185,8 @@ class LiveRun:
         """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""
         self._abandon("paused")
         halted = self._present_ns()
-        self._pace, self._state = Halted(halted), RunState.PAUSED
+        self._take_pace(Halted(halted))
+        self._state = RunState.PAUSED
         return halted
 
     def resume(self) -> None:
@@ -174,7 +194,7 @@ class LiveRun:
         if self._state is RunState.PLAYING:
             return
         self._abandon("resumed")
-        self._pace = pace_of(self._factor, self._present_ns(), self._steady())
+        self._take_pace(pace_of(self._factor, self._present_ns(), self._steady()))
         self._state = RunState.PLAYING
 
     def stop(self, scenario: Scenario) -> Segment:
@@ -213,8 +233,10 @@ class LiveRun:
         first = self._simulation.next_sample
         last_ns = self._simulation.clock.stamp_ns(first + count - 1)
         if last_ns > MAX_EPOCH_NS:
-            raise ParameterError("steps", f"{count} steps lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}")
-        self._pace = Halted(last_ns)
+            raise ParameterError(
+                "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
+            )
+        self._take_pace(Halted(last_ns))
         self._request = StepRequest(first, count)
         return self._request
 
@@ -224,7 +246,11 @@ class LiveRun:
         self._factor = factor
         self._set_deadline()
         if self._state is RunState.PLAYING:
-            self._pace = pace_of(factor, present, self._steady())
+            self._take_pace(pace_of(factor, present, self._steady()))
+
+    def _take_pace(self, pace: Pace) -> None:
+        self._pace: Pace = pace
+        self._rested_ns = 0
 
     def _present_ns(self) -> int:
         """Present simulated time, ns: never beyond a sample that was not yet sent."""
@@ -232,7 +258,7 @@ class LiveRun:
 
     def _stay_halted(self) -> None:
         if self._state is not RunState.PLAYING:
-            self._pace = Halted(self._simulation.next_stamp_ns - 1)
+            self._take_pace(Halted(self._simulation.next_stamp_ns - 1))
 
     def _abandon(self, why: str) -> None:
         if self._request is not None:
@@ -247,6 +273,7 @@ class LiveRun:
         sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
         self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in sensors if sensor is not None)])
         self._set_deadline()
+        self._rested_ns = 0
         self._latest = (segment.start_ns, scenario.start())
         for sink in self._sinks:
             sink.begin_segment(segment)
@@ -257,17 +284,26 @@ class LiveRun:
         self._is_fast = self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
 
     def _send_due(self) -> None:
-        """Send the samples that are due, at most one batch."""
+        """Send samples that are due: at most one batch, and of those that are late a few."""
         now, stamp = self._steady(), self._simulation.next_stamp_ns
-        due = self._pace.due_ns(now)
-        if not all(sink.ready() for sink in self._sinks) or stamp > due:
+        if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
         with self._interruption.allowed():
-            taken = self._simulation.take_until(due, self._batch_size)
+            rest = self._rest_ns(stamp, now)
+            taken = self._simulation.take_until(self._pace.last_ns(stamp, now, rest), self._batch_size)
+        self._rested_ns = now - rest + self._pace.rest_ns(self._simulation.next_stamp_ns - stamp)
         batch = self._encoder.encode(taken)
         for sink in self._sinks:
             sink.write(batch)
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
+
+    def _rest_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """Rest since the last samples that counts for those which go out now, ns."""
+        rest = steady_ns - self._rested_ns
+        if rest <= LONGEST_REST_NS:
+            return rest
+        is_behind = rest < STALL_NS and self._pace.wait_ns(stamp_ns, steady_ns) < -FAR_BEHIND_NS
+        return max(LONGEST_REST_NS, int(SELDOM_WOKEN * rest) // CATCH_UP) if is_behind else LONGEST_REST_NS
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""
@@ -292,6 +328,8 @@ class LiveRun:
             return 0
         if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
             wait = SHORTEST_WAIT_NS
+        if (rest := self._rested_ns - now) > 0:
+            wait = max(wait, rest, SHORTEST_WAIT_NS)
         return min(wait, LONGEST_WAIT_NS, *others)
 
     def _carry_out_call(self, wait_ns: int) -> None:

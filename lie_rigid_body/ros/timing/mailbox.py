@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from threading import Lock
 from typing import Any, Generic, TypeVar, cast
 
-from lie_rigid_body.errors import BagError, LieRigidBodyError
+from lie_rigid_body.errors import LieRigidBodyError
 
 T = TypeVar("T")
 
@@ -30,19 +30,11 @@ class Call(Generic[T]):
         self._outcome: Future[T] = Future()
 
     def carry_out(self) -> None:
-        """Call the function. The waiting thread gets its result, or what it raised.
-
-        Raises
-        ------
-        BagError
-            Raised here as well: a recording that failed ends the run.
-        """
+        """Call the function. The waiting thread gets its result, or what it raised."""
         try:
             self._outcome.set_result(self._function())
         except Exception as error:
             self._outcome.set_exception(error)
-            if isinstance(error, BagError):
-                raise
 
     def refuse(self) -> None:
         """Raise ClosedError in the waiting thread, unless the function was called."""

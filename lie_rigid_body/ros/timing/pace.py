@@ -8,6 +8,10 @@ from typing import Final, Protocol
 
 FOREVER: Final = 2**63
 """A time longer than any wait, and later than any stamp, ns."""
+CATCH_UP: Final = 2
+"""A run that is late sends so many times as fast as simulated time passes: faster, it would overrun subscribers."""
+LONGEST_REST_NS: Final = 5_000_000 // CATCH_UP
+"""Longest rest that counts for what a late run sends at once, ns: 5 samples at 1 kHz, as many subscribers keep 10."""
 
 
 class Pace(Protocol):
@@ -21,12 +25,21 @@ class Pace(Protocol):
         """Time from ``steady_ns`` until a stamp is due, ns; negative when it has been due for that long."""
         ...
 
+    def last_ns(self, stamp_ns: int, steady_ns: int, rest_ns: int) -> int:
+        """The last stamp that may go out, from ``stamp_ns`` on, which is due, after a rest."""
+        return self.due_ns(steady_ns)
+
+    def rest_ns(self, span_ns: int) -> int:
+        """The rest that belongs to stamps sent, of which the next comes ``span_ns`` after the first, ns."""
+        return 0
+
 
 @dataclass(frozen=True)
-class Scaled:
+class Scaled(Pace):
     """Simulated time is the steady clock's, scaled by a constant factor from a common instant.
 
     The relation never changes: nothing drifts, no sample is skipped, and samples delayed by a stall are due at once.
+    They go out by and by, however: a few and then a rest, `CATCH_UP` times as fast as simulated time passes.
 
     Parameters
     ----------
@@ -50,9 +63,18 @@ class Scaled:
         n, d = self.factor.numerator, self.factor.denominator
         return self.steady_ns - (self.stamp_ns - stamp_ns) * d // n - steady_ns
 
+    def last_ns(self, stamp_ns: int, steady_ns: int, rest_ns: int) -> int:
+        """See `Pace`."""
+        allowed = CATCH_UP * rest_ns * self.factor.numerator // self.factor.denominator
+        return min(self.due_ns(steady_ns), stamp_ns + max(0, allowed - 1))
+
+    def rest_ns(self, span_ns: int) -> int:
+        """See `Pace`; rounded up."""
+        return -(-span_ns * self.factor.denominator // (CATCH_UP * self.factor.numerator))
+
 
 @dataclass(frozen=True)
-class Unlimited:
+class Unlimited(Pace):
     """Real-time factor 0, as fast as possible: every stamp is due at any time."""
 
     def due_ns(self, steady_ns: int) -> int:
@@ -65,7 +87,7 @@ class Unlimited:
 
 
 @dataclass(frozen=True)
-class Halted:
+class Halted(Pace):
     """Simulated time stands still: stamps up to a last one are due, later ones never.
 
     Parameters

@@ -43,7 +43,9 @@ class StepRequest:
     def abandon(self, why: str) -> None:
         """Raise ControlError in every thread that waits, unless all samples were sent."""
         if not self._end.done():
-            self._end.set_exception(ControlError(f"{why} after {self.completed} of {self.total} steps"))
+            self._end.set_exception(
+                ControlError(f"{why} after {self.completed} of {self.total} steps: ask for the rest again")
+            )
 
     def wait(self, seconds: float | None = None) -> bool:
         """Wait for the last sample, for at most a time; return whether all were sent.

@@ -115,8 +115,14 @@ def test_the_factor_acts_at_once(observer: Peer) -> None:
         ({"real_time_factor": float("nan")}, "real_time_factor"),
         ({"real_time_factor": 20.0, "inertia": [1.0, 1.0, 3.0]}, "triangle"),
         ({"real_time_factor": 20.0, "imu_rate": -1.0}, "imu_rate"),
-        ({"real_time_factor": 20.0, "paused": True}, "read-only"),
-        ({"publish_clock": False}, "read-only"),
+        (
+            {"real_time_factor": 20.0, "paused": True},
+            "as it is how the node starts: call ~/pause or ~/resume",
+        ),
+        (
+            {"publish_clock": False},
+            "as publishers are made at the start: start the node anew",
+        ),
         ({"gyro_rate": "guessed"}, "instantaneous"),
     ],
 )

@@ -22,7 +22,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
-    from standard_messages import RESPONSES, entity_filters, entity_state, feedback
+    from standard_messages import FEATURE_OF, RESPONSES, entity_filters, entity_state, feedback
 
     from lie_rigid_body.ros.control.standard_control import StandardControl
     from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
@@ -145,6 +145,13 @@ def test_features_are_those_that_are_served(paused: Simulator) -> None:
     assert set(features.features) == set(served.values())
     assert features.spawn_formats == []
     assert features.custom_info
+
+
+def test_every_standard_service_is_offered_or_declared_unsupported(paused: Simulator) -> None:
+    features = set(paused.ask("get_simulator_features").features.features)
+    offered = {name for name in FEATURE_OF if hasattr(paused.services, name)}
+    assert offered == set(RESPONSES)
+    assert offered == {name for name, feature in FEATURE_OF.items() if feature is None or feature in features}
 
 
 @pytest.mark.parametrize(
@@ -283,6 +290,12 @@ def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
 def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], code: int, found: list[str]) -> None:
     answer = paused.ask("get_entities", filters=entity_filters(pattern, categories))
     assert (answer.result.result, answer.entities) == (code, found)
+    both = paused.services.get_entities_states(
+        SimpleNamespace(filters=entity_filters(pattern, categories)), RESPONSES["get_entities_states"](), entity_state
+    )
+    assert (both.result.result, both.entities) == (code, found)
+    alone = paused.ask("get_entity_state", entity=NAME).state
+    assert both.states == [alone for _ in found]
 
 
 @pytest.mark.parametrize("field", ["tags", "bounds"])

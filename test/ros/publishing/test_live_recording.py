@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
+import shutil
 import signal
 import subprocess
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,11 @@ from broken_bag import stamps_in_whole_chunks
 from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command
 
 from lie_rigid_body.recording.bag_reader import read_bag
+
+if find_spec("rclpy"):
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+    from geometry_msgs.msg import PoseStamped
+    from peer import Peer
 
 pytestmark = pytest.mark.ros
 
@@ -32,18 +40,20 @@ def test_kill_leaves_whole_chunks_without_a_gap(tmp_path: Path) -> None:
     assert set(np.diff(stamps).tolist()) == {5_000_000}
 
 
-@pytest.mark.parametrize("rate", ["200.0", "100000.0"])
-def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str) -> None:
+@pytest.mark.parametrize(
+    ("rate", "numbers"), [("200.0", (signal.SIGHUP, signal.SIGINT)), ("100000.0", (signal.SIGTERM, signal.SIGINT))]
+)
+def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers: tuple[signal.Signals, ...]) -> None:
     """At the higher rate, which no machine keeps up with, they come in the middle of catching up."""
-    bag = tmp_path / "whole.mcap"
-    with SimulatorProcess("-p", f"rate:={rate}", "-p", f"record_path:={bag}") as simulator:
+    bag = tmp_path / "whole bag.mcap"
+    with SimulatorProcess("-p", f"rate:={rate}", "-p", f"record_path:='{bag}'") as simulator:
         size = bag.stat().st_size
         eventually(lambda: bag.stat().st_size > size, "samples")
-        assert simulator.end_impatiently(signal.SIGTERM, signal.SIGINT) == 0
+        assert simulator.end_impatiently(*numbers) == 0
     recording = read_bag(bag)
     assert recording.expected_samples == len(recording.poses.stamps_ns) > 0
     assert set(np.diff(recording.poses.stamps_ns).tolist()) == {round(1e9 / float(rate))}
-    assert any(str(bag) in line and "recorded" in line for line in simulator.said)
+    assert simulator.said[-1].endswith(f" samples; certify them with: lie-rigid-body check '{bag}'")
 
 
 def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
@@ -57,7 +67,16 @@ def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
     assert read_bag(bag).expected_samples == 1
 
 
-def test_full_disk_ends_the_node_with_status_2_and_a_reason(tmp_path: Path) -> None:
+def end_of_a_lost_recording(simulator: SimulatorProcess, bag: Path, what: str) -> None:
+    """It was told in the log at once, and is the last line when the node ends, with status 2."""
+    assert simulator.end(signal.SIGTERM) == 2
+    logged, last = simulator.complained
+    assert re.search(rf"ERROR.*{bag.name} {what}.*publishing goes on", logged)
+    assert re.match(rf"lie-rigid-body sim: error: .*{bag.name} {what}", last)
+    assert [line for line in simulator.said if "recorded" in line] == []
+
+
+def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
     bag = tmp_path / "full.mcap"
     limit = 60_000
 
@@ -65,11 +84,24 @@ def test_full_disk_ends_the_node_with_status_2_and_a_reason(tmp_path: Path) -> N
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     with SimulatorProcess("-p", "rate:=1000.0", "-p", f"record_path:={bag}", preexec=shrink) as simulator:
-        assert simulator.wait() == 2
-    [line] = simulator.complained
-    assert str(bag) in line
-    assert "cannot be written" in line
+        eventually(lambda: bool(simulator.complained), "a complaint")
+        end_of_a_lost_recording(simulator, bag, "cannot be written: File too large")
     assert bag.stat().st_size <= limit
+
+
+def test_a_bag_that_is_deleted_is_told_at_once_while_the_node_goes_on(peer: Peer, tmp_path: Path) -> None:
+    bag = tmp_path / "bags" / "lost.mcap"
+    bag.parent.mkdir()
+    reports, poses = peer.listen(DiagnosticArray, "/diagnostics"), peer.listen(PoseStamped, "/pose")
+    with SimulatorProcess("-p", f"record_path:={bag}") as simulator:
+        peer.spin_until(lambda: len(reports) > 1 and len(poses) > 1, "a running node")
+        shutil.rmtree(bag.parent)
+        eventually(lambda: bool(simulator.complained), "a complaint")
+        peer.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.ERROR, "diagnostics")
+        assert str(bag) in reports[-1].status[0].message
+        count = len(poses)
+        peer.spin_until(lambda: len(poses) > count + 20, "more poses")
+        end_of_a_lost_recording(simulator, bag, "is lost: the file was deleted")
 
 
 @pytest.mark.parametrize("stdout", ["closed", "without a reader"])

@@ -44,7 +44,7 @@ def test_a_crash_at_any_moment_loses_less_than_a_second(tmp_path: Path, rate: fl
     bag = tmp_path / "a.mcap"
     crash = Crash(bag)
     with BagWriter(bag, stamped_twist=True) as writer:
-        run = ScriptedRun(rate=rate, sinks=[Recorder(writer), crash])
+        run = ScriptedRun(rate=rate, sinks=[Recorder(writer, pytest.fail), crash])
 
         def stall() -> None:
             run.time.now += stall_ns
@@ -59,7 +59,7 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
     scenario = Scenario.from_parameters({"rate": 1.0, "max_step": max_step})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
-        recorder = Recorder(bag)
+        recorder = Recorder(bag, pytest.fail)
         recorder.begin_segment(simulation.segment)
         samples = simulation.take(1)
         before = bag.path.stat().st_size
@@ -68,3 +68,22 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
         assert (bag.path.stat().st_size > before) == (wait_ns == 0)
         recorder.tick(5 * NS + wait_ns, Punctuality())
         assert bag.path.stat().st_size > before
+
+
+@pytest.mark.parametrize("paused", [False, True])
+def test_a_bag_that_is_taken_away_is_reported_once_and_the_run_goes_on(tmp_path: Path, paused: bool) -> None:
+    """Also while nothing is written."""
+    reported: list[str] = []
+    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+        recorder = Recorder(bag, reported.append)
+        run = ScriptedRun(rate=100.0, sinks=[recorder], paused=paused)
+        run.play(
+            (NS, bag.path.unlink),
+            (NS + FLUSH_INTERVAL_NS + 1, lambda: None),
+            (2 * NS, reported.copy),
+            (3 * NS, run.live.pause),
+        )
+    known = run.time.answers[2]
+    assert known == reported == [str(recorder.failure)]
+    assert "deleted" in reported[0]
+    assert len(run.sink.stamps) == (0 if paused else 300)

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from fake_time import NS, FakeTime, KeepingSink
 
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.timing.live_run import STEPS_PER_BATCH, LiveRun
+from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun
 from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 
 
-def run(time: FakeTime, enough: int, **parameters: object) -> KeepingSink:
+def run(time: FakeTime, enough: int, factor: float = 1.0, **parameters: object) -> KeepingSink:
     interruption = Interruption()
     sink = KeepingSink(interruption, enough)
     simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
-    LiveRun(simulation, [sink], time, interruption, time.steady).run()
+    LiveRun(simulation, [sink], time, interruption, time.steady, factor=factor).run()
     return sink
 
 
@@ -33,13 +33,18 @@ def test_every_sample_comes_once_and_in_time(rate: float) -> None:
     assert isinstance(sink.events[0], Segment)
 
 
-def test_stall_loses_nothing_and_is_caught_up_in_batches() -> None:
-    sink = run(FakeTime({10: 30 * NS}), 4000)
+def test_stall_loses_nothing_and_is_caught_up_by_and_by() -> None:
+    sink = run(FakeTime({10: 5 * NS}), 1200)
     assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
-    batches = [len(event) for event in sink.events if isinstance(event, list)]
-    assert max(batches) == LARGEST_BATCH
-    assert sum(batches[9:25]) > 3000
-    assert max(sink.latest) == pytest.approx(30 * NS, rel=0.01)
+    assert max(len(event) for event in sink.events if isinstance(event, list)) == 1
+    assert max(sink.latest) == pytest.approx(5 * NS, rel=0.01)
+    assert sink.latest[-1] == 0
+
+
+def test_a_run_that_is_woken_seldom_does_not_fall_behind_for_ever() -> None:
+    """Each wait takes 22 ms longer, as on a machine that is busy with other things."""
+    sink = run(FakeTime(dict.fromkeys(range(1000), 22_000_000)), 6000, rate=1000.0)
+    assert max(sink.latest) < 1.02 * FAR_BEHIND_NS
 
 
 def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
@@ -78,20 +83,9 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
         call.result()
 
 
-def test_failed_recording_is_answered_and_ends_the_run() -> None:
-    def fail() -> None:
-        raise BagError("full")
-
-    call: Call[object] = Call(fail)
-    with pytest.raises(BagError, match="full"):
-        run(FakeTime({}, {20: call}), 100)
-    with pytest.raises(BagError, match="full"):
-        call.result()
-
-
 @pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
 def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
-    sink = run(FakeTime({2: 20 * NS}), most + 5, motion="moving_chart", max_step=max_step)
+    sink = run(FakeTime({}), most + 5, factor=0.0, motion="moving_chart", max_step=max_step)
     assert max(len(event) for event in sink.events if isinstance(event, list)) == most
     assert most * 0.01 / max_step <= STEPS_PER_BATCH or most == 1
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from fake_time import NS, ScriptedRun
 from hypothesis import example, given, settings
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
 from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.pace import CATCH_UP, LONGEST_REST_NS
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
@@ -165,6 +167,35 @@ def test_resuming_twice_and_pausing_twice_is_the_same_as_once() -> None:
     assert run.sink.sent_at[101:103] == [10 * NS + 5 * MS, 10 * NS + 15 * MS]
 
 
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("rate", [30.0, 400.0, 1000.0, 2e4])
+def test_a_late_run_sends_a_few_samples_and_rests(rate: float, factor: float) -> None:
+    """Over every time a multiple of what passes of simulated time, and no more; until it is late no longer."""
+    run, late = ScriptedRun(rate=rate, factor=factor), NS // 2
+    caught_up = late + late // (CATCH_UP - 1) + 100 * MS
+    run.play((10 * MS, lambda: setattr(run.time, "now", run.time.now + late)), (caught_up, nothing))
+    stamps, at = np.array(run.sink.stamps), np.array(run.sink.sent_at)
+    assert stamps.tolist() == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
+    assert run.sink.punctuality.worst_ns >= late - NS / rate / factor
+    assert run.sink.latest[-1] <= MS
+    # what was sent beyond the multiple of the time that passed: the samples that go out at once, and no more by and by
+    ahead = (stamps - stamps[0]) / factor - CATCH_UP * (at - at[0])
+    assert (ahead - np.minimum.accumulate(ahead)).max() <= CATCH_UP * LONGEST_REST_NS + 2
+
+
+def test_the_first_sample_is_stamped_when_the_run_begins() -> None:
+    """Whatever was done before: the stamps are the time of day at which the samples are sent."""
+    day = 1_700_000_000 * NS
+    run = ScriptedRun(rate=1000.0, imu_rate=300.0, wall=lambda: day + run.time.now)
+    run.time.now += 34 * MS
+    run.play((NS, nothing))
+    [segment] = run.sink.segments
+    assert (segment.start_ns, segment.scenario.epoch_ns, segment.first_sample) == (day + 34 * MS, day + 34 * MS, 0)
+    assert run.sink.stamps == [day + at for at in run.sink.sent_at]
+    assert run.sink.sensor_stamps(IMU_DATA)[0] == segment.start_ns
+    assert len(run.sink.stamps) > 900
+
+
 @pytest.mark.parametrize(("before", "after"), [(1.0, 2.0), (2.0, 0.5), (0.5, 3.0), (0.0, 1.0)])
 def test_another_factor_acts_from_now_without_a_jump(before: float, after: float) -> None:
     run, now = ScriptedRun(factor=before), 4 * MS
@@ -203,7 +234,7 @@ def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
     [_, halted, *_] = run.play(
         (NS + 5 * MS, stall), (2 * NS, run.live.pause), (100 * NS, run.live.resume), (101 * NS, nothing)
     )
-    sent = 101 + LARGEST_BATCH
+    sent = 101 + 1
     assert halted == NS + sent * PERIOD - 1
     assert run.sink.stamps == truth(len(run.sink.stamps))
     assert run.sink.sent_at[sent:] == [100 * NS + 1 + k * PERIOD for k in range(len(run.sink.stamps) - sent)]

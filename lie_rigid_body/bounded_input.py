@@ -1,0 +1,141 @@
+"""Files from outside, read within bounds: nothing endless, nothing that keeps one waiting, no YAML that multiplies."""
+
+from __future__ import annotations
+
+import os
+import select
+import stat
+import time
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import yaml
+
+from lie_rigid_body.errors import InputError
+
+LONGEST_WAIT: Final = 10.0
+"""Longest time that the writers of a pipe may take, s."""
+MOST_NESTED: Final = 20
+"""Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
+
+
+def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
+    """Open a file for reading, without waiting for anybody.
+
+    Parameters
+    ----------
+    path : str or Path
+    pipes : bool, optional
+        Whether a pipe will do, such as the shell makes of ``<(command)``.
+
+    Raises
+    ------
+    InputError
+        If it is a device or a socket, or a pipe that will not do.
+    OSError, ValueError
+        If it cannot be opened.
+    """
+    mode = os.stat(path).st_mode
+    is_pipe = stat.S_ISFIFO(mode)
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or (is_pipe and pipes)):
+        raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
+    return open(path, "rb", opener=_without_waiting)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
+
+
+def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
+    """The text of a file or a pipe, in UTF-8.
+
+    Parameters
+    ----------
+    path : str or Path
+    limit : int
+        The most bytes it may have.
+    pipes : bool, optional
+        Whether a pipe will do.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is longer or no text, or if a pipe stays open too long.
+    """
+    try:
+        with open_file(path, pipes=pipes) as stream:
+            piped = stat.S_ISFIFO(os.fstat(stream.fileno()).st_mode)
+            content = (_drained(stream, limit) if piped else stream.read(limit + 1)) or b""
+        if len(content) > limit:
+            raise InputError(f"{path} is longer than the {limit} bytes that such a file may have: give another one")
+        return content.decode("utf-8")
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist: give the path of a YAML file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path} is a folder: give a file in it") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not UTF-8 text: give a YAML file") from None
+    except TimeoutError:
+        raise InputError(f"{path} is a pipe that nobody closed within {LONGEST_WAIT:g} s: give a file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path} cannot be read: {reason}: give another file") from None
+
+
+def _drained(pipe: BinaryIO, limit: int) -> bytes:
+    """What is written into a pipe until its last writer closes it, or until there is more than the limit."""
+    content, end = b"", time.monotonic() + LONGEST_WAIT
+    while len(content) <= limit:
+        if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
+            raise TimeoutError
+        piece = os.read(pipe.fileno(), 65536)
+        if not piece:
+            break
+        content += piece
+    return content
+
+
+class BoundedLoader(yaml.SafeLoader):
+    """A YAML loader whose result is no larger than its text: without aliases, as in rcl, and not deeply nested."""
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        """Refuse an alias."""
+        if self.check_event(yaml.AliasEvent):
+            problem = "aliases (*name) are not read: write the value itself"
+            raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
+        return super().compose_node(parent, index)
+
+    def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
+        """Refuse too many open brackets."""
+        if self.flow_level >= MOST_NESTED:
+            problem = f"brackets are nested deeper than {MOST_NESTED} levels"
+            raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
+        super().fetch_flow_collection_start(token)
+
+
+def load_yaml(text: str, source: str, loader: type[BoundedLoader] = BoundedLoader) -> Any:
+    """The content of a YAML text.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Where it is from, for the error.
+    loader : type, optional
+
+    Raises
+    ------
+    InputError
+        If it is not readable; the message names the line.
+    """
+    try:
+        return yaml.load(text, loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise InputError(f"{source}{where}: not readable as YAML: {error.problem or error.context}") from None
+    except Exception as error:  # the constructors fail in many ways on explicit tags
+        problem = (str(error).splitlines() or [""])[0] or type(error).__name__
+        raise InputError(f"{source}: not readable as YAML: {problem}") from None

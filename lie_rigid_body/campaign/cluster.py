@@ -1,0 +1,135 @@
+"""The runs of a campaign on the workers of a Dask cluster, of this machine or elsewhere."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from multiprocessing import resource_tracker
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
+from lie_rigid_body.errors import BagError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+RUNS_AHEAD: Final = 4
+"""Runs that wait at each worker, so that none is idle, and few are done in vain at an interruption."""
+
+
+@contextmanager
+def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
+    """A client of a Dask cluster: of the one at an address, or of one of processes on this machine while it lasts.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes of one thread each; as many as cores by default.
+    scheduler : str, optional
+        Address of the scheduler of a cluster that runs already.
+
+    Raises
+    ------
+    BagError
+        If there is no scheduler at the address.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said in the rows
+    dask.config.set({"distributed.logging.distributed": "critical", "distributed.admin.tick.limit": "1h"})
+    if scheduler is not None:
+        try:
+            with Client(scheduler, timeout=10) as client:
+                yield client
+        except OSError as error:
+            raise BagError(f"no Dask scheduler answers at {scheduler}: {error}"[:160] + ": start one there") from None
+        return
+    with tempfile.TemporaryDirectory() as own:
+        with _deaf_children():
+            cluster = LocalCluster(
+                n_workers=workers or cores(),
+                threads_per_worker=1,
+                memory_limit=0,
+                dashboard_address=None,
+                local_directory=own,
+                silence_logs=logging.CRITICAL,
+            )
+        with cluster, Client(cluster) as client:
+            yield client
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """A context whose threads, and their processes, never get SIGINT: Ctrl-C goes to a terminal's whole group."""
+    resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def cores() -> int:
+    """The number of cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def finished(
+    client: Client, campaign: Campaign, runs: Iterable[int], folder: Path, *, bags: bool, elsewhere: bool
+) -> Iterator[Row | BaseException]:
+    """Carry out runs, and yield their rows as they are finished, in any order.
+
+    Parameters
+    ----------
+    client : Client
+    campaign : Campaign
+    runs : iterable of int
+        Their numbers.
+    folder : Path
+        The folder of the campaign.
+    bags : bool
+        Whether the bags are kept.
+    elsewhere : bool
+        Whether workers may be on machines that do not see the folder: then each bag comes over the network.
+
+    Yields
+    ------
+    Row or BaseException
+        What a run failed of, where it has no row, such as the death of every worker that tried it.
+    """
+    from distributed import as_completed
+
+    waiting = iter(runs)
+
+    def submit(run: int) -> Any:
+        if elsewhere:
+            return client.submit(carry_out_elsewhere, campaign, run, keep=bags, pure=False)
+        return client.submit(carry_out, campaign, run, str(folder) if bags else None, pure=False)
+
+    at_once = RUNS_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+    pool = as_completed([submit(run) for run in islice(waiting, at_once)])
+    for future in pool:
+        for run in islice(waiting, 1):
+            pool.add(submit(run))
+        error = future.exception()
+        yield error if error is not None else _row(future.result(), folder)
+        future.release()
+
+
+def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:
+    if isinstance(result, Row):
+        return result
+    row, content = result
+    if row.bag is not None and content is not None:
+        part = folder / f"{row.bag}.part"
+        part.write_bytes(content)
+        os.replace(part, folder / row.bag)
+    return row

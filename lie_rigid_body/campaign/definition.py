@@ -1,0 +1,159 @@
+"""What a campaign is: a base scenario, the parameters that vary from run to run, and how many runs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
+from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import gather, read_yaml
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.wording import short_repr
+
+MOST_RUNS: Final = 1_000_000
+LARGEST_SEED: Final = 2**64 - 1
+_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary")
+_NAMES: Final = tuple(parameter.name for parameter in PARAMETERS)
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Runs of one scenario, each with parameters of its own.
+
+    Parameters
+    ----------
+    runs : int
+        How many, numbered from 0.
+    seed : int
+        From 0 to 2⁶⁴ − 1. With the number of a run and the name of a parameter it determines the value.
+    duration : float
+        Of each run, s, as for ``record``.
+    scenario : str, optional
+        Name of a shipped scenario.
+    parameters : mapping of str to object, optional
+        Parameters that are the same in every run, over those of the scenario.
+    vary : mapping of str to object, optional
+        Parameters that are drawn, and from which distributions, as in the file.
+
+    Raises
+    ------
+    InputError
+    """
+
+    runs: int
+    seed: int
+    duration: float
+    scenario: str | None = None
+    parameters: Mapping[str, object] = field(default_factory=dict)
+    vary: Mapping[str, object] = field(default_factory=dict)
+
+    __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        _require_integer("runs", self.runs, 1, MOST_RUNS)
+        _require_integer("seed", self.seed, 0, LARGEST_SEED)
+        _require_duration(self.duration)
+        for name, given in (("parameters", self.parameters), ("vary", self.vary)):
+            if not isinstance(given, Mapping):
+                raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
+        unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in _NAMES), None)
+        if unknown is not None:
+            raise InputError(f"there is no parameter {unknown[:40]!r}: the README lists those there are")
+        both = sorted(set(self.parameters) & set(self.vary))
+        if both:
+            raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
+        self._draws  # noqa: B018 refuses what is no distribution
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> Campaign:
+        """The campaign that a YAML file describes.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or is no campaign.
+        """
+        content = read_yaml(path)
+        if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
+            raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
+        unknown = [key for key in content if key not in _KEYS]
+        if unknown:
+            raise InputError(f"{path}: there is no {unknown[0][:40]!r} in a campaign: give {', '.join(_KEYS)}")
+        missing = [key for key in _KEYS[:3] if key not in content]
+        if missing:
+            raise InputError(f"{path} has no '{missing[0]}:': add it")
+        try:
+            return cls(**{key: value for key, value in content.items() if value is not None})
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    @cached_property
+    def _draws(self) -> Mapping[str, Draw]:
+        return {name: distribution(f"vary.{name}", given) for name, given in self.vary.items()}
+
+    @cached_property
+    def _base(self) -> Mapping[str, object]:
+        return {**gather(self.scenario, [], []), **self.parameters}
+
+    @property
+    def exact_duration(self) -> Fraction:
+        """The duration as the decimal number that was written, s."""
+        return Fraction(Decimal(repr(self.duration)))
+
+    def drawn(self, run: int) -> dict[str, Any]:
+        """The values of the parameters that vary, for one run."""
+        return {name: draw(Uniforms(self.seed, run, name)) for name, draw in self._draws.items()}
+
+    def scenario_of(self, run: int) -> Scenario:
+        """The scenario of one run.
+
+        Raises
+        ------
+        InputError
+            Naming the run, where its parameters make no scenario.
+        """
+        try:
+            return Scenario.from_parameters({**self._base, **self.drawn(run)})
+        except ParameterError as error:
+            raise InputError(f"run {run}: {error}") from None
+
+    def varied(self, run: int) -> dict[str, Value]:
+        """The parameters that vary as the scenario of a run has them: in their own types, quaternions normalised."""
+        values = self.scenario_of(run)
+        found = {**dict(values.sensor_parameters), **values.parameters()}
+        return {name: found[name] for name in self.vary}
+
+    def __reduce__(self) -> tuple[type[Campaign], tuple[Any, ...]]:
+        """Workers make it anew: the functions that draw cannot be pickled."""
+        return Campaign, tuple(getattr(self, key) for key in _KEYS)
+
+    def to_json(self) -> str:
+        """One line that says all of the campaign: campaigns with equal lines have equal runs."""
+        return json.dumps({key: getattr(self, key) for key in _KEYS}, sort_keys=True, ensure_ascii=False)
+
+
+def _require_integer(name: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError(f"{name}: {str(value)[:40]!r} is not an integer from {least} to {most}: give one")
+
+
+def _require_duration(value: object) -> None:
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    if not 1e-9 <= number <= 1e10:
+        raise InputError(
+            f"duration: {str(value)[:40]!r} is not a time from 1e-9 to 1e10 seconds: give for example 60.0"
+        )

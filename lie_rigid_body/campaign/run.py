@@ -1,0 +1,100 @@
+"""One run of a campaign: its bag, its certificate, and the row that says what it was."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+BAGS: Final = "bags"
+"""The folder of the bags, in that of the campaign."""
+
+_LARGEST_BATCH: Final = 1024
+"""Largest number of samples computed and written at once."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A finished run.
+
+    Parameters
+    ----------
+    run : int
+        Its number.
+    parameters : dict of str to value
+        Those that vary, as its scenario has them.
+    certified : bool
+        Whether its bag keeps every law.
+    attitude_accuracy_rad : float
+        Bound of the error of its attitudes, rad.
+    bag : str or None
+        Path of its bag in the folder of the campaign.
+    """
+
+    run: int
+    parameters: dict[str, Value] = field(default_factory=dict)
+    certified: bool = False
+    attitude_accuracy_rad: float = 0.0
+    bag: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The row as plain values."""
+        return asdict(self)
+
+
+def bag_name(run: int) -> str:
+    """The path of a run's bag in the folder of the campaign."""
+    return f"{BAGS}/{run:06d}.mcap"
+
+
+def carry_out(campaign: Campaign, run: int, folder: str | None) -> Row:
+    """Simulate, record and certify a run.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    run : int
+    folder : str or None
+        The folder of the campaign, in which the bag is kept. Without it the bag is certified and thrown away.
+    """
+    if folder is not None:
+        return _recorded(campaign, run, Path(folder, bag_name(run)), bag_name(run))
+    with tempfile.TemporaryDirectory() as own:
+        return _recorded(campaign, run, Path(own, "run.mcap"), None)
+
+
+def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Row, bytes | None]:
+    """Carry out a run on a machine that may not see the folder of the campaign: also the bytes of the bag to keep."""
+    with tempfile.TemporaryDirectory() as own:
+        path = Path(own, "run.mcap")
+        row = _recorded(campaign, run, path, bag_name(run) if keep else None)
+        return row, path.read_bytes() if keep else None
+
+
+def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row:
+    from lie_rigid_body.certificate import certify
+    from lie_rigid_body.recording.bag_reader import read_bag
+
+    scenario = campaign.scenario_of(run)
+    _record(scenario, campaign, path)
+    certificate = certify(read_bag(path))
+    return Row(run, campaign.varied(run), certificate.passed, certificate.attitude_accuracy, name)
+
+
+def _record(scenario: Scenario, campaign: Campaign, path: Path) -> None:
+    simulation = Simulation(scenario)
+    encoder = BatchEncoder(scenario)
+    last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
+    batch = scenario.batch_size(_LARGEST_BATCH, 10 * _LARGEST_BATCH)
+    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
+        bag.begin_segment(simulation.segment)
+        while simulation.next_stamp_ns <= last_ns:
+            bag.write(encoder.encode(simulation.take_until(last_ns, batch)))

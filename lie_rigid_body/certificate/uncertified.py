@@ -1,0 +1,53 @@
+"""What of a bag no law speaks of: a certificate says so, lest anyone take it for certified."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lie_rigid_body.certificate.segments import Survey
+from lie_rigid_body.recording.bag_reader import Bag, Recording
+
+
+def not_certified(bag: Bag | Recording, surveyed: Survey) -> tuple[str, ...]:
+    """What of a bag is not certified, in words.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    surveyed : Survey
+        Of the same bag.
+    """
+    return (
+        f"who wrote it (it says {bag.library!r:.50})",
+        f"the names of topics ({bag.pose_topic}, {bag.twist_topic})",
+        "with which stepper (motion, method and max_step set the limits)",
+        "the scale of the inertia, which no torque-free motion shows",
+        *_ends(bag, surveyed),
+        *_declared_only(surveyed),
+        *_unread(bag),
+        "and the fields that docs/certificate.md says are not",
+    )
+
+
+def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+    if not surveyed.as_written:
+        yield "log times: a recorder's"
+        yield "what came before its first sample"
+    if bag.expected_samples is None:
+        yield "what came after its last sample"
+
+
+def _declared_only(surveyed: Survey) -> Iterator[str]:
+    followed = {found.segment.start_ns for found in surveyed.segments}
+    if unused := sum(segment.start_ns not in followed for segment in surveyed.declared):
+        yield f"scenarios without a sample: {unused}"
+    if any(segment.scenario.has_sensors for segment in surveyed.declared):
+        yield "parameters of the sensors"
+
+
+def _unread(bag: Bag | Recording) -> Iterator[str]:
+    yield from bag.others
+    for topic in bag.undefined:
+        yield f"the definition of {topic}: none that is compared"
+    if bag.without_checksum:
+        yield f"bytes that no law reads: parts without a checksum: {bag.without_checksum}"

@@ -1,0 +1,115 @@
+"""The ``campaign`` command: many runs with parameters drawn at random, on all cores or a Dask cluster."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from lie_rigid_body import console
+from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.interruption import Interruption
+
+if TYPE_CHECKING:
+    from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.campaign.journal import Journal
+
+NOT_CERTIFIED: Final = 1
+_NEEDED: Final = ("dask", "distributed", "pyarrow")
+
+
+@console.run
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    given = _parser().parse_args(argv)
+    missing = [name for name in _NEEDED if not find_spec(name)]
+    if missing:
+        raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
+
+    from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.campaign.journal import Journal
+
+    campaign = Campaign.from_file(given.campaign)
+    for run in range(campaign.runs):
+        campaign.scenario_of(run)  # refuse what no run can be before the first is begun
+    with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
+        try:
+            with interruption.allowed():
+                failed = _carry_out(campaign, journal, given)
+        except KeyboardInterrupt:
+            done = len(journal.rows)
+            console.complain(
+                console.program("campaign"),
+                f"interrupted after {done} of {campaign.runs} runs, which are kept; the same command does the rest",
+            )
+            return console.INTERRUPTED
+        return _report(campaign, journal, failed)
+
+
+def _parser() -> console.Parser:
+    parser = console.Parser("campaign", "Record and certify many runs with parameters drawn at random.")
+    parser.add_argument("campaign", metavar="CAMPAIGN.yaml", help="what varies, and how many runs there are")
+    parser.add_argument(
+        "--out", metavar="DIR", required=True, help="folder of the table and the bags; resumed if begun"
+    )
+    parser.add_argument(
+        "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
+    )
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
+    )
+    parser.add_argument("--no-bags", action="store_true", help="keep the table only")
+    return parser
+
+
+def _workers(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a number of processes from 1 to 9999")
+    return int(text)
+
+
+def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> list[BaseException]:
+    """Do what is still to be done, and return what runs without a row failed of."""
+    from tqdm import tqdm
+
+    from lie_rigid_body.campaign.cluster import client_of, finished
+
+    runs = [run for run in range(campaign.runs) if run not in journal.rows]
+    failed: list[BaseException] = []
+    if not runs:
+        return failed
+    # disable=None: shown on a terminal only
+    with (
+        client_of(given.workers, given.scheduler) as client,
+        tqdm(total=campaign.runs, initial=len(journal.rows), unit=" runs", file=sys.stderr, disable=None) as bar,
+    ):
+        elsewhere = given.scheduler is not None
+        for row in finished(client, campaign, runs, journal.folder, bags=not given.no_bags, elsewhere=elsewhere):
+            if isinstance(row, BaseException):
+                failed.append(row)
+            else:
+                journal.add(row)
+            bar.update()
+    return failed
+
+
+def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -> int:
+    if failed:
+        first = failed[0]
+        reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
+        raise BagError(
+            f"{len(failed)} of {campaign.runs} runs failed, the first of: {' '.join(reason.split())[:90]}; "
+            "the others are kept: mend that, and the same command does the rest"
+        )
+    table = journal.write_table()
+    rows = journal.rows.values()
+    broken = sorted(row.run for row in rows if not row.certified)
+    worst = max(row.attitude_accuracy_rad for row in rows)
+    lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
+    if broken:
+        lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    console.say("\n".join(lines), done=f"{table} is written")
+    return NOT_CERTIFIED if broken else console.SUCCESS

@@ -1,0 +1,261 @@
+"""The attitude error that the noise of the sensors makes unavoidable: the Cramér–Rao bound along the true motion.
+
+An estimator that reads a gyro and known directions (gravity, the magnetic field) and knows nothing of the body has the
+error state x = (δ, β, ...): the attitude's error δ as a rotation vector on the body's axes, R̂ = R exp(δ), the gyro's
+bias, and a bias of each other sensor that has one. Linearised at the true motion,
+
+    δ_k = exp(−hω) δ_(k−1) + h J_r (β_k + n_k),   b_k = b_(k−1) + w_k,   y_k = −[Rᵀv]× δ_k + a_k + m_k
+
+with the right Jacobian J_r at hω, known variances of the noises n, w and m, and the reading y of a world vector v. For
+Gaussian noise the covariances of the Kalman filter of this system are the posterior Cramér–Rao bound of every filter
+that uses readings up to a time, and those of its Rauch–Tung–Striebel smoother of every estimator that uses all of them,
+as far as the error is small enough for the linearisation.
+
+References
+----------
+P. Tichavský, C. H. Muravchik, A. Nehorai, "Posterior Cramér–Rao bounds for discrete-time nonlinear filtering", IEEE
+Transactions on Signal Processing 46 (1998) 1386. H. E. Rauch, F. Tung, C. T. Striebel, AIAA Journal 3 (1965) 1445.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
+from lie_rigid_body.wording import short_repr
+
+
+@dataclass(frozen=True)
+class BiasNoise:
+    """How a bias begins and wanders, on each axis.
+
+    Parameters
+    ----------
+    turn_on : float
+        Standard deviation at the first reading, unit of the readings.
+    step : float
+        Standard deviation of its change from one reading to the next.
+    """
+
+    turn_on: float = 0.0
+    step: float = 0.0
+
+
+@dataclass(frozen=True)
+class VectorReadings:
+    """Readings of a vector that is constant in the world, such as gravity or the magnetic field.
+
+    Parameters
+    ----------
+    stamps_ns : array_like of int, shape (L,)
+    vector : array_like, shape (3,)
+        In the world frame.
+    noise : float
+        Standard deviation of the white noise on each axis of a reading, unit of the vector; above 0.
+    bias : BiasNoise, optional
+    """
+
+    stamps_ns: ArrayLike
+    vector: ArrayLike
+    noise: float
+    bias: BiasNoise = BiasNoise()
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
+class UnavoidableError:
+    """Bounds of the attitude's error at each sample.
+
+    Parameters
+    ----------
+    filtered : ndarray, shape (N, 3, 3)
+        Covariance of the error on the body's axes, rad², from the readings up to the sample.
+    smoothed : ndarray, shape (N, 3, 3)
+        The same from all readings.
+    gyro_bias : ndarray, shape (N, 3, 3)
+        Covariance of the gyro's bias from the readings up to the sample, (rad/s)²; zeros where it has none.
+    """
+
+    filtered: Array
+    smoothed: Array
+    gyro_bias: Array
+
+    __repr__ = short_repr
+
+    @staticmethod
+    def rms(covariance: Array) -> float:
+        """The root of the mean square of the total angle over all samples, rad."""
+        return float(np.sqrt(np.mean(np.trace(covariance, axis1=-2, axis2=-1))))
+
+
+def unavoidable_error(
+    stamps_ns: ArrayLike,
+    truth_xyzw: ArrayLike,
+    *,
+    gyro_noise: float,
+    gyro_bias: BiasNoise = BiasNoise(),
+    vectors: Sequence[VectorReadings] = (),
+    initial: float = np.pi,
+) -> UnavoidableError:
+    """Bound the errors of every estimator that reads a gyro at each sample, and vectors at some.
+
+    Parameters
+    ----------
+    stamps_ns : array_like of int, shape (N,)
+        Of the gyro's readings; each tells the turn since the one before.
+    truth_xyzw : array_like, shape (N, 4)
+        The true attitude at them, world-from-body.
+    gyro_noise : float
+        Standard deviation of the white noise on each axis of a reading, rad/s; above 0.
+    gyro_bias : BiasNoise, optional
+        rad/s.
+    vectors : sequence of VectorReadings, optional
+        Each reading counts at the gyro's reading before it, or with it.
+    initial : float, optional
+        Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
+
+    Returns
+    -------
+    UnavoidableError
+
+    Raises
+    ------
+    InputError
+        If stamps do not rise, or a noise is not above 0: without noise there is no bound but 0.
+    """
+    stamps = np.asarray(stamps_ns, dtype=np.int64)
+    truth = unit("truth_xyzw", truth_xyzw)
+    _require(stamps, truth, gyro_noise, initial, vectors)
+    system = _System(stamps, truth, gyro_noise, gyro_bias, vectors)
+    before, after = system.filter(initial)
+    smoothed = system.smooth(before, after)
+    bias = after[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
+    return UnavoidableError(after[:, :3, :3], smoothed[:, :3, :3], bias)
+
+
+def _require(
+    stamps: Integers, truth: Array, gyro_noise: float, initial: float, vectors: Sequence[VectorReadings]
+) -> None:
+    if stamps.ndim != 1 or len(stamps) < 1 or len(truth) != len(stamps) or not (np.diff(stamps) > 0).all():
+        raise InputError(
+            f"stamps_ns: {stamps.shape} stamps for {truth.shape} attitudes: give rising ones, one for each"
+        )
+    numbers = {"gyro_noise": gyro_noise, "initial": initial, "the noise of a vector": 1.0}
+    numbers |= {f"the noise of vector {i}": sensor.noise for i, sensor in enumerate(vectors)}
+    for name, value in numbers.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise InputError(
+                f"{name}: {value:g} is not above 0: give its standard deviation; without noise the bound is 0"
+            )
+
+
+class _System:
+    """The linear system of the error state: what each step and each reading does to a covariance."""
+
+    def __init__(
+        self,
+        stamps: Integers,
+        truth: Array,
+        gyro_noise: float,
+        gyro_bias: BiasNoise,
+        vectors: Sequence[VectorReadings],
+    ) -> None:
+        interval = np.diff(stamps, prepend=stamps[0]) / 1e9
+        turn = np.zeros((len(stamps), 3))
+        turn[1:] = quaternion.log(quaternion.multiply(quaternion.conjugate(truth[:-1]), truth[1:]))
+        self._back = so3.exp(-turn)
+        self._pushed = interval[:, np.newaxis, np.newaxis] * right_jacobian(turn)
+        self._gyro_variance = gyro_noise * gyro_noise
+        biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
+        places, size = [], 3
+        for bias in biases:
+            known = bias.turn_on == 0.0 and bias.step == 0.0
+            places.append(None if known else size)
+            size += 0 if known else 3
+        self.gyro_bias, *self._vector_biases = places
+        self.size = size
+        self._biases = [(place, bias) for place, bias in zip(places, biases, strict=True) if place is not None]
+        self._readings: list[list[tuple[Array, float]]] = [[] for _ in stamps]
+        self._bias_steps: list[list[tuple[int, float]]] = [[] for _ in stamps]
+        for sensor, place in zip(vectors, self._vector_biases, strict=True):
+            self._add(stamps, truth, sensor, place)
+        if self.gyro_bias is not None:
+            for steps in self._bias_steps[1:]:
+                steps.append((self.gyro_bias, gyro_bias.step))
+
+    def _add(self, stamps: Integers, truth: Array, sensor: VectorReadings, place: int | None) -> None:
+        when = np.searchsorted(stamps, np.asarray(sensor.stamps_ns, dtype=np.int64), side="right") - 1
+        body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64))
+        first = True
+        for k in when[when >= 0]:
+            if place is not None and not first:
+                self._bias_steps[k].append((place, sensor.bias.step))
+            first = False
+            seen = np.zeros((3, self.size))
+            seen[:, :3] = -hat(body[k])
+            if place is not None:
+                seen[:, place : place + 3] = np.eye(3)
+            self._readings[k].append((seen, sensor.noise * sensor.noise))
+
+    def step(self, k: int) -> tuple[Array, Array]:
+        """The transition from sample k − 1 to k, and the covariance of what is added."""
+        transition, added = np.eye(self.size), np.zeros((self.size, self.size))
+        transition[:3, :3] = self._back[k]
+        for place, deviation in self._bias_steps[k]:
+            added[place : place + 3, place : place + 3] += deviation * deviation * np.eye(3)
+        into = np.zeros((self.size, 3))
+        into[:3] = self._pushed[k]
+        if self.gyro_bias is not None:
+            columns = slice(self.gyro_bias, self.gyro_bias + 3)
+            transition[:3, columns] = self._pushed[k]
+            into[columns] = np.eye(3)  # a step of the bias acts on the turn of the same interval
+            walk = added[columns, columns].copy()
+            added[columns, columns] = 0.0
+            added += into @ walk @ into.T
+        added[:3, :3] += self._gyro_variance * self._pushed[k] @ self._pushed[k].T
+        return transition, added
+
+    def filter(self, initial: float) -> tuple[Array, Array]:
+        """Covariances before and after the readings of each sample."""
+        covariance = np.zeros((self.size, self.size))
+        covariance[:3, :3] = initial * initial * np.eye(3)
+        for place, bias in self._biases:
+            covariance[place : place + 3, place : place + 3] = bias.turn_on**2 * np.eye(3)
+        before = np.empty((len(self._readings), self.size, self.size))
+        after = np.empty_like(before)
+        for k, readings in enumerate(self._readings):
+            if k:
+                transition, added = self.step(k)
+                covariance = transition @ covariance @ transition.T + added
+            before[k] = covariance
+            for seen, variance in readings:
+                covariance = _updated(covariance, seen, variance)
+            after[k] = covariance
+        return before, after
+
+    def smooth(self, before: Array, after: Array) -> Array:
+        """Covariances from all readings: the Rauch–Tung–Striebel recursion."""
+        smoothed = after.copy()
+        for k in range(len(after) - 2, -1, -1):
+            transition, _ = self.step(k + 1)
+            gain = np.linalg.lstsq(before[k + 1], transition @ after[k], rcond=None)[0].T
+            rest = after[k] + gain @ (smoothed[k + 1] - before[k + 1]) @ gain.T
+            smoothed[k] = 0.5 * (rest + rest.T)
+        return smoothed
+
+
+def _updated(covariance: Array, seen: Array, variance: float) -> Array:
+    """The covariance after a reading, in Joseph's form, which stays symmetric and positive."""
+    innovation = seen @ covariance @ seen.T + variance * np.eye(3)
+    gain = np.linalg.solve(innovation, seen @ covariance).T
+    rest = np.eye(len(covariance)) - gain @ seen
+    return np.asarray(rest @ covariance @ rest.T + variance * gain @ gain.T)

@@ -1,0 +1,397 @@
+"""What an MCAP file says of itself, in indexes, statistics and repeated records, held against what it holds.
+
+A reader that seeks believes them: a message that an index leaves out would not be in the bag for it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Final, TypeVar
+
+import numpy as np
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Footer,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+from numpy.typing import NDArray
+
+from lie_rigid_body.arrays import Integers
+
+HEAD_BYTES: Final = 9
+"""Bytes before the content of a record: its opcode and its length."""
+_LAST_TIME: Final = 2**63 - 1
+"""Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
+_IN_DATA: Final = frozenset(
+    {
+        Opcode.SCHEMA,
+        Opcode.CHANNEL,
+        Opcode.MESSAGE,
+        Opcode.CHUNK,
+        Opcode.MESSAGE_INDEX,
+        Opcode.ATTACHMENT,
+        Opcode.METADATA,
+        Opcode.DATA_END,
+    }
+)
+_IN_SUMMARY: Final = frozenset(
+    {
+        Opcode.SCHEMA,
+        Opcode.CHANNEL,
+        Opcode.STATISTICS,
+        Opcode.CHUNK_INDEX,
+        Opcode.ATTACHMENT_INDEX,
+        Opcode.METADATA_INDEX,
+        Opcode.SUMMARY_OFFSET,
+        Opcode.FOOTER,
+    }
+)
+_IN_CHUNK: Final = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
+_ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
+_MESSAGE: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+
+R = TypeVar("R", Schema, Channel)
+
+
+class ContradictionError(Exception):
+    """A file that does not hold what it says of itself. The message says what."""
+
+
+@dataclass(frozen=True)
+class MessageTable:
+    """The messages of a chunk, in file order.
+
+    Parameters
+    ----------
+    data : bytes
+        The records of the chunk.
+    starts, ends : ndarray of int64, shape (N,)
+        Where each message's record begins and ends.
+    channels : ndarray of uint16, shape (N,)
+    log_times, publish_times : ndarray of int64, shape (N,)
+        ns
+    """
+
+    data: bytes
+    starts: Integers
+    ends: Integers
+    channels: NDArray[np.uint16]
+    log_times: Integers
+    publish_times: Integers
+
+    @classmethod
+    def of(cls, data: bytes, starts: Integers, ends: Integers) -> MessageTable:
+        """The table of the messages between these places.
+
+        Raises
+        ------
+        ContradictionError
+            If a message is too short to be one, or its times are beyond 64 bits with a sign.
+        """
+        _require(bool((ends - starts >= _MESSAGE.itemsize).all()), "a message record is too short")
+        return cls._of_heads(data, starts, ends, _heads(data, starts))
+
+    @classmethod
+    def _of_heads(cls, data: bytes, starts: Integers, ends: Integers, heads: NDArray[np.void]) -> MessageTable:
+        for name in ("log_time", "publish_time"):
+            latest = int(heads[name].max(initial=0))
+            _require(latest <= _LAST_TIME, f"the {name} of a message is {latest} ns, beyond {_LAST_TIME}")
+        times = (heads[name].astype(np.int64) for name in ("log_time", "publish_time"))
+        return cls(data, starts, ends, heads["channel"].copy(), *times)
+
+    @classmethod
+    def joined(cls, data: bytes, parts: list[MessageTable]) -> MessageTable:
+        """The table of all messages of a chunk."""
+        if len(parts) == 1:
+            return parts[0]
+        none = cls.of(data, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
+        names = ("starts", "ends", "channels", "log_times", "publish_times")
+        return cls(data, *(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
+
+
+def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
+    """The first bytes of message records."""
+    if not len(starts):
+        return np.empty(0, dtype=_MESSAGE)
+    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), _MESSAGE.itemsize)
+    heads: NDArray[np.void] = windows[starts].reshape(-1).view(_MESSAGE)
+    return heads
+
+
+class MessageRuns:
+    """Messages of a chunk that follow each other without a gap, found from hints where they may begin.
+
+    Parameters
+    ----------
+    data : bytes
+        The chunk.
+    hints : ndarray of int64
+        Bytes where messages may begin; wrong ones cost time only.
+    """
+
+    def __init__(self, data: bytes, hints: Integers) -> None:
+        hints = np.sort(hints[(hints >= 0) & (hints <= len(data) - _MESSAGE.itemsize)])
+        hints = hints[np.diff(hints, prepend=-1) > 0]
+        self._data, self._starts, self._heads = data, hints, _heads(data, hints)
+        lengths = self._heads["length"]
+        sound = (self._heads["opcode"] == Opcode.MESSAGE) & (lengths <= len(data))
+        self._ends = hints + HEAD_BYTES + np.where(sound, lengths, 0).astype(np.int64)
+        sound &= (self._ends <= len(data)) & (self._ends - hints >= _MESSAGE.itemsize)
+        self._sound = sound
+        goes_on = sound[:-1] & sound[1:] & (self._ends[:-1] == hints[1:])
+        self._last = np.append(np.flatnonzero(~goes_on), len(hints) - 1)
+
+    def at(self, position: int) -> MessageTable | None:
+        """The messages of the run that begins at a byte, if one does."""
+        i = int(np.searchsorted(self._starts, position))
+        if i == len(self._starts) or self._starts[i] != position or not self._sound[i]:
+            return None
+        run = slice(i, int(self._last[np.searchsorted(self._last, i)]) + 1)
+        return MessageTable._of_heads(self._data, self._starts[run], self._ends[run], self._heads[run])
+
+
+class Inventory:
+    """The records of one file as they come, each held against those that speak of it."""
+
+    def __init__(self) -> None:
+        self._opcodes: Counter[int] = Counter()
+        self._in_summary = False
+        self._summary_start = 0
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+        self._only_in_summary: Counter[type] = Counter()
+        self._counts: Counter[int] = Counter()
+        self._first, self._last = _LAST_TIME, 0
+        self._table: MessageTable | None = None  # of the chunk whose message indexes are being read
+        self._indexed: set[int] = set()
+        self._chunks: list[ChunkIndex] = []
+        self._attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self._chunk_indexes: list[ChunkIndex] = []
+        self._attachment_indexes: list[AttachmentIndex] = []
+        self._metadata_indexes: list[MetadataIndex] = []
+        self._groups: dict[int, tuple[int, int]] = {}
+        self._offsets: list[SummaryOffset] = []
+        self._statistics: Statistics | None = None
+
+    @property
+    def chunk_count(self) -> int:
+        """Chunks that were read whole."""
+        return len(self._chunks)
+
+    @property
+    def span(self) -> tuple[int, int, int]:
+        """Count of messages, and the first and last time when one was logged, ns."""
+        return self._counts.total(), self._first, self._last
+
+    def record(self, opcode: int, position: int, length: int) -> None:
+        """Note a record of the file at a byte, with its length without head; its place must be where it belongs."""
+        if not self._opcodes and opcode != Opcode.HEADER:
+            raise ContradictionError("it does not begin with a header")
+        if self._opcodes and opcode <= Opcode.DATA_END:
+            _require(opcode in (_IN_SUMMARY if self._in_summary else _IN_DATA), f"a record {opcode:#x} is out of place")
+        self._opcodes[opcode] += 1
+        if opcode != Opcode.MESSAGE_INDEX:
+            self._end_chunk()
+        end = position + HEAD_BYTES + length
+        if self._in_summary:
+            begin, before = self._groups.get(opcode, (position, position))
+            _require(before == position, "the groups of its summary are mixed")
+            self._groups[opcode] = begin, end
+        elif opcode == Opcode.DATA_END:
+            self._in_summary, self._summary_start = True, end
+
+    def schema(self, schema: Schema) -> None:
+        """Take a schema, which must be the same wherever it is repeated."""
+        self._repeatable(self._schemas, schema, "schema")
+
+    def channel(self, channel: Channel) -> None:
+        """Take a channel, which must be the same wherever it is repeated."""
+        self._repeatable(self._channels, channel, "channel")
+
+    def _repeatable(self, known: dict[int, R], record: R, what: str) -> None:
+        if record.id not in known and self._in_summary:
+            self._only_in_summary[type(record)] += 1
+        if known.setdefault(record.id, record) != record:
+            raise ContradictionError(f"it has two different records of {what} {record.id}")
+
+    def messages(self, table: MessageTable) -> None:
+        """Count messages."""
+        counts = np.bincount(table.channels)
+        for channel in np.flatnonzero(counts).tolist():
+            self._counts[channel] += int(counts[channel])
+        if len(table.starts):
+            self._first = min(self._first, int(table.log_times.min()))
+            self._last = max(self._last, int(table.log_times.max()))
+
+    def chunk(self, chunk: Chunk, table: MessageTable, position: int, length: int) -> None:
+        """Take a chunk whose record begins at a byte, with its length without head, and the messages found in it."""
+        if len(table.starts):
+            _agree("first time of a chunk", chunk.message_start_time, int(table.log_times.min()))
+            _agree("last time of a chunk", chunk.message_end_time, int(table.log_times.max()))
+        _agree("length of a chunk", chunk.uncompressed_size, len(table.data))
+        self._table, self._indexed = table, set()
+        self._chunks.append(
+            ChunkIndex(
+                message_start_time=chunk.message_start_time,
+                message_end_time=chunk.message_end_time,
+                chunk_start_offset=position,
+                chunk_length=HEAD_BYTES + length,
+                message_index_offsets={},
+                message_index_length=0,
+                compression=chunk.compression,
+                compressed_size=len(chunk.data),
+                uncompressed_size=chunk.uncompressed_size,
+            )
+        )
+
+    def message_index(self, content: bytes, position: int) -> None:
+        """Take the index of one channel's messages in the chunk before it."""
+        _require(self._table is not None, "a message index follows no chunk")
+        assert self._table is not None
+        channel, size = int.from_bytes(content[:2], "little"), int.from_bytes(content[2:6], "little")
+        entries = np.frombuffer(content[6 : 6 + size], dtype=_ENTRY)
+        if (entries["start"][1:] < entries["start"][:-1]).any():
+            entries = np.sort(entries, order="start")
+        own = self._table.channels == channel
+        same = np.array_equal(entries["start"], self._table.starts[own])
+        _require(
+            same and np.array_equal(entries["log_time"], self._table.log_times[own]),
+            f"the index of channel {channel} is not that of its chunk's messages",
+        )
+        _require(channel not in self._indexed, f"a chunk has two indexes of channel {channel}")
+        self._indexed.add(channel)
+        index = self._chunks[-1]
+        index.message_index_offsets[channel] = position
+        index.message_index_length += HEAD_BYTES + len(content)
+
+    def _end_chunk(self) -> None:
+        if self._table is not None and self._indexed:
+            missing = set(np.flatnonzero(np.bincount(self._table.channels)).tolist()) - self._indexed
+            _require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
+        self._table = None
+
+    def attachment(self, attachment: Attachment, position: int, length: int) -> None:
+        """Take an attachment whose record begins at a byte, with its length without head."""
+        self._attachments.append(
+            AttachmentIndex(
+                offset=position,
+                length=HEAD_BYTES + length,
+                log_time=attachment.log_time,
+                create_time=attachment.create_time,
+                data_size=len(attachment.data),
+                name=attachment.name,
+                media_type=attachment.media_type,
+            )
+        )
+
+    def metadata(self, metadata: Metadata, position: int, length: int) -> None:
+        """Take a metadata record that begins at a byte, with its length without head."""
+        self._metadata.append(MetadataIndex(offset=position, length=HEAD_BYTES + length, name=metadata.name))
+
+    def summary(self, record: object) -> None:
+        """Take a record of the summary that is neither schema nor channel."""
+        if isinstance(record, Statistics):
+            _require(self._statistics is None, "it has two records of statistics")
+            self._statistics = record
+        elif isinstance(record, SummaryOffset):
+            self._offsets.append(record)
+        elif isinstance(record, ChunkIndex):
+            self._chunk_indexes.append(record)
+        elif isinstance(record, AttachmentIndex):
+            self._attachment_indexes.append(record)
+        elif isinstance(record, MetadataIndex):
+            self._metadata_indexes.append(record)
+
+    def finish(self, footer: Footer, position: int) -> None:
+        """Hold the whole summary, whose footer begins at a byte, against what was read.
+
+        Raises
+        ------
+        ContradictionError
+            Naming the first thing that does not fit.
+        """
+        _require(self._in_summary, "its data section has no end")
+        _require(
+            not (self._opcodes[Opcode.CHUNK] and self._opcodes[Opcode.MESSAGE]), "messages stand outside its chunks"
+        )
+        self._hold_indexes()
+        if self._statistics is not None:
+            self._hold_statistics(self._statistics)
+        self._hold_offsets(footer, position)
+
+    def _hold_indexes(self) -> None:
+        for what, said, found in (
+            ("chunks", self._chunk_indexes, self._chunks),
+            ("attachments", self._attachment_indexes, self._attachments),
+            ("metadata", self._metadata_indexes, self._metadata),
+        ):
+            # an index may be left out as a whole: then readers scan
+            _require(not said or said == found, f"the index of its {what} is not that of the {what} it has")
+
+    def _hold_statistics(self, said: Statistics) -> None:
+        _agree("number of its messages", said.message_count, self._counts.total())
+        counts = {channel: count for channel, count in said.channel_message_counts.items() if count}
+        _require(counts == dict(self._counts), "its counts of messages by channel are not those of its messages")
+        _agree("number of its chunks", said.chunk_count, len(self._chunks))
+        _agree("number of its attachments", said.attachment_count, len(self._attachments))
+        _agree("number of its metadata records", said.metadata_count, len(self._metadata))
+        # some writers count those that no message uses, which stand in the summary alone
+        for what, count, known, kind in (
+            ("schemas", said.schema_count, len(self._schemas), Schema),
+            ("channels", said.channel_count, len(self._channels), Channel),
+        ):
+            if count != known - self._only_in_summary[kind]:
+                _agree(f"number of its {what}", count, known)
+        if self._counts:
+            _agree("first time of all messages", said.message_start_time, self._first)
+            _agree("last time of all messages", said.message_end_time, self._last)
+
+    def _hold_offsets(self, footer: Footer, position: int) -> None:
+        groups = {opcode: (begin, end - begin) for opcode, (begin, end) in self._groups.items()}
+        groups.pop(Opcode.FOOTER)
+        offsets, _ = groups.pop(Opcode.SUMMARY_OFFSET, (position, 0))
+        said = {o.group_opcode: (o.group_start, o.group_length) for o in self._offsets if o.group_length}
+        _require(not self._offsets or said == groups, "the offsets of its summary are not those of its groups")
+        has_summary = position > self._summary_start
+        _require(
+            footer.summary_start == self._summary_start or not (has_summary or footer.summary_start),
+            f"its footer says that the summary begins at byte {footer.summary_start}, not {self._summary_start}",
+        )
+        _require(
+            footer.summary_offset_start == offsets or not (self._offsets or footer.summary_offset_start),
+            f"its footer says that the summary's offsets begin at byte {footer.summary_offset_start}, not {offsets}",
+        )
+
+
+def require_in_chunk(opcode: int) -> None:
+    """Refuse a record that may not stand in a chunk."""
+    _require(opcode in _IN_CHUNK, f"a record of kind {opcode:#04x} in a chunk")
+
+
+def _require(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise ContradictionError(otherwise)
+
+
+def _agree(what: str, said: int, found: int) -> None:
+    _require(said == found, f"the {what} is {found}, not {said}")

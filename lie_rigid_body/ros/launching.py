@@ -1,0 +1,117 @@
+"""What the launch files look for before they start anything: half of what was asked for is worse than nothing."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import gather
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
+
+DESCRIPTIONS: Final[Mapping[str, str]] = {parameter.name: parameter.description for parameter in PARAMETERS}
+"""What each parameter of the node means, by its name, which is that of a launch argument as well."""
+_OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
+
+
+def require_known(file: str, argv: Iterable[str], known: Collection[str]) -> None:
+    """Refuse launch arguments that a launch file does not have, as launch itself passes over them in silence.
+
+    Parameters
+    ----------
+    file : str
+        Path of the launch file.
+    argv : iterable of str
+        The launch arguments of the command line, ``name:=value`` each. Where that names another launch file, which
+        includes this one, they are none of its business.
+    known : collection of str
+
+    Raises
+    ------
+    InputError
+    """
+    name = Path(file).name
+    if all(Path(word).name != name for word in sys.argv):
+        return
+    for word in argv:
+        argument = word.partition(":=")[0]
+        if argument not in (*known, *_OF_LAUNCH):
+            near = difflib.get_close_matches(argument, known, n=1)
+            hint = f"did you mean {near[0]}? " if near else ""
+            raise InputError(f"{word}: {name} has no argument {argument!r}: {hint}--show-args lists those that it has")
+
+
+def require_executables(*wanted: tuple[str, str]) -> None:
+    """Look for executables where ``ros2 run`` does.
+
+    Parameters
+    ----------
+    *wanted : tuple of (str, str)
+        Package and executable.
+
+    Raises
+    ------
+    InputError
+        Naming the first that is not there.
+    """
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    for package, executable in wanted:
+        if not any(os.access(Path(prefix, "lib", package, executable), os.X_OK) for prefix in prefixes):
+            distribution = os.environ.get("ROS_DISTRO", "jazzy")
+            raise InputError(
+                f"{executable} of the package {package} is not there: nothing was started; source its workspace, or "
+                f"apt install ros-{distribution}-{package.replace('_', '-')}"
+            )
+
+
+def arguments_of_node(scenario: str, params_file: str, parameters: Mapping[str, str]) -> list[str]:
+    """The arguments of the node's own command line, for what launch arguments give; empty: not given."""
+    words = [*(["--scenario", scenario] if scenario else []), *(["--params-file", params_file] if params_file else [])]
+    for name, value in parameters.items():
+        words += ["-p", f"{name}:={value}"] if value else []
+    return words
+
+
+def scenario_of_node(words: list[str], name: str, namespace: str) -> Scenario:
+    """The scenario that a node will find in its arguments.
+
+    Parameters
+    ----------
+    words : list of str
+        As `arguments_of_node` gives them.
+    name, namespace : str
+        Of the node.
+
+    Raises
+    ------
+    InputError
+        If the node would refuse them.
+    """
+    given: dict[str, list[str]] = {"--scenario": [], "--params-file": [], "-p": []}
+    for option, value in zip(words[::2], words[1::2], strict=True):
+        given[option].append(value)
+    scenario = next(iter(given["--scenario"]), None)
+    parameters = gather(scenario, given["--params-file"], given["-p"], name, f"/{namespace.strip('/')}")
+    return Scenario.from_parameters(parameters)
+
+
+def shut_down_if_failed(event: Any, context: object) -> object | None:
+    """End everything when a view fails; one that was closed leaves the rest running.
+
+    Parameters
+    ----------
+    event : launch.events.process.ProcessExited
+    context : launch.LaunchContext
+
+    Returns
+    -------
+    launch.actions.Shutdown or None
+    """
+    from launch.actions import Shutdown
+
+    return Shutdown(reason=f"{event.process_name} failed") if event.returncode else None

@@ -1,0 +1,180 @@
+"""Values and names in few words, for error lines and reprs: one line of bounded length, whatever is given.
+
+NumPy is not imported here: an error line must not wait for it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import reprlib
+from collections.abc import Collection, Mapping, Sequence
+from itertools import islice
+from typing import Any, Final
+
+LONGEST_LINE: Final = 200
+"""Largest length of an error line or a repr, characters."""
+
+LONGEST_VALUE: Final = 60
+"""Largest length of a value in a line, characters."""
+
+MOST_NAMES: Final = 5
+"""Largest number of names listed in a line."""
+
+_GAP: Final = "..."
+_SHORT_WORD: Final = 40
+_MOST_READ: Final = 50
+_MOST_NUMBERS: Final = 7
+_MOST_BITS: Final = 128
+
+
+class _ShortRepr(reprlib.Repr):
+    """Reprs that show the ends of what is long, and the shape of an array."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 3
+        self.maxlist = self.maxtuple = _MOST_NUMBERS
+        self.maxdict = self.maxset = self.maxfrozenset = 4
+        self.maxstring = self.maxother = LONGEST_VALUE - 8
+
+    def repr_float(self, x: float, level: int) -> str:
+        """Nine digits of a number that has more."""
+        exact = repr(x)
+        return exact if len(exact) <= 12 else f"{x:.9g}"
+
+    def repr_int(self, x: int, level: int) -> str:
+        """All digits, or how many there are: Python refuses to print very many."""
+        return repr(x) if x.bit_length() <= _MOST_BITS else f"<{'-' if x < 0 else ''}2**{x.bit_length() - 1} or more>"
+
+    def repr_ndarray(self, x: Any, level: int) -> str:
+        """The numbers of a short row, or shape and ends of more."""
+        if x.ndim == 0 or (x.ndim == 1 and x.size <= _MOST_NUMBERS):
+            return self.repr1(x.tolist(), level)
+        if x.size == 0:
+            return f"<array of shape {x.shape}>"
+        rows = x.reshape(-1, x.shape[-1]) if x.ndim > 1 and x.shape[-1] <= _MOST_NUMBERS else x.reshape(-1)
+        return f"<{x.shape}, {_ends(rows[0].tolist())} to {_ends(rows[-1].tolist())}>"
+
+
+def _ends(value: object) -> str:
+    """A number, or a row of them, to three digits."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_ends, value))}]"
+    return f"{value:.3g}" if isinstance(value, float | complex) else repr(value)
+
+
+_SHORT: Final = _ShortRepr()
+
+
+def shown(value: object, most: int = LONGEST_VALUE) -> str:
+    """A value as an error line repeats it: its repr on one line; of arrays, lists and texts that are long the ends.
+
+    Parameters
+    ----------
+    value : object
+    most : int, optional
+        Largest length of the result, characters.
+
+    Returns
+    -------
+    str
+    """
+    return shortened(_SHORT.repr(value), most)
+
+
+def shortened(text: str, most: int = LONGEST_LINE) -> str:
+    """A text on one line of bounded length.
+
+    Words that are long lose their middle first, such as values and paths; then the text does. What is left ends with
+    the end of the text: in a message that is the remedy.
+
+    Parameters
+    ----------
+    text : str
+    most : int, optional
+        Largest length of the result, characters.
+
+    Returns
+    -------
+    str
+    """
+    words = _without_middle(" ".join(text.splitlines()), _MOST_READ * most).split(" ")
+    while (excess := len(" ".join(words)) - most) > 0:
+        longest = max(words, key=len)
+        if len(longest) <= _SHORT_WORD:
+            break
+        words[words.index(longest)] = _without_middle(longest, max(_SHORT_WORD, len(longest) - excess))
+    return _without_middle(" ".join(words), most)
+
+
+def _without_middle(text: str, most: int) -> str:
+    head = (most - len(_GAP)) // 3
+    return text if len(text) <= most else f"{text[:head]}{_GAP}{text[head + len(_GAP) - most :]}"
+
+
+def listed(names: Collection[object]) -> str:
+    """Names with commas between them; of many the first, and how many more there are.
+
+    Parameters
+    ----------
+    names : collection of object
+
+    Returns
+    -------
+    str
+    """
+    first = ", ".join(shortened(str(name), LONGEST_VALUE) for name in islice(names, MOST_NAMES))
+    return first if len(names) <= MOST_NAMES else f"{first} and {len(names) - MOST_NAMES} more"
+
+
+def suggestion(name: str, known: Sequence[str], kind: str) -> str:
+    """What to give instead of an unknown name: those most like it, or else the first of all.
+
+    Parameters
+    ----------
+    name : str
+    known : sequence of str
+    kind : str
+        What the names are called, in the plural.
+
+    Returns
+    -------
+    str
+    """
+    near = difflib.get_close_matches(name[:LONGEST_VALUE], known, n=3)
+    return f"did you mean {' or '.join(near)}?" if near else f"the {kind} are {listed(known)}"
+
+
+def short_repr(instance: Any) -> str:
+    """A repr of a dataclass or a named tuple that stays on one line, whatever its fields hold.
+
+    A class takes it by ``__repr__ = short_repr``.
+
+    Parameters
+    ----------
+    instance : dataclass or namedtuple
+
+    Returns
+    -------
+    str
+        Of at most `LONGEST_LINE` characters.
+    """
+    names = getattr(instance, "_fields", None) or instance.__dataclass_fields__
+    return call_repr(instance, {name: getattr(instance, name) for name in names})
+
+
+def call_repr(instance: object, arguments: Mapping[str, object]) -> str:
+    """A repr in the form of a call of the instance's class, with the arguments `shown`.
+
+    Parameters
+    ----------
+    instance : object
+    arguments : mapping of str to object
+
+    Returns
+    -------
+    str
+        Of at most `LONGEST_LINE` characters.
+    """
+    given = ", ".join(f"{name}={shown(value)}" for name, value in arguments.items())
+    return shortened(f"{type(instance).__name__}({given})")

@@ -1,0 +1,205 @@
+"""The ``campaign`` command on real workers: the same bytes whatever their number, and nothing lost or done twice."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed")
+parquet = pytest.importorskip("pyarrow.parquet")
+
+from lie_rigid_body.cli.campaign import main  # noqa: E402
+from lie_rigid_body.cli.record import main as record  # noqa: E402
+
+COMMAND = [sys.executable, "-m", "lie_rigid_body", "campaign"]
+DEADLINE = 120.0
+CAMPAIGN = """
+runs: 6
+seed: 7
+duration: 0.25
+scenario: tumbling_cubesat
+parameters: {rate: 100.0, imu_rate: 100.0}
+vary:
+  initial_attitude_xyzw: {distribution: uniform_rotation}
+  initial_body_rate: {distribution: direction, norm: {distribution: uniform, low: 0.01, high: 0.5}}
+  inertia: {distribution: box, mass: 8.0, edges: [[0.1, 0.3], [0.1, 0.3], [0.1, 0.4]]}
+  gyro_noise_density: {distribution: loguniform, low: 1e-5, high: 1.0e-3}
+  motion: {distribution: choice, values: [moving_chart, closed_form]}
+  sensor_seed: {distribution: run}
+"""
+
+
+def written(folder: Path, text: str = CAMPAIGN) -> Path:
+    path = folder / "campaign.yaml"
+    path.write_text(text)
+    return path
+
+
+def bytes_of(out: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((out / "bags").iterdir())}
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign on two workers."""
+    folder = tmp_path_factory.mktemp("campaign")
+    assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "2"]) == 0
+    return folder / "out"
+
+
+def test_the_table_has_a_row_for_each_run(out: Path) -> None:
+    table = parquet.read_table(out / "runs.parquet")
+    vary = ["initial_attitude_xyzw", "initial_body_rate", "inertia", "gyro_noise_density", "motion", "sensor_seed"]
+    assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag"]
+    assert table["run"].to_pylist() == list(range(6))
+    assert table["certified"].to_pylist() == [True] * 6
+    assert all(0.0 < accuracy < 1e-13 for accuracy in table["attitude_accuracy_rad"].to_pylist())
+    assert [(out / bag).is_file() for bag in table["bag"].to_pylist()] == [True] * 6
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(6)]
+
+
+def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
+    for row in parquet.read_table(out / "runs.parquet").to_pylist():
+        given = {name: row[name] for name in list(row)[1:-3]} | {"rate": 100.0, "imu_rate": 100.0}
+        assignments = [f"-p{name}:={value}" for name, value in given.items()]
+        again = tmp_path / "again.mcap"
+        options = ["--scenario", "tumbling_cubesat", "--duration", "0.25", "--force", "--quiet"]
+        assert record([str(again), *options, *assignments]) == 0
+        assert again.read_bytes() == (out / row["bag"]).read_bytes()
+
+
+def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
+    from distributed import LocalCluster
+
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None, "local_directory": str(tmp_path)}
+    with LocalCluster(**options) as cluster:
+        other = tmp_path / "other"
+        assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", cluster.scheduler_address]) == 0
+    assert bytes_of(other) == bytes_of(out)
+    assert parquet.read_table(other / "runs.parquet").equals(parquet.read_table(out / "runs.parquet"))
+
+
+def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()}
+    assert main([str(written(tmp_path)), "--out", str(out)]) == 0
+    assert {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()} == before
+    assert "6 runs, 6 certified" in capsys.readouterr().out
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """A process with a campaign that has finished a run and has many before it."""
+    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 16").replace("0.25", "8.0")), tmp_path / "out"
+    process = subprocess.Popen(
+        [*COMMAND, str(path), "--out", str(out), "--workers", "2"],
+        stdout=-1,
+        stderr=-1,
+        text=True,
+        start_new_session=True,
+    )
+    end = time.monotonic() + DEADLINE
+    while len(finished(out)) < 1 and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.02)
+    try:
+        yield process, out
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate(timeout=DEADLINE)
+
+
+def finished(out: Path) -> list[int]:
+    journal = out / "runs.jsonl"
+    lines = journal.read_text().split("\n")[1:-1] if journal.exists() else []
+    return [json.loads(line)["run"] for line in lines]
+
+
+def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    """Ctrl-C reaches the workers as well: they say nothing."""
+    process, out = slow
+    os.killpg(process.pid, signal.SIGINT)
+    said, complained = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, said) == (130, ""), complained
+    assert complained.count("\n") == 1, complained
+    [line] = complained.splitlines()
+    done = finished(out)
+    assert f"interrupted after {len(done)} of 16 runs" in line
+    assert len(done) == len({*done}) >= 1
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out)]) == 0
+    assert sorted(finished(out)) == list(range(16))
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+
+
+def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    process, out = slow
+    workers = [
+        pid for pid in children(process.pid) if "multiprocessing" in command(pid) and "spawn_main" in command(pid)
+    ]
+    os.kill(workers[0], signal.SIGKILL)
+    said, complained = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, complained) == (0, "")
+    assert "16 runs, 16 certified" in said
+    assert sorted(finished(out)) == list(range(16))
+
+
+def children(pid: int) -> list[int]:
+    return [
+        int(child) for task in Path(f"/proc/{pid}/task").iterdir() for child in (task / "children").read_text().split()
+    ]
+
+
+def command(pid: int) -> str:
+    return Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("runs: 0\nseed: 1\nduration: 1.0", "runs: '0' is not an integer from 1"),
+        ("runs: 1\nseed: -1\nduration: 1.0", "seed"),
+        ("runs: 1\nseed: 1\nduration: .inf", "duration"),
+        ("runs: 1\nseed: 1", "has no 'duration:'"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nvaries: {}", "there is no 'varies' in a campaign"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nscenario: none", "'none' is unknown"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nvary: {speed: {distribution: run}}", "there is no parameter 'speed'"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nvary: {rate: 3.0}", "vary.rate is not a distribution"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}", "run 0: rate: -3 is outside"),
+        (
+            "runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: 3.0}\nvary: {rate: {distribution: run}}",
+            "in parameters and in vary",
+        ),
+        (
+            "runs: 9\nseed: 1\nduration: 1.0\nvary: {rate: {distribution: choice, values: [1.0, -1.0]}}",
+            "rate: -1 is outside",
+        ),
+        ("[]", "no campaign"),
+        ("{", "not readable as YAML"),
+    ],
+)
+def test_bad_campaigns_are_refused_in_one_line(
+    text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(written(tmp_path, text)), "--out", str(tmp_path / "out")]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert words in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_of_something_else_is_left_alone(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "precious").write_text("precious")
+    assert main([str(written(tmp_path)), "--out", str(tmp_path)]) == 2
+    assert "holds other files" in capsys.readouterr().err
+    assert {path.name for path in tmp_path.iterdir()} == {"precious", "campaign.yaml"}
+    assert main([str(written(tmp_path, CAMPAIGN.replace("seed: 7", "seed: 8"))), "--out", str(out)]) == 2
+    assert "another campaign" in capsys.readouterr().err

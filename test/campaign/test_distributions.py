@@ -1,0 +1,150 @@
+"""Parameters are drawn from the distributions that are named, and depend on seed, run and name alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.integrate import tplquad
+
+from lie_rigid_body.campaign.distributions import Uniforms, distribution
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.lie import quaternion
+
+COUNT = 2000
+LEAST_P = 1e-4
+"""Of the Kolmogorov–Smirnov test: the draws are the same in every run, so it fails always or never."""
+
+
+def drawn(name: str = "x", count: int = COUNT, **given: object) -> np.ndarray:
+    draw = distribution("vary.x", given)
+    return np.array([draw(Uniforms(5, run, name)) for run in range(count)])
+
+
+@pytest.mark.parametrize(
+    ("given", "law"),
+    [
+        ({"distribution": "uniform", "low": -2.0, "high": 3.0}, stats.uniform(-2.0, 5.0)),
+        ({"distribution": "loguniform", "low": 1e-5, "high": 1e-3}, stats.loguniform(1e-5, 1e-3)),
+        ({"distribution": "normal", "mean": 4, "std": 0.5}, stats.norm(4.0, 0.5)),
+    ],
+)
+def test_numbers_follow_their_law(given: dict[str, Any], law: Any) -> None:
+    assert stats.kstest(drawn(**given), law.cdf).pvalue > LEAST_P
+
+
+def test_rotations_are_uniform() -> None:
+    """The half angle θ/2 of a uniform rotation has the density (4/π) sin²; every component is distributed alike."""
+    q = drawn(distribution="uniform_rotation")
+    np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0, rtol=1e-15)
+    half = np.arccos(np.clip(np.abs(q[:, 3]), 0.0, 1.0))
+    assert stats.kstest(half, lambda x: (4.0 / math.pi) * (x / 2.0 - np.sin(2.0 * x) / 4.0)).pvalue > LEAST_P
+    for vector in np.eye(3):
+        assert stats.kstest(quaternion.rotate(q, vector)[:, 1], stats.uniform(-1.0, 2.0).cdf).pvalue > LEAST_P
+
+
+def test_directions_are_uniform_and_norms_as_drawn() -> None:
+    v = drawn(distribution="direction", norm={"distribution": "uniform", "low": 0.5, "high": 2.0})
+    norms = np.linalg.norm(v, axis=1)
+    assert stats.kstest(norms, stats.uniform(0.5, 1.5).cdf).pvalue > LEAST_P
+    for axis in range(3):
+        assert stats.kstest(v[:, axis] / norms, stats.uniform(-1.0, 2.0).cdf).pvalue > LEAST_P
+
+
+def test_choices_are_all_made_equally_often() -> None:
+    values = [1.5, "word", [1, 2, 3]]
+    found = [str(value) for value in map(distribution("x", {"distribution": "choice", "values": values}), many())]
+    counts = [found.count(str(value)) for value in values]
+    assert sum(counts) == COUNT
+    assert stats.chisquare(counts).pvalue > LEAST_P
+
+
+def many() -> list[Uniforms]:
+    return [Uniforms(5, run, "x") for run in range(COUNT)]
+
+
+def test_a_box_has_the_moments_of_its_integral() -> None:
+    edges, density = (0.2, 0.3, 0.5), 700.0
+    (a, b, c) = edges
+    [moments] = drawn(count=1, distribution="box", density=density, edges=list(edges))
+    for axis, found in enumerate(moments):
+        integral, _ = tplquad(
+            lambda z, y, x, axis=axis: density * (x * x + y * y + z * z - (x, y, z)[axis] ** 2),
+            *(-a / 2, a / 2, -b / 2, b / 2, -c / 2, c / 2),
+        )
+        assert found == pytest.approx(integral, rel=1e-12)
+    [by_mass] = drawn(count=1, distribution="box", mass=density * a * b * c, edges=list(edges))
+    assert by_mass == pytest.approx(moments, rel=1e-15)
+
+
+def test_a_cylinder_has_the_moments_of_its_integral() -> None:
+    radius, height, density = 0.4, 0.7, 900.0
+    [moments] = drawn(count=1, distribution="cylinder", density=density, radius=radius, height=height)
+    for axis, found in enumerate(moments):
+        integral, _ = tplquad(
+            lambda z, angle, r, axis=axis: (
+                density * r * (r * r + z * z - (r * math.cos(angle), r * math.sin(angle), z)[axis] ** 2)
+            ),
+            *(0.0, radius, 0.0, 2.0 * math.pi, -height / 2, height / 2),
+        )
+        assert found == pytest.approx(integral, rel=1e-10)
+
+
+def test_edges_stay_in_their_ranges() -> None:
+    a = np.array([[0.1, 0.3], [0.2, 0.2], [0.1, 0.4]])
+    moments = drawn(distribution="box", mass=12.0, edges=a.tolist())
+    squares = (np.sum(moments, axis=1)[:, np.newaxis] / 2.0) - moments  # a², b², c²
+    assert (np.sqrt(squares) > a[:, 0] - 1e-12).all()
+    assert (np.sqrt(squares) < a[:, 1] + 1e-12).all()
+
+
+def test_what_is_drawn_depends_on_seed_run_and_name() -> None:
+    draw = distribution("x", {"distribution": "uniform", "low": 0.0, "high": 1.0})
+    keys = [(seed, run, name) for seed in (0, 1, 2**64 - 1) for run in (0, 1, 999_999) for name in ("rate", "inertia")]
+    assert len({draw(Uniforms(*key)) for key in keys}) == len(keys)
+    assert [draw(Uniforms(*key)) for key in keys] == [draw(Uniforms(*key)) for key in keys]
+    assert draw(Uniforms(7, 0, "rate")) == FIRST_OF_SEED_7
+
+
+FIRST_OF_SEED_7 = 0.289175079078131
+"""Written down once: it must be the same with every version of every library."""
+
+
+def test_the_run_is_its_number() -> None:
+    assert drawn(count=5, distribution="run").tolist() == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (3.0, "not a distribution"),
+        ({"distribution": "cauchy"}, "there is no distribution 'cauchy'"),
+        ({"distribution": "uniform", "low": 1.0}, "uniform takes low, high"),
+        ({"distribution": "uniform", "low": 1.0, "high": 2.0, "mean": 3.0}, "uniform takes low, high, not mean"),
+        ({"distribution": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1"),
+        ({"distribution": "uniform", "low": "a", "high": 1.0}, "'a' is not a finite number"),
+        ({"distribution": "uniform", "low": 0, "high": float("inf")}, "not a finite number"),
+        ({"distribution": "loguniform", "low": 0.0, "high": 1.0}, "no logarithm"),
+        ({"distribution": "normal", "mean": 0.0, "std": -1.0}, "below 0"),
+        ({"distribution": "choice", "values": []}, "at least one"),
+        ({"distribution": "box", "edges": [1, 1, 1]}, "density or mass"),
+        ({"distribution": "box", "mass": 1, "density": 1, "edges": [1, 1, 1]}, "density or mass"),
+        ({"distribution": "box", "mass": 1, "edges": [1, 1]}, "three lengths"),
+        ({"distribution": "direction", "norm": [1, 2, 3]}, "no range"),
+        ({"distribution": "direction", "norm": {"distribution": "none"}}, "there is no distribution"),
+    ],
+)
+def test_what_is_no_distribution_is_refused(given: object, words: str) -> None:
+    with pytest.raises(InputError, match=r"^vary\.x") as error:
+        distribution("vary.x", given)
+    assert words in str(error.value)
+    assert len(str(error.value)) < 200
+
+
+def test_a_length_that_is_not_positive_is_refused_when_it_is_drawn() -> None:
+    draw = distribution("vary.inertia", {"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]})
+    with pytest.raises(InputError, match="has to be above 0"):
+        draw(Uniforms(0, 0, "inertia"))

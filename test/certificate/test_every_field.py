@@ -1,0 +1,372 @@
+"""Every field of the table in docs/certificate.md is altered, and what its row says is demanded."""
+
+from __future__ import annotations
+
+import json
+import re
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from forging import copy, forge
+from mcap.writer import CompressionType
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+PAGE = Path(__file__).parents[2] / "docs" / "certificate.md"
+RATE = 8.0
+COUNT = 12
+Forgery = Callable[[Path, Path], Path]
+"""Makes an altered bag in a folder from the honest one."""
+
+
+def rows() -> dict[tuple[str, str], str]:
+    """The table of the page: by record and field, what the field is held against."""
+    section = PAGE.read_text(encoding="utf-8").split("## Every field")[1].split("\n## ")[0]
+    found = re.findall(r"^\| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", section, re.MULTILINE)
+    return {(record, field): text for record, field, text in found if record not in ("record", "---")}
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bags") / "honest.mcap"
+    parameters: dict[str, object] = {"motion": "closed_form", "rate": RATE, "epoch_ns": 10**18, "imu_rate": 4.0}
+    simulation = Simulation(Scenario.from_parameters(parameters))
+    with BagWriter(path, stamped_twist=True) as bag:
+        bag.begin_segment(simulation.segment)
+        last = simulation.clock.stamp_ns(COUNT - 1)
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(simulation.take_until(last, COUNT)))
+    return path
+
+
+def in_records(**kinds: Callable[[Any], dict[str, object]]) -> Forgery:
+    return lambda honest, folder: forge(copy(honest, folder / "forged.mcap"), **kinds)
+
+
+def in_one(field: str, by: int = 1, **options: Any) -> Callable[[Any], dict[str, object]]:
+    """Changes a number in the first record of a kind."""
+    seen: list[int] = []
+
+    def change(record: Any) -> dict[str, object]:
+        seen.append(1)
+        return {field: getattr(record, field) + by} if len(seen) == 1 else {}
+
+    return change
+
+
+def number(kind: str, field: str, by: int = 1) -> Forgery:
+    def forgery(honest: Path, folder: Path) -> Path:
+        return in_records(**{kind: in_one(field, by)})(honest, folder)
+
+    return forgery
+
+
+def text(kind: str, field: str, old: str, new: str) -> Forgery:
+    """Changes a text wherever it is, in the record and its repeats and indexes."""
+    changes = {}
+    for name in (kind, f"{kind}Index"):
+        if name == kind or kind in ("Attachment", "Metadata"):
+            changes[name] = lambda r: {field: getattr(r, field).replace(old, new)} if hasattr(r, field) else {}
+    return in_records(**changes)
+
+
+def in_bytes(old: bytes, new: bytes, which: int = 0, compression: CompressionType = CompressionType.NONE) -> Forgery:
+    """Changes the bytes where they occur for a given time, -1 the last."""
+
+    def forgery(honest: Path, folder: Path) -> Path:
+        path = copy(honest, folder / "forged.mcap", compression=compression)
+        data = path.read_bytes()
+        places = [m.start() for m in re.finditer(re.escape(old), data)]
+        at = places[which]
+        path.write_bytes(data[:at] + new + data[at + len(old) :])
+        return path
+
+    return forgery
+
+
+def in_payload(topic: str, change: Callable[[bytes], bytes], index: int = 5) -> Forgery:
+    def forgery(honest: Path, folder: Path) -> Path:
+        numbers = iter(range(10**6))
+        return copy(
+            honest,
+            folder / "forged.mcap",
+            lambda name, data: change(data) if name == topic and next(numbers) == index else data,
+        )
+
+    return forgery
+
+
+def patched(at: int, code: str, change: Callable[[Any], Any]) -> Callable[[bytes], bytes]:
+    """Changes a number in a payload, counted from its end where ``at`` is negative."""
+
+    def patch(data: bytes) -> bytes:
+        begin = at % len(data)
+        size = struct.calcsize(code)
+        [value] = struct.unpack(code, data[begin : begin + size])
+        return data[:begin] + struct.pack(code, change(value)) + data[begin + size :]
+
+    return patch
+
+
+def in_json(change: Callable[[dict[str, Any]], object]) -> Forgery:
+    def altered(data: bytes) -> bytes:
+        content = json.loads(data[8:-1])
+        change(content)
+        return encode_string(json.dumps(content))
+
+    return in_payload("/lie_rigid_body/scenario", altered, 0)
+
+
+def json_value(name: str, value: object) -> Forgery:
+    return in_json(lambda content: content.update({name: value}))
+
+
+def in_yaml(change: Callable[[dict[str, Any]], object]) -> Forgery:
+    """A rosbag2 folder with one entry of its metadata changed."""
+
+    def forgery(honest: Path, folder: Path) -> Path:
+        copy(honest, folder / "a.mcap")
+        recording = read_bag(folder / "a.mcap")
+        times = {
+            "duration": {"nanoseconds": int((COUNT - 1) / RATE * 1e9)},
+            "starting_time": {"nanoseconds_since_epoch": 10**18},
+        }
+        counts = {
+            "/pose": ("geometry_msgs/msg/PoseStamped", len(recording.poses.stamps_ns)),
+            "/twist": ("geometry_msgs/msg/TwistStamped", len(recording.twists.body_rates)),
+            "/lie_rigid_body/scenario": ("std_msgs/msg/String", 1),
+            "/imu/data_raw": ("sensor_msgs/msg/Imu", 6),
+            "/imu/bias": ("sensor_msgs/msg/Imu", 6),
+        }
+        total = sum(count for _, count in counts.values())
+        content: dict[str, Any] = {
+            "version": 9,
+            "storage_identifier": "mcap",
+            **times,
+            "message_count": total,
+            "topics_with_message_count": [
+                {
+                    "topic_metadata": {
+                        "name": name,
+                        "type": kind,
+                        "serialization_format": "cdr",
+                        "offered_qos_profiles": "",
+                    },
+                    "message_count": count,
+                }
+                for name, (kind, count) in counts.items()
+            ],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": ["a.mcap"],
+            "files": [{"path": "a.mcap", **json.loads(json.dumps(times)), "message_count": total}],
+            "custom_data": None,
+            "ros_distro": "jazzy",
+        }
+        change(content)
+        (folder / "metadata.yaml").write_text(yaml.safe_dump({"rosbag2_bagfile_information": content}))
+        return folder
+
+    return forgery
+
+
+def hidden_file(honest: Path, folder: Path) -> Path:
+    (folder / "b.mcap").write_bytes(honest.read_bytes())
+    return in_yaml(lambda y: None)(honest, folder)
+
+
+def _topic(y: dict[str, Any]) -> dict[str, Any]:
+    topic: dict[str, Any] = y["topics_with_message_count"][0]["topic_metadata"]
+    return topic
+
+
+CAUGHT = "refused, or a law broken"
+CERTIFIED = "certified, and not all of it"
+LATER = 3 * 10**9
+POSE, TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
+FORGERIES: dict[tuple[str, str], Forgery] = {
+    ("Magic", "start"): in_bytes(b"MCAP0", b"MCAP1"),
+    ("Magic", "end"): in_bytes(b"MCAP0", b"MCAP1", -1),
+    ("Header", "profile"): text("Header", "profile", "ros2", "ros1"),
+    ("Header", "library"): text("Header", "library", "lie_rigid_body", "lie_rigid_bard"),
+    ("Schema", "id"): in_records(Schema=lambda r: {"id": r.id + 20}),
+    ("Schema", "name"): text("Schema", "name", "PoseStamped", "PoseStumped"),
+    ("Schema", "encoding"): text("Schema", "encoding", "ros2msg", "ros2idl"),
+    ("Schema", "data"): in_records(
+        Schema=lambda r: {"data": r.data.replace(b"float64 x 0\nfloat64 y 0", b"float64 y 0\nfloat64 x 0")}
+    ),
+    ("Schema", "a repeat"): in_bytes(b"PoseStamped", b"PoseStumped", -1),
+    ("Channel", "id"): in_records(Channel=lambda r: {"id": r.id + 20}),
+    ("Channel", "schema_id"): in_records(Channel=lambda r: {"schema_id": r.schema_id % 3 + 1}),
+    ("Channel", "topic"): text("Channel", "topic", "/pose", "/pros"),
+    ("Channel", "message_encoding"): text("Channel", "message_encoding", "cdr", "xml"),
+    ("Channel", "metadata"): in_records(
+        Channel=lambda r: {"metadata": {k: v.replace("10", "11") for k, v in r.metadata.items()}}
+    ),
+    ("Channel", "a repeat"): in_bytes(b"/pose", b"/pase", -1),
+    ("Message", "channel_id"): number("Message", "channel_id"),
+    ("Message", "sequence"): number("Message", "sequence"),
+    ("Message", "log_time"): in_records(Message=lambda r: {"log_time": 2**64 - 1}),
+    ("Message", "publish_time"): number("Message", "publish_time"),
+    ("Chunk", "message_start_time"): number("Chunk", "message_start_time"),
+    ("Chunk", "message_end_time"): number("Chunk", "message_end_time"),
+    ("Chunk", "uncompressed_size"): number("Chunk", "uncompressed_size"),
+    ("Chunk", "uncompressed_crc"): number("Chunk", "uncompressed_crc"),
+    ("Chunk", "compression"): in_bytes(b"zstd", b"zst4", 0, CompressionType.ZSTD),
+    ("Chunk", "data"): in_records(Chunk=lambda r: {"data": b"\x0b" + r.data[1:]}),
+    ("MessageIndex", "channel_id"): number("MessageIndex", "channel_id"),
+    ("MessageIndex", "records"): in_records(MessageIndex=lambda r: {"records": [(t + 1, at) for t, at in r.records]}),
+    ("ChunkIndex", "message_start_time"): number("ChunkIndex", "message_start_time"),
+    ("ChunkIndex", "message_end_time"): number("ChunkIndex", "message_end_time"),
+    ("ChunkIndex", "chunk_start_offset"): number("ChunkIndex", "chunk_start_offset"),
+    ("ChunkIndex", "chunk_length"): number("ChunkIndex", "chunk_length"),
+    ("ChunkIndex", "message_index_offsets"): in_records(
+        ChunkIndex=lambda r: {"message_index_offsets": {k: v + 1 for k, v in r.message_index_offsets.items()}}
+    ),
+    ("ChunkIndex", "message_index_length"): number("ChunkIndex", "message_index_length"),
+    ("ChunkIndex", "compression"): in_bytes(b"zstd", b"lz4 ", -1, CompressionType.ZSTD),
+    ("ChunkIndex", "compressed_size"): number("ChunkIndex", "compressed_size"),
+    ("ChunkIndex", "uncompressed_size"): number("ChunkIndex", "uncompressed_size"),
+    **{
+        ("Statistics", name): number("Statistics", name)
+        for name in (
+            "message_count",
+            "schema_count",
+            "channel_count",
+            "attachment_count",
+            "metadata_count",
+            "chunk_count",
+            "message_start_time",
+            "message_end_time",
+        )
+    },
+    ("Statistics", "channel_message_counts"): in_records(
+        Statistics=lambda r: {"channel_message_counts": {k: v + 1 for k, v in r.channel_message_counts.items()}}
+    ),
+    ("Attachment", "name"): text("Attachment", "name", "photo", "proto"),
+    ("Attachment", "media_type"): text("Attachment", "media_type", "png", "gif"),
+    ("Attachment", "log_time"): in_records(
+        Attachment=lambda r: {"log_time": 5}, AttachmentIndex=lambda r: {"log_time": 5}
+    ),
+    ("Attachment", "create_time"): in_records(
+        Attachment=lambda r: {"create_time": 5}, AttachmentIndex=lambda r: {"create_time": 5}
+    ),
+    ("Attachment", "data"): in_records(Attachment=lambda r: {"data": b"sixpel"}),
+    **{
+        ("AttachmentIndex", name): number("AttachmentIndex", name)
+        for name in ("offset", "length", "log_time", "create_time", "data_size")
+    },
+    ("AttachmentIndex", "name"): in_records(AttachmentIndex=lambda r: {"name": "proto"}),
+    ("AttachmentIndex", "media_type"): in_records(AttachmentIndex=lambda r: {"media_type": "image/gif"}),
+    ("Metadata", "name"): text("Metadata", "name", "lie_rigid_body", "lie_rigid_bard"),
+    ("Metadata", "metadata"): in_records(Metadata=lambda r: {"metadata": {"samples": "13"}}),
+    ("MetadataIndex", "offset"): number("MetadataIndex", "offset"),
+    ("MetadataIndex", "length"): number("MetadataIndex", "length"),
+    ("MetadataIndex", "name"): in_records(MetadataIndex=lambda r: {"name": "lie_rigid_bard"}),
+    ("SummaryOffset", "group_opcode"): number("SummaryOffset", "group_opcode"),
+    ("SummaryOffset", "group_start"): number("SummaryOffset", "group_start"),
+    ("SummaryOffset", "group_length"): number("SummaryOffset", "group_length"),
+    ("DataEnd", "data_section_crc"): number("DataEnd", "data_section_crc"),
+    ("Footer", "summary_start"): number("Footer", "summary_start", -1),
+    ("Footer", "summary_offset_start"): number("Footer", "summary_offset_start", -1),
+    ("Footer", "summary_crc"): number("Footer", "summary_crc"),
+    ("CDR", "encapsulation"): in_payload("/pose", patched(1, "B", lambda v: 3)),
+    ("CDR", "options"): in_payload("/pose", patched(3, "B", lambda v: 1)),
+    ("CDR", "padding"): in_payload("/pose", patched(22, "B", lambda v: 7)),
+    ("PoseStamped", "header.stamp.sec"): in_payload("/pose", patched(4, "<i", lambda v: v + 1)),
+    ("PoseStamped", "header.stamp.nanosec"): in_payload("/pose", patched(8, "<I", lambda v: v + 1)),
+    ("PoseStamped", "header.frame_id"): in_payload("/pose", lambda data: data.replace(b"world", b"wurld")),
+    ("PoseStamped", "pose.position"): in_payload("/pose", patched(-56, "<d", lambda v: v + 1e-300)),
+    ("PoseStamped", "pose.orientation"): in_payload("/pose", patched(-24, "<d", lambda v: v + 1e-13)),
+    ("TwistStamped", "header.stamp.sec"): in_payload("/twist", patched(4, "<i", lambda v: v + 1)),
+    ("TwistStamped", "header.stamp.nanosec"): in_payload("/twist", patched(8, "<I", lambda v: v + 1)),
+    ("TwistStamped", "header.frame_id"): in_payload("/twist", lambda data: data.replace(b"base", b"bass")),
+    ("TwistStamped", "twist.linear"): in_payload("/twist", patched(-48, "<d", lambda v: v + 1e-300)),
+    ("TwistStamped", "twist.angular"): in_payload("/twist", patched(-16, "<d", lambda v: v * (1 + 1e-13))),
+    ("String", "length"): in_payload("/lie_rigid_body/scenario", patched(4, "<I", lambda v: v + 9), 0),
+    ("String", "data"): in_payload("/lie_rigid_body/scenario", lambda data: data[:9] + b"\xff" + data[10:], 0),
+    ("scenario", "software"): json_value("software", "lie_rigid_body 99"),
+    ("scenario", "inertia"): json_value("inertia", [1.0, 2.0, 2.999]),
+    ("scenario", "inertia, a common factor"): json_value("inertia", [2.0, 4.0, 6.0]),
+    ("scenario", "initial_attitude_xyzw"): json_value("initial_attitude_xyzw", [0.0, 0.0, 0.0, -1.0]),
+    ("scenario", "initial_body_rate"): json_value("initial_body_rate", [0.0100001, 1.0, 0.01]),
+    ("scenario", "rate"): json_value("rate", 16.0),
+    ("scenario", "motion"): json_value("motion", "moving_chart"),
+    ("scenario", "method"): json_value("method", "dmv8"),
+    ("scenario", "max_step"): json_value("max_step", 0.002),
+    ("scenario", "world_frame"): json_value("world_frame", "wurld"),
+    ("scenario", "body_frame"): json_value("body_frame", "bass_link"),
+    ("scenario", "stamped_twist"): json_value("stamped_twist", value=False),
+    ("scenario", "epoch_ns"): json_value("epoch_ns", 10**18 + 10_000_000),
+    ("scenario", "first_sample"): json_value("first_sample", 5),
+    ("scenario", "start_ns"): json_value("start_ns", 10**18 + 125_000_000),
+    ("scenario", "a name twice"): in_payload(
+        "/lie_rigid_body/scenario", lambda d: encode_string(d[8:-1].decode().replace("{", '{"rate": 9.0, ', 1)), 0
+    ),
+    ("scenario", "an unknown name"): json_value("inertial", [1.0, 2.0, 3.0]),
+    ("scenario", "the sensors' parameters"): json_value("imu_rate", 2.0),
+    ("metadata.yaml", "version"): in_yaml(lambda y: y.update(version=8)),
+    ("metadata.yaml", "storage_identifier"): in_yaml(lambda y: y.update(storage_identifier="sqlite3")),
+    ("metadata.yaml", "relative_file_paths"): hidden_file,
+    ("metadata.yaml", "duration"): in_yaml(lambda y: y["duration"].update(nanoseconds=LATER)),
+    ("metadata.yaml", "starting_time"): in_yaml(lambda y: y["starting_time"].update(nanoseconds_since_epoch=LATER)),
+    ("metadata.yaml", "message_count"): in_yaml(lambda y: y.update(message_count=3)),
+    ("metadata.yaml", "compression_format"): in_yaml(lambda y: y.update(compression_format="zstd")),
+    ("metadata.yaml", "compression_mode"): in_yaml(lambda y: y.update(compression_mode="message")),
+    ("metadata.yaml", "topics: name"): in_yaml(lambda y: _topic(y).update(name="/prose")),
+    ("metadata.yaml", "topics: type"): in_yaml(lambda y: _topic(y).update(type=TWIST)),
+    ("metadata.yaml", "topics: serialization_format"): in_yaml(lambda y: _topic(y).update(serialization_format="xml")),
+    ("metadata.yaml", "topics: offered_qos_profiles"): in_yaml(lambda y: _topic(y).update(offered_qos_profiles="[]")),
+    ("metadata.yaml", "topics: message_count"): in_yaml(
+        lambda y: y["topics_with_message_count"][0].update(message_count=3)
+    ),
+    ("metadata.yaml", "files: path"): in_yaml(lambda y: y["files"][0].update(path="c.mcap")),
+    ("metadata.yaml", "files: starting_time"): in_yaml(
+        lambda y: y["files"][0]["starting_time"].update(nanoseconds_since_epoch=LATER)
+    ),
+    ("metadata.yaml", "files: duration"): in_yaml(lambda y: y["files"][0]["duration"].update(nanoseconds=LATER)),
+    ("metadata.yaml", "files: message_count"): in_yaml(lambda y: y["files"][0].update(message_count=3)),
+    ("metadata.yaml", "custom_data"): in_yaml(lambda y: y.update(custom_data={"made": "up"})),
+    ("metadata.yaml", "ros_distro"): in_yaml(lambda y: y.update(ros_distro="rolling")),
+}
+
+
+def test_the_page_names_every_field_that_is_altered_here():
+    assert set(rows()) == set(FORGERIES)
+
+
+@pytest.mark.parametrize("make", [copy, in_yaml(lambda y: None)], ids=["file", "folder"])
+def test_the_honest_copy_is_certified_and_says_what_is_not(honest: Path, tmp_path: Path, make: Any):
+    path = make(honest, tmp_path / "copy.mcap" if make is copy else tmp_path)
+    found = certify(read_bag(path))
+    assert found.passed, found.messages
+    said = "; ".join(found.not_certified)
+    assert "parts without a checksum: 1" in said
+    assert "/imu/data_raw (6 messages)" in said
+    assert "1 attachments" in said
+
+
+def verdict(bag: Path) -> str:
+    try:
+        found = certify(read_bag(bag))
+    except LieRigidBodyError:
+        return CAUGHT
+    if not found.passed:
+        return CAUGHT
+    return CERTIFIED if any("docs/certificate.md" in item for item in found.not_certified) else "without a word"
+
+
+@pytest.mark.parametrize("row", FORGERIES, ids=" ".join)
+def test_an_altered_field_is_caught_or_named_as_not_certified(honest: Path, tmp_path: Path, row: tuple[str, str]):
+    free = rows()[row].startswith("not certified")
+    assert verdict(FORGERIES[row](honest, tmp_path)) == (CERTIFIED if free else CAUGHT)

@@ -1,0 +1,107 @@
+"""A bag that is read in batches gets the certificate that it gets in memory, whatever the batches."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tampering import at, flipped, on, scaled_rate, tamper
+
+from lie_rigid_body.certificate import certify, pairing
+from lie_rigid_body.certificate.segments import recorded_segments, thinned_segments
+from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import SampleClock, Simulation, Taken
+
+COUNT = 700
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["stamped", "bare"])
+def honest(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bags") / "honest.mcap"
+    parameters = {"motion": "closed_form", "stamped_twist": request.param, "epoch_ns": 10**18}
+    simulation = Simulation(Scenario.from_parameters(parameters))
+    with BagWriter(path, stamped_twist=request.param, max_chunk_seconds=0.3) as bag:
+        for rate in ([1.0, 2.0, 0.5], [0.3, 1.0, 0.2]):
+            bag.begin_segment(simulation.segment)
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT), None, None)))
+            simulation.reset(Scenario.from_parameters({**parameters, "initial_body_rate": rate}))
+    return path
+
+
+CHANGES = {
+    "honest": lambda ms: ms,
+    "gap": on("/pose", lambda ms: [*ms[:300], *ms[317:]]),
+    "doubled": on("/twist", lambda ms: [*ms[:301], *ms[300:]]),
+    "swapped": on("/pose", lambda ms: [*ms[:300], ms[301], ms[300], *ms[302:]]),
+    "flipped": on("/pose", at(511, flipped)),
+    "scaled": on("/twist", lambda ms: [scaled_rate(1 + 1e-12)(m) if i % 97 == 5 else m for i, m in enumerate(ms)]),
+    "cut": on("/twist", lambda ms: ms[:-9]),
+    "recorded": lambda ms: [m._replace(log_time=m.log_time + 12_345 + i % 7) for i, m in enumerate(ms)],
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_batches_change_no_number(honest, tmp_path, monkeypatch, change):
+    path = tamper(honest, tmp_path / "changed.mcap", CHANGES[change])
+    whole = certify(read_bag(path))
+    monkeypatch.setattr(bag_reader, "_BATCH", 50)
+    monkeypatch.setattr(pairing, "_HELD_BACK", 4)
+    assert certify(Bag(path)) == whole
+
+
+def test_memory_does_not_grow_with_the_bag(honest, monkeypatch):
+    monkeypatch.setattr(bag_reader, "_BATCH", 100)
+    sizes = [len(poses.stamps_ns) for poses, _ in Bag(honest).batches()]
+    assert sum(sizes) == 2 * COUNT
+    assert max(sizes) < 150
+
+
+def test_every_pass_tells_how_far_it_is(honest):
+    size = honest.stat().st_size
+    told: list[int] = []
+    bag = Bag(honest, told.append)
+    assert 0.8 * size < sum(told) <= size
+    list(bag.batches())
+    assert 1.6 * size < sum(told) <= 2 * size
+
+
+def test_a_thinned_bag_keeps_its_envelope(honest, monkeypatch):
+    from lie_rigid_body.certificate import segments
+
+    monkeypatch.setattr(segments, "_ALL_OF", 10)
+    monkeypatch.setattr(segments, "_BUCKETS", 12)
+    for whole, thin in zip(recorded_segments(read_bag(honest)), thinned_segments(Bag(honest)), strict=True):
+        assert thin.count == COUNT
+        assert thin.close >= 10
+        assert np.diff(thin.samples[: thin.close]).max() * thin.segment.scenario.rate_bound() / 100 < 0.05
+        assert len(thin.samples) < COUNT / 4
+        for extreme in (np.min, np.max):
+            np.testing.assert_array_equal(
+                extreme(thin.states.body_rate, axis=0), extreme(whole.states.body_rate, axis=0)
+            )
+        assert np.isin(thin.samples, whole.samples).all()
+
+
+@given(st.lists(st.integers(0, 12), min_size=1, max_size=30), st.integers(1, 7))
+def test_a_tally_counts_as_the_whole_list_does(numbers, batch):
+    clock = SampleClock(5, 10.0)
+    tally = StampTally(clock)
+    stamps = np.array([clock.stamp_ns(k) for k in numbers])
+    for i in range(0, len(stamps), batch):
+        tally.add(stamps[i : i + batch])
+    faults = {fault.kind: fault for fault in tally.faults("pose", 0, 12)}
+    missing = sorted(set(range(13)) - set(numbers))
+    doubled = sorted(k for k in set(numbers) if numbers.count(k) > 1)
+    back = [a for a, b in itertools.pairwise(numbers) if b < a]
+    for kind, found in ((GAP, missing), (DUPLICATE, doubled), (DISORDER, back)):
+        assert (kind in faults) == bool(found)
+        if found:
+            assert (faults[kind].count, faults[kind].sample) == (len(found), min(found))

@@ -1,0 +1,154 @@
+"""The bound of the attitude's error against normal equations of all unknowns, a Riccati equation, and a real filter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_discrete_are
+
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie.rotation_vector import hat
+
+MOTION = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0.1, -0.3, 0.2, np.sqrt(0.86)], [0.3, 1.0, -0.4]))
+PERIOD_NS = 20_000_000
+H = PERIOD_NS / 1e9
+INITIAL = 0.05
+UP, NORTH = np.array([0.0, 0.0, 9.81]), np.array([0.05, 0.4, -0.8])
+
+
+def stamps(count: int) -> np.ndarray:
+    return np.arange(count) * PERIOD_NS
+
+
+def test_covariances_are_those_of_the_normal_equations():
+    """All attitudes and biases at once, linearised by differences of exp, not by Jacobians."""
+    t_ns = stamps(7)
+    q = MOTION.at(t_ns).attitude_xyzw
+    sigma, start, walk, initial = 0.02, 0.05, 0.01, 0.3
+    noise, bias = 0.4, BiasNoise(0.2, 0.03)
+    vectors = [VectorReadings(t_ns, UP, noise, bias), VectorReadings(t_ns[::2], NORTH, 0.1)]
+    found = unavoidable_error(
+        t_ns, q, gyro_noise=sigma, gyro_bias=BiasNoise(start, walk), vectors=vectors, initial=initial
+    )
+    n = len(t_ns)
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        """Of the unknowns (δ, gyro bias, accelerometer bias) of each sample, each divided by its deviation."""
+        delta, b, a = x.reshape(3, n, 3)
+        r = quaternion.multiply(q, quaternion.exp(delta))
+        rows = [delta[0] / initial, b[0] / start, a[0] / bias.turn_on]
+        for k in range(1, n):
+            true_turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k]))
+            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(r[k - 1]), r[k]))
+            rows += [((turn - true_turn) / H - b[k]) / sigma, (b[k] - b[k - 1]) / walk, (a[k] - a[k - 1]) / bias.step]
+        for k in range(n):
+            rows.append((quaternion.rotate(quaternion.conjugate(r[k]), UP) + a[k]) / noise)
+            if k % 2 == 0:
+                rows.append(quaternion.rotate(quaternion.conjugate(r[k]), NORTH) / 0.1)
+        return np.concatenate(rows)
+
+    step = 1e-5
+    columns = [(residuals(step * e) - residuals(-step * e)) / (2.0 * step) for e in np.eye(9 * n)]
+    jacobian = np.array(columns).T
+    covariance = np.linalg.inv(jacobian.T @ jacobian)
+    for k in range(n):
+        np.testing.assert_allclose(
+            found.smoothed[k], covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], rtol=0, atol=1e-9
+        )
+    np.testing.assert_allclose(found.filtered[-1], covariance[3 * n - 3 : 3 * n, 3 * n - 3 : 3 * n], rtol=0, atol=1e-9)
+    last = slice(6 * n - 3, 6 * n)
+    np.testing.assert_allclose(found.gyro_bias[-1], covariance[last, last], rtol=0, atol=1e-9)
+
+
+def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
+    t_ns, q = stamps(3000), np.tile([0.0, 0.0, 0.0, 1.0], (3000, 1))
+    vectors = [VectorReadings(t_ns, UP, 0.5), VectorReadings(t_ns, NORTH, 0.02)]
+    found = unavoidable_error(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.01, 1e-4), vectors=vectors)
+    a = np.block([[np.eye(3), H * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
+    into = np.vstack([H * np.eye(3), np.eye(3)])
+    added = 1e-8 * into @ into.T
+    added[:3, :3] += (H * 0.01) ** 2 * np.eye(3)
+    seen = np.hstack([np.vstack([-hat(UP), -hat(NORTH)]), np.zeros((6, 3))])
+    noise = np.diag([0.25] * 3 + [4e-4] * 3)
+    before = solve_discrete_are(a.T, seen.T, added, noise)
+    after = before - before @ seen.T @ np.linalg.solve(seen @ before @ seen.T + noise, seen @ before)
+    np.testing.assert_allclose(found.filtered[-1], after[:3, :3], rtol=1e-5)
+
+
+def test_what_is_left_is_known_where_nothing_is_read():
+    """The gyro alone: the variance grows by (hσ)² a sample from the first, and no reading after helps."""
+    t_ns = stamps(200)
+    found = unavoidable_error(t_ns, MOTION.at(t_ns).attitude_xyzw, gyro_noise=0.1, initial=0.2)
+    trace = np.trace(found.filtered, axis1=1, axis2=2)
+    turns = so3.norm(MOTION.at(t_ns[1:]).body_rate) * H
+    assert trace[0] == pytest.approx(3 * 0.04)
+    # J_r shortens what lies across the turn by 2 sin(θ/2)/θ
+    steps = (0.1 * H) ** 2 * (1.0 + 2.0 * (2.0 * np.sin(turns / 2.0) / turns) ** 2)
+    np.testing.assert_allclose(np.diff(trace), steps, rtol=1e-5)
+    assert (np.trace(found.smoothed, axis1=1, axis2=2) <= trace * (1.0 + 1e-12)).all()
+
+
+def filtered(q: np.ndarray, noises: dict[str, float], count: int, seed: int) -> np.ndarray:
+    """An error-state Kalman filter as textbooks have it, on readings of its own noise: its errors, body axes, rad."""
+    random = np.random.default_rng(seed)
+    gyro_bias = random.normal(size=3) * noises["turn_on"]
+    estimate, bias = q[0], np.zeros(3)
+    covariance = np.diag([INITIAL**2] * 3 + [noises["turn_on"] ** 2] * 3)
+    estimate = quaternion.multiply(q[0], quaternion.exp(INITIAL * random.normal(size=3)))
+    errors = np.empty((count, 3))
+    for k in range(count):
+        if k:
+            gyro_bias = gyro_bias + noises["walk"] * random.normal(size=3)
+            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k])) / H
+            rate = turn + gyro_bias + noises["gyro"] * random.normal(size=3) - bias
+            estimate = quaternion.multiply(estimate, quaternion.exp(H * rate))
+            f = np.block([[so3.exp(-H * rate), -H * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
+            covariance = f @ covariance @ f.T
+            covariance += np.diag([(H * noises["gyro"]) ** 2] * 3 + [noises["walk"] ** 2] * 3)
+        for vector, sigma in ((UP, noises["up"]), (NORTH, noises["north"])):
+            reading = quaternion.rotate(quaternion.conjugate(q[k]), vector) + sigma * random.normal(size=3)
+            expected = quaternion.rotate(quaternion.conjugate(estimate), vector)
+            seen = np.hstack([hat(expected), np.zeros((3, 3))])
+            gain = np.linalg.solve(seen @ covariance @ seen.T + sigma**2 * np.eye(3), seen @ covariance).T
+            correction = gain @ (reading - expected)
+            estimate = quaternion.multiply(estimate, quaternion.exp(correction[:3]))
+            bias = bias + correction[3:]
+            covariance = (np.eye(6) - gain @ seen) @ covariance
+        errors[k] = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k]), estimate))
+    return errors
+
+
+def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
+    count, runs = 120, 12
+    t_ns = stamps(count)
+    q = MOTION.at(t_ns).attitude_xyzw
+    noises = {"gyro": 0.02, "turn_on": 0.05, "walk": 1e-3, "up": 0.3, "north": 0.03}
+    vectors = [VectorReadings(t_ns, UP, noises["up"]), VectorReadings(t_ns, NORTH, noises["north"])]
+    bias = BiasNoise(noises["turn_on"], noises["walk"])
+    bound = unavoidable_error(t_ns, q, gyro_noise=noises["gyro"], gyro_bias=bias, vectors=vectors, initial=INITIAL)
+    errors = np.array([filtered(q, noises, count, seed) for seed in range(runs)])[:, 50:]
+    squares = np.einsum("rki,kij,rkj->rk", errors, np.linalg.inv(bound.filtered[50:]), errors)
+    # errors of one run go together: some 80 independent squares in all
+    assert 0.65 < np.mean(squares) / 3.0 < 1.5
+    assert bound.rms(bound.smoothed) < 0.8 * bound.rms(bound.filtered[50:])
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"gyro_noise": 0.0}, "gyro_noise: 0 is not above 0"),
+        ({"gyro_noise": 1.0, "vectors": [VectorReadings([0], UP, 0.0)]}, "noise of vector 0"),
+        ({"gyro_noise": 1.0, "initial": float("nan")}, "initial"),
+    ],
+)
+def test_without_noise_there_is_no_bound(given, words):
+    with pytest.raises(InputError, match=words):
+        unavoidable_error([0, 1], [[0, 0, 0, 1]] * 2, **given)
+
+
+def test_stamps_have_to_rise():
+    with pytest.raises(InputError, match="rising"):
+        unavoidable_error([1, 1], [[0, 0, 0, 1]] * 2, gyro_noise=1.0)

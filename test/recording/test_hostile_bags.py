@@ -1,0 +1,199 @@
+"""Bags made to take memory or time: refused before they get either."""
+
+from __future__ import annotations
+
+import os
+import resource
+import struct
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import lz4.frame
+import pytest
+import zstandard
+from bags import MakeBag
+from mcap.writer import MCAP0_MAGIC as MAGIC
+from mcap.writer import CompressionType, Writer
+from test_bag_reader import folder
+
+from lie_rigid_body.certificate.segments import MOST_SEGMENTS, declared_segments
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
+from lie_rigid_body.recording import mcap_reader
+from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
+
+LARGE = 2 * LARGEST_CHUNK
+MEMORY = 200 * 2**20
+"""Bytes that a reader may take beside the libraries: much less than a large chunk inflated."""
+READ = f"""
+import resource, sys
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_reader import read_bag
+pages = int(open("/proc/self/statm").read().split()[0])
+resource.setrlimit(resource.RLIMIT_AS, (pages * {resource.getpagesize()} + {MEMORY},) * 2)
+for path in sys.argv[1:]:
+    try:
+        read_bag(path)
+    except BagError as error:
+        print(error)
+"""
+
+
+def record(opcode: int, content: bytes) -> bytes:
+    return struct.pack("<BQ", opcode, len(content)) + content
+
+
+def text(value: str) -> bytes:
+    return struct.pack("<I", len(value)) + value.encode()
+
+
+def chunk(compression: str, size: int, data: bytes) -> bytes:
+    return record(6, struct.pack("<QQQI", 0, 0, size, 0) + text(compression) + struct.pack("<Q", len(data)) + data)
+
+
+def bag(path: Path, *records: bytes) -> Path:
+    head, end = record(1, text("ros2") + text("a forger")), record(15, bytes(4)) + record(2, bytes(20))
+    path.write_bytes(MAGIC + head + b"".join(records) + end + MAGIC)
+    return path
+
+
+def zeros(compression: str) -> bytes:
+    """So many bytes of zero, compressed."""
+    if compression == "zstd":
+        parts = zstandard.ZstdCompressor().chunker(size=LARGE)
+        return b"".join(
+            [*(out for _ in range(LARGE // 2**24) for out in parts.compress(bytes(2**24))), *parts.finish()]
+        )
+    frame = lz4.frame.LZ4FrameCompressor()
+    return b"".join([frame.begin(), *(frame.compress(bytes(2**24)) for _ in range(LARGE // 2**24)), frame.flush()])
+
+
+def test_what_does_not_fit_is_refused_before_it_is_there(tmp_path: Path) -> None:
+    sparse = bag(tmp_path / "sparse.mcap")
+    with open(sparse, "r+b") as stream:
+        stream.seek(len(MAGIC))
+        stream.write(struct.pack("<BQ", 5, 2**35))
+        stream.truncate(2**36)
+        stream.seek(0, os.SEEK_END)
+        stream.write(MAGIC)
+    wanted = {sparse: f"a record of {2**35} bytes, more than is read"}
+    for compression in ("zstd", "lz4"):
+        data = zeros(compression)
+        honest = bag(tmp_path / f"honest_{compression}.mcap", chunk(compression, LARGE, data))
+        lying = bag(tmp_path / f"lying_{compression}.mcap", chunk(compression, 100, data))
+        wanted[honest] = f"a chunk of {LARGE} bytes, more than is read"
+        wanted[lying] = "a chunk does not inflate to the 100 bytes that it declares"
+    done = subprocess.run([sys.executable, "-c", READ, *wanted], capture_output=True, text=True, check=False)
+    lines = done.stdout.splitlines()
+    assert [said for line, said in zip(lines, wanted.values(), strict=True) if said not in line] == []
+
+
+@pytest.mark.parametrize("compression", ["", "zstd", "lz4"])
+@pytest.mark.parametrize("size", [0, 999, 1001, 10_000])
+def test_a_chunk_of_another_size_than_it_declares_is_damaged(tmp_path: Path, compression: str, size: int) -> None:
+    pack = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}[compression]
+    path = bag(tmp_path / "x.mcap", chunk(compression, size, pack(bytes(1000))))
+    with pytest.raises(BagError, match=f"damaged at byte 37: a chunk does not inflate to the {size} bytes"):
+        read_bag(path)
+
+
+@pytest.mark.parametrize("opcode", [0, 1, 2, 6, 9, 15, 200])
+def test_a_chunk_holds_messages_and_their_types_only(tmp_path: Path, opcode: int) -> None:
+    inner = chunk("", 0, b"") if opcode == 6 else record(opcode, b"")
+    with pytest.raises(BagError, match=f"a record of kind {opcode:#04x} in a chunk"):
+        read_bag(bag(tmp_path / "x.mcap", chunk("", len(inner), inner)))
+
+
+def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", 2**16)
+    with open(tmp_path / "x.mcap", "wb") as out:
+        writer = Writer(out, compression=CompressionType.ZSTD)
+        writer.start("ros2", "a forger")
+        channel = writer.register_channel("/chatter", "cdr", writer.register_schema(STRING, "ros2msg", b""))
+        for _ in range(8):
+            writer.add_message(channel, 0, bytes(2**20), 0)
+        writer.finish()
+    with pytest.raises(BagError, match=r"messages of \d+ bytes in a file of \d+, more than is read"):
+        read_bag(tmp_path / "x.mcap")
+
+
+NAMES = {
+    "nul": ('["a\\0b.mcap"]', "embedded null"),
+    "long": (f"[{300 * 'a'}.mcap]", "File name too long"),
+    "nested": (5000 * "[", "is not the metadata"),
+    "alias": ("[&a x.mcap, *a]", "is not the metadata"),
+    "number": ("3", "is not the metadata"),
+    "twice": ("[x.mcap, x.mcap]", "names x.mcap twice"),
+    "device": ("[/dev/zero]", "/dev/zero is a device"),
+    "folder": ("[..]", "Is a directory"),
+}
+
+
+@pytest.mark.parametrize("case", NAMES)
+def test_metadata_names_files(tmp_path: Path, case: str) -> None:
+    names, said = NAMES[case]
+    path = folder(tmp_path)
+    (path / "metadata.yaml").write_text(f"rosbag2_bagfile_information: {{relative_file_paths: {names}}}")
+    with pytest.raises(BagError, match=said):
+        read_bag(path)
+
+
+def test_each_file_of_a_bag_allows_for_its_own_messages(
+    make_bag: MakeBag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "folder"
+    path.mkdir()
+    for i in range(3):
+        make_bag(f"folder/{i}.mcap", count=200)
+    one = BagFiles(path / "0.mcap").contents([POSE_STAMPED]).kept
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one)
+    monkeypatch.setattr(mcap_reader, "_KEPT_PER_BYTE", 0)
+    assert BagFiles(path).contents([POSE_STAMPED]).kept == 3 * one
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one - 1)
+    with pytest.raises(BagError, match=f"messages of {one} bytes"):
+        BagFiles(path).contents([POSE_STAMPED])
+
+
+def test_a_pipe_is_no_bag(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "x.mcap")
+    for given in (tmp_path / "x.mcap", tmp_path):
+        with pytest.raises(BagError, match=r"x.mcap is a pipe: give a regular file"):
+            read_bag(given)
+
+
+def test_a_name_too_long_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match="cannot be read: File name too long"):
+        read_bag(tmp_path / (300 * "a"))
+
+
+def test_files_are_sorted_by_any_name(make_bag: MakeBag, tmp_path: Path) -> None:
+    whole = make_bag(count=3)
+    path = tmp_path / "folder"
+    path.mkdir()
+    whole.rename(path / "1²3.mcap")
+    assert len(read_bag(path).poses.stamps_ns) == 3
+
+
+def test_a_scenario_message_is_short_and_flat() -> None:
+    with pytest.raises(InputError, match=f"has {LONGEST_TEXT + 1} characters: at most {LONGEST_TEXT} are read"):
+        Segment.from_json("[" * (LONGEST_TEXT + 1))
+    with pytest.raises(InputError, match="is not the JSON that lie_rigid_body writes: RecursionError"):
+        Segment.from_json("[" * LONGEST_TEXT)
+
+
+def test_many_resets_take_little_time(make_bag: MakeBag) -> None:
+    """What takes most of it, a scenario, is made once; and there is a limit."""
+    start = Segment(Scenario.from_parameters(), 0, 0)
+    texts = [replace(start, first_sample=i, start_ns=i * 10_000_000).to_json() for i in range(3)]
+    first, second, _ = (Segment.from_json(text) for text in texts)
+    assert first.scenario is second.scenario
+    assert (second.first_sample, second.start_ns) == (1, 10_000_000)
+    recording = replace(read_bag(make_bag()), scenario_texts=[(i, str(i)) for i in range(MOST_SEGMENTS + 1)])
+    with pytest.raises(BagError, match=f"declares {MOST_SEGMENTS + 1} segments: at most {MOST_SEGMENTS} are read"):
+        declared_segments(text for _, text in recording.scenario_texts)

@@ -1,0 +1,93 @@
+"""Files from outside are read within bounds, whatever they are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lie_rigid_body import bounded_input
+from lie_rigid_body.bounded_input import load_yaml, open_file, read_text
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.scenario.parameter_file import LARGEST_FILE, gather, read_parameter_file
+
+PARAMETERS = b"/**: {ros__parameters: {rate: 10.0}}"
+
+
+def bomb(levels: int) -> str:
+    """Each line has nine times the values of the one before."""
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]" for i in range(1, levels)]
+    return "\n".join(lines)
+
+
+@pytest.fixture
+def pipe() -> Iterator[tuple[str, int]]:
+    """The path of a pipe as the shell gives it for ``<(command)``, and the end to write to."""
+    ours, theirs = os.pipe()
+    yield f"/dev/fd/{ours}", theirs
+    os.close(ours)
+
+
+def test_a_text_that_multiplies_is_refused() -> None:
+    with pytest.raises(InputError, match=r"x, line 2, column .* aliases .* are not read"):
+        load_yaml(bomb(8), "x")
+
+
+@pytest.mark.parametrize("text", [21 * "[", 21 * "{", 21 * "{a: [1, "])
+def test_deep_brackets_are_refused_before_they_are_read(text: str) -> None:
+    with pytest.raises(InputError, match="nested deeper than 20 levels"):
+        load_yaml(text, "x")
+
+
+@pytest.mark.parametrize("text", [10_000 * "- ", 10_000 * "? ", "!!bool x", "!!int ''", "!!timestamp x", "\0"])
+def test_whatever_pyyaml_raises_is_one_error(text: str) -> None:
+    with pytest.raises(InputError, match="not readable as YAML") as caught:
+        load_yaml(text, "x")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_has_a_largest_size(tmp_path: Path) -> None:
+    path = tmp_path / "long.yaml"
+    path.write_bytes(PARAMETERS + b" " * (LARGEST_FILE - len(PARAMETERS)))
+    assert read_parameter_file(path) == {"rate": 10.0}
+    os.truncate(path, 2**40)
+    with pytest.raises(InputError, match=f"longer than the {LARGEST_FILE} bytes"):
+        read_parameter_file(path)
+
+
+def test_a_device_is_refused() -> None:
+    with pytest.raises(InputError, match="/dev/zero is a device"):
+        read_text("/dev/zero", 10)
+
+
+def test_a_pipe_of_the_shell_is_read_once(pipe: tuple[str, int]) -> None:
+    path, writer = pipe
+    os.write(writer, PARAMETERS)
+    os.close(writer)
+    assert gather(None, [path], []) == {"rate": 10.0}
+
+
+def test_a_pipe_is_not_read_beyond_the_limit(pipe: tuple[str, int]) -> None:
+    path, writer = pipe
+    os.write(writer, bytes(1000))
+    with pytest.raises(InputError, match="longer than the 999 bytes"):
+        read_text(path, 999)
+    os.close(writer)
+
+
+def test_nobody_waits_for_ever_for_a_writer(
+    pipe: tuple[str, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bounded_input, "LONGEST_WAIT", 0.05)
+    os.mkfifo(tmp_path / "fifo")
+    path, writer = pipe
+    os.write(writer, b"begun")
+    for waiting in (path, tmp_path / "fifo"):
+        with pytest.raises(InputError, match=r"is a pipe that nobody closed within 0.05 s"):
+            read_text(waiting, 100)
+        with pytest.raises(InputError, match="is a pipe"):
+            open_file(waiting)
+    os.close(writer)

@@ -1,0 +1,114 @@
+"""Error lines and reprs stay short, whatever was given, and keep what helps: the beginning, the limit, the remedy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import RigidBody, Scenario, State
+from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.wording import LONGEST_LINE, LONGEST_VALUE, listed, shortened, shown, suggestion
+
+HUGE = [
+    "x" * 100_000,
+    "word " * 20_000,
+    "line\n" * 100,
+    10**6000,
+    -(10**6000),
+    [0.1 + k for k in range(10_000)],
+    [[["deep"] * 1000] * 1000] * 1000,
+    {str(k): k for k in range(1000)},
+    np.zeros((1000, 3, 3)),
+    np.array([["text"] * 100] * 2),
+    np.zeros((3, 0)),
+    b"\0" * 1000,
+]
+
+
+@pytest.mark.parametrize("value", HUGE, ids=lambda value: type(value).__name__)
+def test_a_value_is_shown_in_one_short_line(value: object) -> None:
+    assert len(shown(value)) <= LONGEST_VALUE
+    assert len(shown(value).splitlines()) == 1
+
+
+def test_a_short_value_is_shown_as_it_is() -> None:
+    for value in (0.1, -3, "base_link", [1.0, 2.0, 3.0], True, None, (1, 2)):
+        assert shown(value) == repr(value)
+
+
+@pytest.mark.parametrize("value", HUGE, ids=lambda value: type(value).__name__)
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda parameter: parameter.name)
+def test_a_huge_value_of_a_parameter_gives_a_short_line(parameter, value) -> None:
+    if parameter.kind == "string" and isinstance(value, str) and not parameter.choices:
+        return
+    with pytest.raises(ParameterError) as caught:
+        parameter.read(value)
+    message = str(caught.value)
+    assert message.startswith(f"{parameter.name}: ")
+    assert "give " in message or "choose " in message
+    assert len(message) <= LONGEST_LINE
+    assert len(message.splitlines()) == 1
+
+
+@pytest.mark.parametrize("parameter", [p for p in PARAMETERS if p.kind in ("double", "int")], ids=lambda p: p.name)
+def test_a_number_out_of_range_is_refused_with_a_remedy(parameter) -> None:
+    with pytest.raises(ParameterError, match=rf"^{parameter.name}: -1 is outside \[.*\]: give for example "):
+        parameter.read(-1)
+
+
+@pytest.mark.parametrize("name", ["gyro_noise_densty", "nothing_like_it", "x" * 100_000, "rat e"])
+def test_an_unknown_parameter_is_refused_with_those_like_it(name: str) -> None:
+    said = r"no such parameter: (did you mean|the parameters are inertia, )"
+    with pytest.raises(ParameterError, match=said) as caught:
+        read_parameters({name: 1.0})
+    assert len(str(caught.value)) <= LONGEST_LINE
+
+
+def test_long_words_lose_their_middle_before_the_sentence_does() -> None:
+    path = "/".join(["folder"] * 100)
+    line = shortened(f"{path} does not exist: give the path of an MCAP file")
+    assert line.endswith(" does not exist: give the path of an MCAP file")
+    assert line.startswith("folder/folder")
+    assert len(line) == LONGEST_LINE
+    sentence = shortened("word " * 1000 + "and so: do that")
+    assert len(sentence) == LONGEST_LINE
+    assert sentence.endswith("and so: do that")
+
+
+@pytest.mark.parametrize("kind", [LieRigidBodyError, InputError])
+def test_every_error_of_the_package_is_one_short_line(kind: type[LieRigidBodyError]) -> None:
+    message = str(kind(f"first\nsecond {'x' * 10_000}: remedy"))
+    assert len(message) <= LONGEST_LINE
+    assert "\n" not in message
+    assert message.endswith(": remedy")
+
+
+@pytest.mark.parametrize(
+    "make", [RigidBody, lambda given: State(given, [0, 0, 1]), lambda given: State([0, 0, 0, 1], given)]
+)
+def test_arrays_that_are_none_are_refused_in_a_short_line(make) -> None:
+    for given in ("x" * 10_000, [["a"] * 100] * 100, np.full((100, 4), np.nan), np.ones((500, 7, 2))):
+        with pytest.raises(ParameterError) as caught:
+            make(given)
+        assert len(str(caught.value)) <= LONGEST_LINE
+
+
+def test_names_are_listed_up_to_a_number() -> None:
+    assert listed(["a", "b"]) == "a, b"
+    assert listed(range(100)) == "0, 1, 2, 3, 4 and 95 more"
+    assert suggestion("rte", ["rate", "motion"], "parameters") == "did you mean rate?"
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("body_frame", {"world_frame": "base_link"}),
+        ("imu_frame", {"imu_frame": "world", "imu_rate": 10.0}),
+        ("imu_frame", {"imu_frame": "world", "magnetometer_rate": 10.0}),
+    ],
+)
+def test_a_frame_of_the_body_is_not_that_of_the_world(name: str, given: dict[str, object]) -> None:
+    with pytest.raises(ParameterError, match=rf"^{name}: '\w+' is the world_frame as well: give another name$"):
+        Scenario.from_parameters(given)
+    Scenario.from_parameters({"imu_frame": "base_link", "imu_rate": 10.0})
