@@ -7,6 +7,7 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,9 @@ from rclpy.signals import SignalHandlerOptions
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
+_NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
+LONGEST_NAME: Final = 200
+"""Longest name of a node and longest namespace, characters: the names of its services are longer, and may have 247."""
 LARGEST_DOMAIN: Final = 232
 """Largest domain number of DDS, by its numbers of ports."""
 LONGEST_JOIN: Final = 0.5
@@ -45,6 +49,7 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         If ROS does not understand them.
     """
     _require_domain(os.environ.get("ROS_DOMAIN_ID", ""))
+    _require_short_name(arguments)
     # what rcl logs of bad arguments is in the exception as well
     set_logger_level(_RCL, LoggingSeverity.FATAL)
     with translated_errors(" ".join(arguments) or "to start"):
@@ -55,6 +60,15 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         yield
     finally:
         rclpy.try_shutdown()
+
+
+def _require_short_name(arguments: Sequence[str]) -> None:
+    for argument in arguments:
+        if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > LONGEST_NAME:
+            raise InputError(
+                f"{argument}: this node would have a name of {len(rule[1])} characters: at most {LONGEST_NAME} leave "
+                "room for those of its services"
+            )
 
 
 def _require_domain(text: str) -> None:

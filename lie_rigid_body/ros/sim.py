@@ -65,8 +65,8 @@ def require_ros() -> None:
     missing = [name for name in REQUIRED_PACKAGES if not _is_installed(name)]
     if missing:
         raise InputError(
-            f"{missing[0]} is not installed: with ROS 2 Jazzy from apt, source /opt/ros/jazzy/setup.bash; elsewhere, "
-            "with Python 3.12 on Linux, pip install '.[ros]'; or use 'record', which needs no ROS"
+            f"{missing[0]} is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, "
+            "pip install '.[ros]'; or use 'record'"
         )
 
 

@@ -139,6 +139,7 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Popen[str], Path]) -> None:
     process, out = slow
     workers = [

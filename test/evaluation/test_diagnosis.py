@@ -17,7 +17,7 @@ MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 FRD = [1.0, 0.0, 0.0, 0.0]
 motions = pytest.mark.parametrize("motion", MOTIONS)
-two_motions = pytest.mark.parametrize("motion", ["dzhanibekov", "slow_tumble"])
+two_motions = pytest.mark.parametrize("motion", ["dzhanibekov", pytest.param("slow_tumble", marks=pytest.mark.slow)])
 
 FAULTS = {
     "inverted": quaternion.conjugate,
@@ -144,7 +144,12 @@ HONEST = {
 
 @pytest.mark.parametrize("error", HONEST)
 @pytest.mark.parametrize(
-    ("motion", "axes"), [("dzhanibekov", "world"), ("precession", "body"), ("fast_tumble", "world")]
+    ("motion", "axes"),
+    [
+        ("dzhanibekov", "world"),
+        pytest.param("precession", "body", marks=pytest.mark.slow),
+        pytest.param("fast_tumble", "world", marks=pytest.mark.slow),
+    ],
 )
 def test_honest_errors_are_not_explained(motion, error, axes):
     turn, q = quaternion.exp(HONEST[error]), attitude(motion)

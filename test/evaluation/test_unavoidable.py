@@ -122,7 +122,7 @@ def filtered(q: np.ndarray, noises: dict[str, float], count: int, seed: int) -> 
 
 
 def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
-    count, runs = 120, 12
+    count, runs = 100, 8
     t_ns = stamps(count)
     q = MOTION.at(t_ns).attitude_xyzw
     noises = {"gyro": 0.02, "turn_on": 0.05, "walk": 1e-3, "up": 0.3, "north": 0.03}

@@ -91,7 +91,7 @@ def test_scenario_control_and_parameters_without_the_ros2_command() -> None:
 
 @pytest.mark.ros
 def test_no_answer_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("lie_rigid_body.ros.listen.LONGEST_WAIT", 0.1)
+    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
     for option in (["--reset", "/nobody"], ["--scenario", "/nobody"], ["--get", "rate", "--node", "/nobody"]):
         assert main(option) == 2
         [line] = capfd.readouterr().err.splitlines()

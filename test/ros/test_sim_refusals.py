@@ -57,8 +57,11 @@ CASES = {
     "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["pose and /rosout", "both be /rosout"]),
     "ros: the clock is no twist": (["--ros-args", "-r", "twist:=/clock"], ["twist and /clock", "both be /clock"]),
     "ros: bad topic name": (["--ros-args", "-r", "pose:=/a//b"], ["pose:=/a//b"]),
-    "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "255"]),
-    "ros: node name too long for services": (["--ros-args", "-r", f"__node:={240 * 'n'}"], ["this node", "255"]),
+    "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "at most 200"]),
+    "ros: node name too long for services": (
+        ["--ros-args", "-r", f"__node:={240 * 'n'}"],
+        ["this node", "at most 200"],
+    ),
     "ros: params file a device": (["--ros-args", "--params-file", "/dev/zero"], ["/dev/zero is a device"]),
     "ros: mixed numbers": (["--ros-args", "--params-file", "{folder}/mixed.yaml"], ["mixed.yaml", "same type"]),
 }

@@ -116,7 +116,7 @@ def assert_begins_at_the_start(motion: GeneralMotion, inertia, rate) -> None:
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, NAMES, SIGNS)
 def test_constants_of_regular_motions(j1, j3, fan, m1, w2, w3, names, signs):
     assume(abs(j3 - j1) > 1e-3 * j1)
@@ -137,7 +137,7 @@ def turned(moments, rates, turn) -> tuple[list[list[float]], list[float]]:
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.01, 60.0), st.floats(2e-3, 0.999), RATES, RATES, TURNS)
 def test_constants_with_products_of_inertia(j1, j3, fan, m1, w2, w3, turn):
     assume(abs(j3 - j1) > 1e-3 * j1 and abs(m1 - 0.5) > 1e-9)
@@ -167,7 +167,7 @@ def test_moments_that_hardly_differ_with_products_of_inertia(apart: float, close
 
 
 @pytest.mark.long
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.floats(1.0, 400.0), st.sampled_from([2.5, 8.0, 30.0, 120.0, 400.0]), SIDES, st.floats(2e-3, 1.0), SIGNS)
 def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, side, m1, signs):
     fan = ratio * side * math.sqrt(m1)
@@ -183,7 +183,7 @@ def test_every_number_of_steps_is_enough_on_both_sides_of_its_switch(j3, ratio, 
 
 
 @pytest.mark.long
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(MOMENTS, MOMENTS, st.floats(1.1, 8.0), st.sampled_from([0.5, 2.0**-10]), SIDES, RATES, SIGNS)
 def test_either_arithmetic_is_right_on_both_sides_of_each_parameter(j1, j3, fan, switch, side, w2, signs):
     assume(abs(j3 - j1) > 0.01 * j1)

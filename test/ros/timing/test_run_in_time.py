@@ -130,7 +130,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
     }
     [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
     word = {"stop": "paused", "reset_to": "reset"}.get(why, why)
-    assert failure(stepping) == f"{word} after {LARGEST_BATCH} of 1000 steps"
+    assert failure(stepping) == f"{word} after {LARGEST_BATCH} of 1000 steps: ask for the rest again"
     assert (run.live.state is RunState.PLAYING) == (why == "resumed")
     count = len(run.sink.stamps)
     assert run.sink.stamps == truth(count)
@@ -140,7 +140,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
 def test_the_end_breaks_off_steps() -> None:
     run = ScriptedRun(paused=True)
     [stepping] = run.play((NS, lambda: run.live.step(1000)))
-    assert failure(stepping) == "the node is ending after 250 of 1000 steps"
+    assert failure(stepping) == "the node is ending after 250 of 1000 steps: ask for the rest again"
 
 
 def test_time_goes_on_from_where_it_stood() -> None:
