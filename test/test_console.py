@@ -25,7 +25,11 @@ ANSWERS = [
     "explain",
     "evaluate {bag} --estimate /pose",
 ]
-WRITERS = ["record {new} --duration 0.1", "plot {bag} -o {new}.png"]
+WRITERS = [
+    "record {new} --duration 0.1",
+    "plot {bag} -o {new}.png",
+    "evaluate {bag} --estimate /pose --report {new}.html",
+]
 
 
 @pytest.fixture(scope="module")

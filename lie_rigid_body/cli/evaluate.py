@@ -38,13 +38,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     for path, draw in ((given.plot, _picture), (given.report, _page)):
         if path is not None:
             write_file(path, draw(title, read, score, limits), overwrite=given.force)
+    files = [path for path in (given.plot, given.report) if path is not None]
     if given.json:
         content = score_text.as_json(given.run, read, score, series=given.series)
-        console.say(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        console.say(score_text.as_table(title, read, score, limits))
-        for path in filter(None, (given.plot, given.report)):
-            console.say(f"wrote {path}", done=f"{path} is written")
+        text = "\n".join([score_text.as_table(title, read, score, limits), *(f"wrote {path}" for path in files)])
+    console.say(text, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else BROKEN
 
 
