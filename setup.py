@@ -25,6 +25,7 @@ ROS_NAMES = [
     f"record = {NAME}.cli.record:main",
     f"check = {NAME}.cli.check:main",
     f"plot = {NAME}.cli.plot:main",
+    f"evaluate = {NAME}.cli.evaluate:main",
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
@@ -127,6 +128,9 @@ setup(
     ],
     install_requires=REQUIRES,
     extras_require=EXTRAS,
-    entry_points={"console_scripts": ONE_NAME + (ROS_NAMES if FOR_ROS else [])},
+    entry_points={
+        "console_scripts": ONE_NAME + (ROS_NAMES if FOR_ROS else []),
+        "pytest11": [f"{NAME}.testing = {NAME}.testing"],
+    },
     zip_safe=False,
 )

@@ -32,7 +32,7 @@ default_role = "autolink"  # `name` in a docstring: a link where there is someth
 nitpicky = True
 # The words of a type, as in "array_like, shape (3,)", and `names` that are not of this package.
 nitpick_ignore_regex = [("py:class", ".*"), ("py:obj", ".*")]
-autodoc_mock_imports = ["flint"]  # an extra, which few build environments have
+autodoc_mock_imports = ["flint", "hypothesis", "pytest"]  # extras, which few build environments have
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say types, with shapes and units
 napoleon_google_docstring = False

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import attitude_error
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
-    from lie_rigid_body.run import RecordedRun, read_bag
+    from lie_rigid_body.runs import Run, simulate
     from lie_rigid_body.scenario import Scenario
 
 __version__ = "0.1.0"
@@ -22,13 +22,13 @@ __all__ = [
     "LieRigidBodyError",
     "MovingChart",
     "ParameterError",
-    "RecordedRun",
     "RigidBody",
+    "Run",
     "Scenario",
     "State",
     "__version__",
     "attitude_error",
-    "read_bag",
+    "simulate",
 ]
 
 # Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
@@ -39,12 +39,12 @@ _HOMES = {
     "LieRigidBodyError": "lie_rigid_body.errors",
     "MovingChart": "lie_rigid_body.motion",
     "ParameterError": "lie_rigid_body.errors",
-    "RecordedRun": "lie_rigid_body.run",
     "RigidBody": "lie_rigid_body.mechanics",
+    "Run": "lie_rigid_body.runs",
     "Scenario": "lie_rigid_body.scenario",
     "State": "lie_rigid_body.mechanics",
     "attitude_error": "lie_rigid_body.evaluation",
-    "read_bag": "lie_rigid_body.run",
+    "simulate": "lie_rigid_body.runs",
 }
 
 

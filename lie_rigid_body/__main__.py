@@ -28,6 +28,7 @@ VERBS = {
     "record": Verb("lie_rigid_body.cli.record", "write a bag, without ROS"),
     "check": Verb("lie_rigid_body.cli.check", "certify that a bag obeys the conservation laws"),
     "plot": Verb("lie_rigid_body.cli.plot", "draw a bag: body rate, drifts and polhode"),
+    "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate in a bag"),
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
     "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),

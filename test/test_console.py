@@ -23,8 +23,13 @@ ANSWERS = [
     "scenarios --json",
     "check {bag}",
     "explain",
+    "evaluate {bag} --estimate /pose",
 ]
-WRITERS = ["record {new} --duration 0.1", "plot {bag} -o {new}.png"]
+WRITERS = [
+    "record {new} --duration 0.1",
+    "plot {bag} -o {new}.png",
+    "evaluate {bag} --estimate /pose --report {new}.html",
+]
 
 
 @pytest.fixture(scope="module")

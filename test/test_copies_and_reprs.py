@@ -23,13 +23,14 @@ from lie_rigid_body import (
     MovingChart,
     ParameterError,
     RigidBody,
+    Run,
     Scenario,
     State,
     evaluation,
     groups,
     mechanics,
     messages,
-    read_bag,
+    simulate,
 )
 from lie_rigid_body import errors as errors_room
 from lie_rigid_body.campaign import Campaign
@@ -47,7 +48,12 @@ from lie_rigid_body.wording import LONGEST_LINE
 TIMES = np.arange(0, 2_000_000_000, 10_000_000)
 BODY, START = RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.01, 1.0, 0.01])
 BODIES = RigidBody.from_principal_moments([1.0, 1.2, 1.5] + 0.001 * np.arange(90).reshape(30, 3))
-SENSORS = {"imu_rate": 100.0, "magnetometer_rate": 50.0, "gyro_noise_density": 1e-3, "gyro_rate": "integrated"}
+SENSORS: dict[str, Any] = {
+    "imu_rate": 100.0,
+    "magnetometer_rate": 50.0,
+    "gyro_noise_density": 1e-3,
+    "gyro_rate": "integrated",
+}
 MOTIONS: dict[str, Callable[[], Any]] = {
     "closed form": lambda: ClosedForm(BODY, START),
     "closed forms": lambda: ClosedForm(BODIES, START),
@@ -114,8 +120,13 @@ def of_a_run(path: Path) -> list[Any]:
         messages.MagneticFieldEncoder("imu_link"),
         poses,
         recording,
-        read_bag(path),
+        *of_arrays(Run.from_bag(path)),
+        *of_arrays(simulate(duration=2.0, **SENSORS)),
     ]
+
+
+def of_arrays(run: Run) -> list[Any]:
+    return [run, run.imu, run.magnetometer, run.attitude()]
 
 
 def of_a_score() -> list[Any]:

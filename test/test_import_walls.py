@@ -20,7 +20,7 @@ SCENARIO = {
     "scenario",
 }
 BAG = SCENARIO | {"simulation", "messages", "recording"}
-EDGE = BAG | {"certificate", "console", "interruption"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
     "errors": set(),
@@ -41,13 +41,14 @@ MAY_IMPORT: dict[str, set[str]] = {
     "proof": set(),
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
+    "runs": BAG | {"certificate", "evaluation"},
     "campaign": BAG | {"certificate"},
+    "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
     "console": {"scenario", "interruption"},
     "cli": EDGE | {"campaign"},
     "ros": EDGE,
-    "run": BAG | {"certificate"},
-    "": SCENARIO | {"simulation", "evaluation", "run"},
+    "": SCENARIO | {"simulation", "evaluation", "runs"},
     "__main__": {"console"},
 }
 FOR_ALL = {"wording", "errors", "arrays"}

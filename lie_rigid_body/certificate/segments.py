@@ -107,7 +107,7 @@ class RecordedSegment:
     __repr__ = short_repr
 
 
-def declared_segments(bag: Bag | Recording) -> dict[str, Segment]:
+def declared_segments(scenario_texts: Iterable[str]) -> dict[str, Segment]:
     """The segments by the texts that declare them, in the order of their starts; repeats of a text count once.
 
     Raises
@@ -117,7 +117,7 @@ def declared_segments(bag: Bag | Recording) -> dict[str, Segment]:
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
-    texts = dict.fromkeys(text for _, text in bag.scenario_texts)
+    texts = dict.fromkeys(scenario_texts)
     if len(texts) > MOST_SEGMENTS:
         raise BagError(f"the bag declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
     try:
@@ -190,7 +190,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    declared = declared_segments(bag)
+    declared = declared_segments(text for _, text in bag.scenario_texts)
     segments = [_with_inertia(segment, inertia) for segment in declared.values()]
     facts, own = _Facts(), as_written(bag)
     facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)

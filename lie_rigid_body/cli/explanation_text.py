@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
 from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import GRADE, SENSOR_PARAMETERS
 
 Row = tuple[str, str]
 
@@ -77,6 +78,8 @@ def as_text(scenario: Scenario, description: Description, title: str = "") -> st
         f"Spinning about each principal axis with {spins}": _columns(_spin_rows(description)),
         "Conserved": _conservation_lines(description),
     }
+    if scenario.has_sensors:
+        sections[f"Sensors, of the grade {scenario.sensor_grade}"] = _columns(_sensor_rows(scenario))
     lines = [title] if title else []
     lines.append(
         f"inertia {_vector(scenario.inertia)} kg m², initial body rate {_vector(scenario.initial_body_rate)} rad/s"
@@ -248,6 +251,20 @@ def _conservation_lines(description: Description) -> Iterator[str]:
         yield from _wrapped(why, indent="  ")
     if not description.conserved_body_momenta:
         yield from _wrapped(_NO_AXIS)
+
+
+def _sensor_rows(scenario: Scenario) -> Iterator[Row]:
+    """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
+    default = {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
+    imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
+    off = (*(("gyro", "accel") if imu is None else ()), *(("magnet",) if magnetometer is None else ()))
+    for name, value in scenario.sensor_parameters:
+        if name != GRADE and value != default[name] and not name.startswith(off):
+            yield name, _vector(value) if isinstance(value, tuple) else _text(value)
+
+
+def _text(value: float | str) -> str:
+    return value if isinstance(value, str) else _number(value)
 
 
 def _number(value: float) -> str:

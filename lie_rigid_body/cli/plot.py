@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bag_progress import open_bag
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.errors import InputError
 
 
 @console.run
@@ -24,22 +24,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
-    from lie_rigid_body.recording.output_file import OutputFile, reason
+    from lie_rigid_body.recording.output_file import write_file
 
     with open_bag(given.bag, passes=3) as bag:
         pieces = thinned_segments(bag)
     picture = BytesIO()
     with np.errstate(all="ignore"):  # recorded numbers may be anything
         draw(pieces).savefig(picture, format="png")
-    out = OutputFile(given.out, overwrite=given.force)
-    try:
-        out.stream.write(picture.getbuffer())
-        out.commit()
-    except BaseException as error:
-        out.discard()  # part of a picture is of no use, and would stand in the way of the next one
-        if not isinstance(error, OSError):
-            raise
-        raise BagError(f"{given.out} cannot be written: {reason(error)}: make room, or give another place") from None
+    write_file(given.out, picture.getvalue(), overwrite=given.force)
     console.say(f"wrote {given.out}", done=f"{given.out} is written")
     return console.SUCCESS
 

@@ -211,6 +211,33 @@ def separable(comparison: Comparison, free: frozenset[str], misalignment: Misali
     return bool(alone <= LARGEST_INFLATION * (alone - shared))
 
 
+def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> float:
+    """Standard error of a fitted lag, s.
+
+    The robust ("sandwich") covariance H⁻¹ S H⁻¹ of a fit with the normal matrix H; S is the covariance of the gradient,
+    from its sums over consecutive blocks of samples, so that errors may be correlated over times much shorter than a
+    block (K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986) 13).
+
+    Parameters
+    ----------
+    comparison : Comparison
+    free : frozenset of str
+        Which constants were fitted beside the lag.
+    misalignment : Misalignment
+        Of least cost.
+    """
+    truth, rate = comparison.true_states(misalignment.lag_s)
+    residual = _residual(misalignment, truth, comparison.estimate_xyzw)
+    weights = _weights(_norms(residual))
+    J = _derivative(misalignment, truth, rate)[..., columns(free | {LAG})]
+    normal, _ = _normal_equations(J, residual, weights)
+    gradients = np.einsum("nia,ni,n->na", J, residual, weights)
+    count = min(BLOCKS, len(gradients) // 2)
+    sums = np.stack([block.sum(axis=0) for block in np.array_split(gradients, count)])
+    steps = sums @ np.linalg.pinv(normal, rcond=1e-10)[:, -1]
+    return float(np.sqrt(count / (count - 1) * np.sum(steps**2)))
+
+
 def _residual(misalignment: Misalignment, truth: Array, estimate: Array) -> Array:
     """Rotation vector from the predicted to the given estimate on the body's axes, shape (N, 3), rad."""
     predicted = misalignment.predict(truth)
@@ -240,6 +267,8 @@ def _norms(vectors: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
 
 
+BLOCKS: Final = 12
+"""Blocks of samples by which the standard error of a lag is estimated: few, as errors of filters last for seconds."""
 LARGEST_INFLATION: Final = 10.0
 SLOWEST_RATE: Final = 1e-6
 """A body that turns more slowly, rad/s, tells nothing about time."""

@@ -145,6 +145,28 @@ def attitude_nees(
     return nees(errors[axes](estimate, truth), rotation_block(covariance), probability)
 
 
+def covariance_fault(covariance: Array) -> str:
+    """Why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
+
+    Those that are all unknown, −1 or all 0, have no fault: they are not given.
+    """
+    unknown = (covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1))
+    if unknown.all():
+        return ""
+    if unknown.any():
+        return f"{np.count_nonzero(unknown)} of {len(unknown)} covariances are unknown, -1 or all 0: give all or none"
+    try:
+        _factor(numbers("covariance", covariance, 3, 3))
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def is_given(covariance: Array) -> bool:
+    """Whether a covariance of shape (N, 3, 3) is given and usable at all samples."""
+    return not covariance_fault(covariance) and bool(np.any(covariance[:, 0, 0] != -1.0) and covariance.any())
+
+
 def rotation_block(covariance: ArrayLike) -> Array:
     """The 3 × 3 covariance of the rotation, of a covariance of a rotation or of a pose."""
     P = np.asarray(covariance, dtype=np.float64)

@@ -26,6 +26,7 @@ from lie_rigid_body.evaluation.alignment import (
     Misalignment,
     columns,
     fit,
+    lag_standard_error,
     separable,
 )
 from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
@@ -113,11 +114,13 @@ class Diagnosis:
     lag_s : float or None
         The time lag that explains most of the error, beside the misalignment; positive if the estimate is late.
         None if the motion does not tell it.
+    lag_standard_error_s : float or None
     """
 
     explanation: Explanation
     tried: tuple[Explanation, ...]
     lag_s: float | None
+    lag_standard_error_s: float | None
 
     __repr__ = short_repr
 
@@ -152,7 +155,7 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
         tried = tuple(sorted(_explanations(few, plain), key=lambda e: e.cost))
     best = next((e for e in tried if _is_constant(few, e, tried)), plain)
-    return Diagnosis(best, tried, _lag(comparison, best))
+    return Diagnosis(best, tried, *_lag(comparison, best))
 
 
 def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
@@ -204,13 +207,17 @@ def _median(comparison: Comparison, convention: Convention, misalignment: Misali
     return float(np.median(left)) if left.size else np.inf
 
 
-def _lag(comparison: Comparison, explanation: Explanation) -> float | None:
-    """The lag beside heading and mounting where the motion tells them apart, else beside what was found."""
+def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
+    """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
+
+    Else beside what was found.
+    """
     ours = written(comparison, explanation.convention)
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
     if len(ours.stamps_ns) < FEWEST_SAMPLES:
-        return None
+        return None, None
     for free in (ALL_CONSTANTS, explanation.free | {LAG}):
         if separable(ours, free, explanation.misalignment) or free == explanation.free:
-            return fit(ours, free, explanation.misalignment).lag_s
-    return None
+            fitted = fit(ours, free, explanation.misalignment)
+            return fitted.lag_s, lag_standard_error(ours, free, fitted)
+    return None, None

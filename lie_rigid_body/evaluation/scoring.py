@@ -45,6 +45,7 @@ class Score:
         As given, or one and a half times the largest total error in the second half of the run.
     lag_s : float or None
         Positive if the estimate is late. None if the motion does not tell it.
+    lag_standard_error_s : float or None
     findings : tuple of Finding
     broken : tuple of str
         One sentence for each limit that is broken.
@@ -54,6 +55,8 @@ class Score:
         Bound of the error of the truth by interpolation, degrees.
     consistency : Consistency or None
         Where a covariance was given.
+    gyro_bias_rad_s : Statistics or None
+        Of the error of an estimated gyro bias, where one was given.
     """
 
     stamps_ns: Integers
@@ -64,11 +67,13 @@ class Score:
     time_to_converge_s: float | None
     converged_deg: float
     lag_s: float | None
+    lag_standard_error_s: float | None
     findings: tuple[Finding, ...]
     broken: tuple[str, ...]
     outside: int
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
+    gyro_bias_rad_s: Statistics | None = None
 
     __repr__ = short_repr
 
@@ -87,9 +92,9 @@ class Score:
         """Whether no limit is broken."""
         return not self.broken
 
-    def to_json(self) -> dict[str, object]:
-        """The score as numbers, texts, lists and dictionaries, without its series."""
-        return {
+    def to_json(self, *, series: bool = False) -> dict[str, object]:
+        """The score as numbers, texts, lists and dictionaries; with its series if they are wanted."""
+        content: dict[str, object] = {
             "samples": self.samples,
             "outside": self.outside,
             "total_deg": self.total_deg.to_json(),
@@ -98,12 +103,21 @@ class Score:
             "time_to_converge_s": self.time_to_converge_s,
             "converged_deg": self.converged_deg,
             "lag_s": self.lag_s,
+            "lag_standard_error_s": self.lag_standard_error_s,
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
             "nees": self.consistency.to_json() if self.consistency else None,
+            "gyro_bias_rad_s": self.gyro_bias_rad_s.to_json() if self.gyro_bias_rad_s else None,
             "findings": [finding.to_json() for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
         }
+        return content | ({"series": self.series()} if series else {})
+
+    def series(self) -> dict[str, list[float] | list[int]]:
+        """Stamps, ns, and error angles, degrees, of every sample; the NEES where a covariance was given."""
+        angles = {f"{name}_deg": np.degrees(angle).tolist() for name, angle in self.error._asdict().items()}
+        nees = {"nees": self.consistency.nees.tolist()} if self.consistency else {}
+        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees}
 
 
 def evaluate(
@@ -157,7 +171,7 @@ def evaluate(
     uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
     limit = settling_limit(t_s, total) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
-    lag_s, found = _diagnosis(estimate, truth, longest_lag_s)
+    (lag_s, lag_standard_error_s), found = _diagnosis(estimate, truth, longest_lag_s)
     remarks = (
         *estimate.remarks,
         *_absence(estimate.stamps_ns, len(known), truth),
@@ -176,6 +190,7 @@ def evaluate(
         time_to_converge_s=time_to_converge(t_s, total, limit),
         converged_deg=limit,
         lag_s=lag_s,
+        lag_standard_error_s=lag_standard_error_s,
         findings=(*(Finding(r.code, r.message, statistics.rms) for r in remarks), *found),
         broken=(limits or Limits()).broken(t_s, total),
         outside=int(np.count_nonzero(~known)),
@@ -189,7 +204,10 @@ def seconds(stamps_ns: Integers) -> Array:
     return np.asarray((stamps_ns - stamps_ns[0]) / 1e9)
 
 
-def _diagnosis(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[float | None, tuple[Finding, ...]]:
+def _diagnosis(
+    estimate: Estimate, truth: Truth, longest_lag_s: float
+) -> tuple[tuple[float | None, float | None], tuple[Finding, ...]]:
+    """The lag with its standard error, s, and what is found."""
     stamps = estimate.stamps_ns
     longest = min(longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
     comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest)
@@ -197,9 +215,9 @@ def _diagnosis(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[
     shift = round(longest * 1e9)
     inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
     if not inner.size:
-        return None, ()
+        return (None, None), ()
     diagnosis = diagnose(comparison.part(inner))
-    return diagnosis.lag_s, findings(comparison, diagnosis)
+    return (diagnosis.lag_s, diagnosis.lag_standard_error_s), findings(comparison, diagnosis)
 
 
 def _apart(stamps: Integers, truth: Truth) -> str:

@@ -102,7 +102,7 @@ def _decode_alike(
     rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: dict[int, str]
 ) -> None:
     head, at = rows[0].tobytes(), int(indices[0])
-    order = _byte_order(head, first + at)
+    order = byte_order(head, first + at)
     length = _word(head, 12, order, first + at) if stamped else 0
     start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
@@ -129,11 +129,11 @@ def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
 def _collect_frames(texts: Bytes, indices: Integers, first: int, frames: dict[int, str]) -> None:
     """Note each frame name where it first appears among these messages."""
     if texts.shape[1] == 0 or (texts == texts[:1]).all():
-        frames[int(indices[0])] = _string(texts[0].tobytes(), first + int(indices[0]))
+        frames[int(indices[0])] = text_of(texts[0].tobytes(), first + int(indices[0]))
         return
     names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
     for name, at in zip(*np.unique(names, return_index=True), strict=True):
-        frames[int(indices[at])] = _string(bytes(name), first + int(indices[at]))
+        frames[int(indices[at])] = text_of(bytes(name), first + int(indices[at]))
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:
@@ -150,12 +150,13 @@ def decode_string(payload: bytes, index: int = 0) -> str:
     BagError
         If the payload is not one.
     """
-    length = _word(payload, 4, _byte_order(payload, index), index)
+    length = _word(payload, 4, byte_order(payload, index), index)
     _require_size(payload, 8 + length, index)
-    return _string(payload[8 : 8 + length], index)
+    return text_of(payload[8 : 8 + length], index)
 
 
-def _byte_order(payload: bytes, index: int) -> str:
+def byte_order(payload: bytes, index: int) -> str:
+    """``<`` or ``>``, as the encapsulation of a message says."""
     order = _BYTE_ORDERS.get(payload[:2])
     if order is None:
         begin = payload[:4].hex(" ") or "nothing"
@@ -176,7 +177,8 @@ def _require_size(payload: bytes, size: int, index: int) -> None:
         raise BagError(f"message {index} has {len(payload)} bytes where its type and text lengths make {size}")
 
 
-def _string(data: bytes, index: int) -> str:
+def text_of(data: bytes, index: int) -> str:
+    """The text of a string's bytes, which end with a zero byte."""
     if data and data[-1]:
         raise BagError(f"message {index} has a text that does not end with a zero byte")
     try:

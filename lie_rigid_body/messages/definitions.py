@@ -11,6 +11,11 @@ TWIST: Final = "geometry_msgs/msg/Twist"
 STRING: Final = "std_msgs/msg/String"
 IMU: Final = "sensor_msgs/msg/Imu"
 MAGNETIC_FIELD: Final = "sensor_msgs/msg/MagneticField"
+# what only others write
+POSE_WITH_COVARIANCE_STAMPED: Final = "geometry_msgs/msg/PoseWithCovarianceStamped"
+QUATERNION_STAMPED: Final = "geometry_msgs/msg/QuaternionStamped"
+ODOMETRY: Final = "nav_msgs/msg/Odometry"
+TF_MESSAGE: Final = "tf2_msgs/msg/TFMessage"
 
 # Each definition as an MCAP schema wants it: fields only, and the types they are made of by name.
 _FIELDS: Final = {

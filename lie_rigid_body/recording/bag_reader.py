@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -15,21 +13,17 @@ import numpy as np
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.bounded_input import load_yaml, read_text
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages import Decoded
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording import folder_metadata
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import METADATA
-from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, McapContents, RawMessages, RawTrack, read_file
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import listed, short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
 _WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
-LARGEST_METADATA: Final = 2**20
-"""Largest size of the metadata.yaml of a folder, bytes."""
 
 
 @dataclass(frozen=True)
@@ -170,29 +164,19 @@ class Bag:
     """
 
     def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
-        self._path, self._progress = Path(path), progress
-        metadata = self._path / "metadata.yaml"
-        try:
-            information = _information(metadata) if self._path.is_dir() else None
-            self._files = _files(self._path, information)
-        except OSError as error:
-            raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
-        contents = McapContents()
-        for _ in self._read(contents, (STRING,)):
-            pass
-        if information is not None:
-            folder_metadata.hold(metadata, information, contents)
+        self._path, self._files = Path(path), BagFiles(path, progress)
+        contents = self._files.contents((STRING,))
+        self._types = {track.message_type for track in contents.tracks.values()}
         pose = _find(self._path, contents, "pose", POSE_STAMPED)
         twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
         scenario = _find(self._path, contents, "scenario", STRING)
         own = (pose, twist, scenario)
         for track in own:
-            if track.encoding != "cdr":
-                raise BagError(f"{self._path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
+            require_cdr(self._path, track)
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
         self.library = contents.library
-        self.scenario_texts = self._texts(scenario)
+        self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
         self.published_otherwise = sum(track.published_otherwise for track in own)
         self.others = _others(contents, own)
@@ -202,7 +186,7 @@ class Bag:
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
         contents, decoded = McapContents(), [0, 0]
-        for position in itertools.chain(self._read(contents, (self._pose[1], self._twist[1])), [None]):
+        for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
             tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
             waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
             if position is None or waiting >= _BATCH:
@@ -214,6 +198,10 @@ class Bag:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
+
+    def messages_of(self, types: Collection[str]) -> McapContents:
+        """All messages of some types, undecoded, in memory; nothing is read if there are none."""
+        return self._files.contents(types) if self._types.intersection(types) else McapContents()
 
     def load(self) -> Recording:
         """The whole bag in memory."""
@@ -230,49 +218,20 @@ class Bag:
             self.without_checksum,
         )
 
-    def _read(self, contents: McapContents, wanted: tuple[str, ...]) -> Iterator[int]:
-        for file in self._files:
-            before = 0
-            for position in read_file(file, wanted, contents):
-                self._progress(position - before)
-                before = position
-                yield position
-
-    def _texts(self, scenario: RawTrack) -> list[tuple[int, str]]:
-        found: list[tuple[int, str]] = []
-        pieces = scenario.take()
-        if pieces[0].data[pieces[0].starts[0] :].startswith(ZSTD_MAGIC):
-            raise BagError(
-                f"{self._path}: its messages are compressed one by one: record without '--compression-mode message', "
-                "or unpack it with 'ros2 bag convert'"
-            )
-        for piece in pieces:
-            for time, start, end in zip(piece.log_times_ns.tolist(), piece.starts, piece.ends, strict=True):
-                with self._named(scenario.topic):
-                    found.append((time, messages.decode_string(piece.data[start:end], len(found))))
-        return found
-
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
-        with self._named(self._pose[0]):
-            log_times, decoded = _decoded(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
+        with named(self._path, self._pose[0]):
+            log_times, decoded = columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
         assert decoded.stamps_ns is not None
         numbers = decoded.numbers
         return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
 
     def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
-        with self._named(self._twist[0]):
-            log_times, decoded = _decoded(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+        with named(self._path, self._twist[0]):
+            log_times, decoded = columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
         numbers = decoded.numbers
         return TwistTrack(
             self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
         )
-
-    @contextmanager
-    def _named(self, topic: str) -> Iterator[None]:
-        try:
-            yield
-        except BagError as error:
-            raise BagError(f"{self._path}: topic {topic}: {error}: record the bag again") from None
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -295,30 +254,15 @@ def read_bag(path: str | Path) -> Recording:
     return Bag(path).load()
 
 
-def _decoded(pieces: list[RawMessages], numbers: int, *, stamped: bool, first: int) -> tuple[Integers, Decoded]:
-    """Log times and contents of messages, the first of which has a number."""
-    data = b"".join([piece.data for piece in pieces])
-    offsets = np.cumsum([0, *(len(piece.data) for piece in pieces)]).tolist()[: len(pieces)]
-    starts, ends, log_times = (
-        np.concatenate([np.empty(0, dtype=np.int64), *columns])
-        for columns in (
-            [piece.starts + at for piece, at in zip(pieces, offsets, strict=True)],
-            [piece.ends + at for piece, at in zip(pieces, offsets, strict=True)],
-            [piece.log_times_ns for piece in pieces],
-        )
-    )
-    return log_times, messages.decode_places(data, starts, ends, numbers, stamped=stamped, first=first)
-
-
 def _joined(tracks: Sequence[Track]) -> Track:
     """Tracks that continue each other as one."""
-    columns: dict[str, Any] = {
+    joined: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks])
         for name, value in vars(tracks[0]).items()
         if isinstance(value, np.ndarray)
     }
     frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
-    return replace(tracks[0], frame_ids=tuple(frames), **columns)
+    return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
 def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
@@ -366,38 +310,3 @@ def _expected_samples(path: Path, contents: McapContents) -> int | None:
     if text is not None and not re.fullmatch("[0-9]{1,18}", text):
         raise BagError(f"{path} is damaged: its metadata counts {text!r} samples: record it again")
     return None if text is None else int(text)
-
-
-def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
-    """The MCAP files of a bag, in the order of recording."""
-    if not path.is_dir():
-        return [path]
-    files = (
-        sorted(path.glob("*.mcap"), key=_natural)
-        if information is None
-        else [path / str(name) for name in information["relative_file_paths"]]
-    )
-    if not files:
-        raise BagError(f"{path} is a folder without MCAP files: give a bag")
-    return files
-
-
-def _information(metadata: Path) -> Mapping[str, Any] | None:
-    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
-    if not metadata.exists():
-        return None
-
-    try:
-        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))[
-            "rosbag2_bagfile_information"
-        ]
-        names = [str(name) for name in information["relative_file_paths"]]
-    except (InputError, TypeError, LookupError):
-        raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
-    if twice := [name for name, count in Counter(names).items() if count > 1]:
-        raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
-    return information
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]

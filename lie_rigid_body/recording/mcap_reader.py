@@ -156,8 +156,8 @@ class McapContents:
     files : list of FileSpan
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
-    kept : int
-        About the bytes that the messages not yet taken need.
+    kept, most_kept : int
+        About the bytes that the messages not yet taken need, and how many they may: each file allows for its own.
     """
 
     library: str = ""
@@ -167,6 +167,7 @@ class McapContents:
     files: list[FileSpan] = field(default_factory=list)
     without_checksum: int = 0
     kept: int = 0
+    most_kept: int = 0
 
     __repr__ = short_repr
 
@@ -220,6 +221,7 @@ class _FileReader:
     def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
+        into.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
         self._inventory = Inventory()
@@ -418,7 +420,7 @@ class _FileReader:
 
     def _keep(self, count: int) -> None:
         self._into.kept += count
-        if self._into.kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size):
+        if self._into.kept > self._into.most_kept:
             raise self._too_large(f"messages of {self._into.kept} bytes in a file of {self._size}")
 
     def _ends_well(self) -> bool:

@@ -127,6 +127,25 @@ class OutputFile:
             self.stream.close()
 
 
+def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:
+    """Write a whole file, or none at all.
+
+    Raises
+    ------
+    BagError
+        If it exists and may not be replaced, or cannot be written.
+    """
+    out = OutputFile(path, overwrite=overwrite)
+    try:
+        out.stream.write(data)
+        out.commit()
+    except BaseException as error:
+        out.discard()  # part of it is of no use, and would stand in the way of the next one
+        if not isinstance(error, OSError):
+            raise
+        raise BagError(f"{path} cannot be written: {reason(error)}: make room, or give another place") from None
+
+
 def reason(error: Exception) -> str:
     """The message of an error of the operating system, without its number and path."""
     return (isinstance(error, OSError) and error.strerror) or str(error)

@@ -18,7 +18,7 @@ from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
-from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.sensors import GRADE, PERFECT, SENSOR_PARAMETERS, Sensors
 from lie_rigid_body.wording import call_repr, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
@@ -103,12 +103,19 @@ class Scenario:
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
-        return {**own, **dict(self.sensor_parameters)} if self.has_sensors else own
+        # a perfect grade is left out, so that a bag without one has the bytes that it had before there were grades
+        sensors = {name: value for name, value in self.sensor_parameters if (name, value) != (GRADE, PERFECT)}
+        return {**own, **sensors} if self.has_sensors else own
 
     @property
     def has_sensors(self) -> bool:
         """Whether any sensor is on."""
         return self.sensors.imu is not None or self.sensors.magnetometer is not None
+
+    @property
+    def sensor_grade(self) -> str:
+        """The grade of the sensors, whose errors single parameters may override."""
+        return str(dict(self.sensor_parameters)[GRADE])
 
     def body(self) -> RigidBody:
         """The body of this scenario."""

@@ -8,7 +8,7 @@ from typing import Final
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
-from lie_rigid_body.sensors import SENSOR_PARAMETERS
+from lie_rigid_body.sensors import SENSOR_PARAMETERS, graded
 
 PARAMETERS: Final = (
     Parameter(
@@ -93,7 +93,7 @@ PARAMETERS: Final = (
 
 
 def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
-    """Every parameter's value: the given ones in their own types, the rest at their defaults.
+    """Every parameter's value: the given ones in their own types, those of their grade, the rest at their defaults.
 
     Parameters
     ----------
@@ -108,4 +108,4 @@ def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
     ParameterError
         If a name is unknown or a value is not of its parameter's type, length, range or choice.
     """
-    return read_table(PARAMETERS, given)
+    return read_table(PARAMETERS, graded(given))

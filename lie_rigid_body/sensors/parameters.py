@@ -8,6 +8,7 @@ from typing import Final, cast
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
+from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
 from lie_rigid_body.wording import short_repr
@@ -66,6 +67,13 @@ SENSOR_PARAMETERS: Final = (
         "Seed of all noise: the same seed gives the same bytes.",
         minimum=0,
         maximum=_LARGEST_SEED,
+    ),
+    Parameter(
+        GRADE,
+        "string",
+        PERFECT,
+        "Sets all errors of the sensors to those of data sheets of a grade; single ones override.",
+        choices=tuple(GRADES),
     ),
     Parameter(
         "gyro_rate",
@@ -129,7 +137,7 @@ class Sensors:
         ParameterError
             Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
         """
-        values = read_table(SENSOR_PARAMETERS, given or {})
+        values = read_table(SENSOR_PARAMETERS, graded(given or {}))
         require_frame_name("imu_frame", cast(str, values["imu_frame"]))
         imu, magnetometer = ImuModel.from_values(values), MagnetometerModel.from_values(values)
         return cls(

@@ -9,7 +9,7 @@ Modules:
 - `loop`: the truth and the sensors together, across resets.
 """
 
-from lie_rigid_body.simulation.loop import Simulation, Taken
+from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of
 from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
 from lie_rigid_body.simulation.segment import SOFTWARE, Segment
@@ -18,9 +18,11 @@ __all__ = [
     "SOFTWARE",
     "ImuSamples",
     "MagnetometerSamples",
+    "Motions",
     "SampleClock",
     "Samples",
     "Segment",
     "Simulation",
     "Taken",
+    "motions_of",
 ]

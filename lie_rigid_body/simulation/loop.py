@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final, TypeVar
+from typing import Final, TypeAlias, TypeVar
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.motion import ClosedForm, Motion
@@ -19,6 +19,9 @@ from lie_rigid_body.simulation.segment import Segment
 from lie_rigid_body.wording import call_repr, short_repr
 
 R = TypeVar("R", bound=Rows)
+Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
+"""Makes the motions of a start; see `motions_of`."""
+
 LOOK_AHEAD: Final = 64
 """Samples computed at once when fewer are wanted: the closed form takes almost as long for one as for all of them."""
 STEPS_AHEAD: Final = 64
@@ -57,9 +60,12 @@ class Simulation:
     scenario : Scenario
     epoch_ns : int, optional
         Stamp of sample 0, in place of the scenario's, ns.
+    motions : callable, optional
+        In place of `motions_of`.
     """
 
-    def __init__(self, scenario: Scenario, epoch_ns: int | None = None) -> None:
+    def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
+        self._motions = motions or motions_of
         self._imu: SensorQueue[ImuSamples] | None = None
         self._magnetometer: SensorQueue[MagnetometerSamples] | None = None
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
@@ -73,7 +79,7 @@ class Simulation:
     def _begin(self, scenario: Scenario, first: int) -> None:
         clock = SampleClock(scenario.epoch_ns, scenario.rate)
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
-        motion = _motions(scenario)
+        motion = self._motions(scenario)
         truth = _truth(segment, clock, motion())
         imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
         new_imu = None if imu is None else _imu(segment, imu, motion())
@@ -173,8 +179,8 @@ def _followed(sensor: SensorQueue[R] | None, queue: SampleQueue[R] | None, start
     return sensor
 
 
-def _motions(scenario: Scenario) -> Callable[[], Motion]:
-    """The motion of the truth and of each sensor from one start.
+def motions_of(scenario: Scenario) -> Callable[[], Motion]:
+    """The motions of one start: first of the truth, then, where they are, of the IMU and of the magnetometer.
 
     A closed form serves them all. A moving chart divides the time between the samples asked of it into steps, so that
     those of another clock in between would change its bits: the truth and each sensor have one of their own.

@@ -45,6 +45,17 @@ def facts(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> dict[str,
     return content
 
 
+def test_the_errors_of_sensors_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["-p", "imu_rate:=100.0", "-p", "sensor_grade:=mems", "-p", "gyro_turn_on_bias:=0.125"]
+    shown = text(capsys, given)
+    assert "Sensors, of the grade mems" in shown
+    assert "gyro_turn_on_bias             0.125\n" in shown
+    assert "accelerometer_misalignment    [0.005, -0.005, 0.005]\n" in shown
+    assert "magnetometer" not in shown
+    assert "Sensors" not in text(capsys, [])
+    assert facts(capsys, given)["parameters"]["sensor_grade"] == "mems"
+
+
 @pytest.mark.parametrize("name", scenario_files())
 def test_every_scenario_is_explained(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     said = text(capsys, ["--scenario", name])

@@ -34,7 +34,12 @@ def run_without(library: str, folder: Path, *lines: str) -> list[tuple[int, list
 @pytest.mark.parametrize("library", ["mcap", "zstandard"])
 def test_bags_want_one_line_of_installation(library: str, tmp_path: Path) -> None:
     (tmp_path / "bag.mcap").write_bytes(b"\x89MCAP0\r\n")
-    verbs = ["record new.mcap --duration 1", "check bag.mcap", "plot bag.mcap -o bag.png"]
+    verbs = [
+        "record new.mcap --duration 1",
+        "check bag.mcap",
+        "plot bag.mcap -o bag.png",
+        "evaluate bag.mcap --estimate e",
+    ]
     for verb, (status, complaint) in zip(verbs, run_without(library, tmp_path, *verbs), strict=True):
         assert status == 2
         [line] = complaint

@@ -10,6 +10,15 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
+from lie_rigid_body.evaluation.alignment import (
+    HEADING,
+    LAG,
+    MOUNTING,
+    Comparison,
+    Misalignment,
+    fit,
+    lag_standard_error,
+)
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"
@@ -30,6 +39,47 @@ def test_the_json_has_the_promised_entries():
     assert found["passed"] is False
     assert found["nees"]["verdict"] == "conservative"
     assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg")).passed
+
+
+def test_the_series_are_in_the_json_on_request():
+    score = evaluate(STAMPS, NOISY, truth_of(MOTION), covariance=np.eye(3) * 1e-4)
+    assert "series" not in score.to_json()
+    series = json.loads(json.dumps(score.to_json(series=True)))["series"]
+    assert list(series) == ["stamps_ns", "total_deg", "heading_deg", "inclination_deg", "nees"]
+    assert series["stamps_ns"] == STAMPS.tolist()
+    assert max(series["total_deg"]) == score.total_deg.max
+
+
+def correlated(seed: int, memory: float) -> np.ndarray:
+    """Small rotations of 0.5° on each axis, white or of first order in time."""
+    white = np.random.default_rng(seed).normal(size=(len(STAMPS), 3))
+    found = np.empty_like(white)
+    found[0] = white[0]
+    for k in range(1, len(white)):
+        found[k] = memory * found[k - 1] + np.sqrt(1.0 - memory**2) * white[k]
+    return quaternion.exp(found * np.radians(0.5))
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.95])
+def test_the_standard_error_of_the_lag_is_its_spread(memory):
+    """Also of errors that last for a second, far above the time between samples."""
+    true, inner, free = attitude(MOTION, 0.03), slice(20, -20), frozenset({HEADING, MOUNTING, LAG})
+    off, claimed = [], []
+    for seed in range(24):
+        estimate = quaternion.multiply(true, correlated(seed, memory))
+        comparison = Comparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
+        fitted = fit(comparison, free, Misalignment(), smallest_step=1e-6)
+        off.append(fitted.lag_s - 0.03)
+        claimed.append(lag_standard_error(comparison, free, fitted))
+    assert 0.6 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(claimed))) < 1.5
+
+
+def test_the_standard_error_is_in_the_score():
+    score = evaluate(STAMPS, NOISY, truth_of(MOTION))
+    assert score.lag_s is not None
+    assert score.lag_standard_error_s is not None
+    assert abs(score.lag_s) < 4.0 * score.lag_standard_error_s < 0.05
+    assert score.to_json()["lag_standard_error_s"] == score.lag_standard_error_s
 
 
 def test_statistics_are_those_of_the_error_at_the_stamps():

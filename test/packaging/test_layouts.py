@@ -30,7 +30,7 @@ NOT_SOURCES = shutil.ignore_patterns(
 )
 CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {"sim", "record", "check", "plot", "explain", "scenarios", "campaign"}
+VERBS = {"sim", "record", "check", "evaluate", "plot", "explain", "scenarios", "campaign"}
 
 
 @dataclass(frozen=True)
@@ -105,6 +105,9 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     command = "ros2 run lie_rigid_body check" if layout.by_verb else "lie-rigid-body check"
     assert said.splitlines()[-1] == f"certify them with: {command} 'my out.mcap'"
     layout.run("check", "my out.mcap", cwd=tmp_path)
+    # pytest finds the plugin for tests of filters by itself
+    markers = run(layout.python(), "-m", "pytest", "--markers", cwd=tmp_path, env=layout.environment)
+    assert "@pytest.mark.attitude_run(" in markers
 
 
 # one kind of each tool's installation in every run: an installation takes as long as hundreds of other tests

@@ -20,8 +20,9 @@ from test_bag_reader import folder
 
 from lie_rigid_body.certificate.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.definitions import STRING
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import mcap_reader
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK
 from lie_rigid_body.scenario import Scenario
@@ -143,6 +144,22 @@ def test_metadata_names_files(tmp_path: Path, case: str) -> None:
         read_bag(path)
 
 
+def test_each_file_of_a_bag_allows_for_its_own_messages(
+    make_bag: MakeBag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "folder"
+    path.mkdir()
+    for i in range(3):
+        make_bag(f"folder/{i}.mcap", count=200)
+    one = BagFiles(path / "0.mcap").contents([POSE_STAMPED]).kept
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one)
+    monkeypatch.setattr(mcap_reader, "_KEPT_PER_BYTE", 0)
+    assert BagFiles(path).contents([POSE_STAMPED]).kept == 3 * one
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one - 1)
+    with pytest.raises(BagError, match=f"messages of {one} bytes"):
+        BagFiles(path).contents([POSE_STAMPED])
+
+
 def test_a_pipe_is_no_bag(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "x.mcap")
     for given in (tmp_path / "x.mcap", tmp_path):
@@ -179,4 +196,4 @@ def test_many_resets_take_little_time(make_bag: MakeBag) -> None:
     assert (second.first_sample, second.start_ns) == (1, 10_000_000)
     recording = replace(read_bag(make_bag()), scenario_texts=[(i, str(i)) for i in range(MOST_SEGMENTS + 1)])
     with pytest.raises(BagError, match=f"declares {MOST_SEGMENTS + 1} segments: at most {MOST_SEGMENTS} are read"):
-        declared_segments(recording)
+        declared_segments(text for _, text in recording.scenario_texts)

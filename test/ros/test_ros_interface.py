@@ -20,6 +20,7 @@ import pytest
 from simulator_process import DEADLINE, SimulatorProcess, assignments
 
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.sensors import GRADES
 from lie_rigid_body.simulation import Segment
 
 if find_spec("rclpy"):
@@ -79,6 +80,7 @@ def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClie
     assert len(described["max_step"].floating_point_range) == 1
     assert len(described["epoch_ns"].integer_range) == 1
     fixed = {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
+    fixed.add("sensor_grade")
     assert {name for name in names if described[name].read_only} == fixed
     assert "next ~/reset" in described["inertia"].additional_constraints
     assert "closed_form" in described["motion"].additional_constraints
@@ -245,8 +247,13 @@ def test_own_options_give_way_to_ros_arguments_and_later_files(peer: Peer, tmp_p
     for_all, for_one = "rate: 20.0, body_frame: from_file", "rate: 21.0"
     file.write_text(f"/**: {{ros__parameters: {{{for_all}}}}}\ntop: {{ros__parameters: {{{for_one}}}}}\n")
     own = ["--scenario", "dzhanibekov", "--params-file", str(file), "-p", "world_frame:=own"]
-    with SimulatorProcess(*own, "--ros-args", "-r", "__node:=top", "-p", "world_frame:=ros"):
+    graded = ["-p", "imu_rate:=10.0", "-p", "sensor_grade:=mems"]
+    single = ["-p", "gyro_turn_on_bias:=0.125"]
+    with SimulatorProcess(*own, *single, "--ros-args", "-r", "__node:=top", "-p", "world_frame:=ros", *graded):
         scenarios = peer.listen(String, "/top/scenario", LATCHED)
         peer.spin_until(lambda: scenarios, "the scenario")
     scenario = Segment.from_json(scenarios[0].data).scenario
     assert (scenario.world_frame, scenario.body_frame, scenario.rate) == ("ros", "from_file", 21.0)
+    values = scenario.parameters()
+    assert (values["sensor_grade"], values["gyro_turn_on_bias"]) == ("mems", 0.125)
+    assert values["gyro_noise_density"] == GRADES["mems"]["gyro_noise_density"]

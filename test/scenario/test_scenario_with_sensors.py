@@ -11,7 +11,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSOR_PARAMETERS
 from lie_rigid_body.simulation import Segment
 
-SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS}
+SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS} - {"sensor_grade"}
 
 
 def test_text_of_a_scenario_brings_its_sensors_back() -> None:
@@ -23,6 +23,19 @@ def test_text_of_a_scenario_brings_its_sensors_back() -> None:
 def test_text_without_sensors_does_not_speak_of_them() -> None:
     assert SENSOR_NAMES.isdisjoint(Scenario.from_parameters({"gyro_noise_density": 0.003}).parameters())
     assert set(Scenario.from_parameters({"magnetometer_rate": 50.0}).parameters()) >= SENSOR_NAMES
+
+
+def test_a_grade_is_in_the_text_if_it_was_given() -> None:
+    """Without one the text, and so the bag, is what it was before there were grades."""
+    on = {"imu_rate": 100.0, "magnetometer_rate": 50.0}
+    for given in ({}, {"sensor_grade": "perfect"}):
+        assert "sensor_grade" not in Segment(Scenario.from_parameters({**on, **given}), 0, 0).to_json()
+    scenario = Scenario.from_parameters({**on, "sensor_grade": "mems", "gyro_turn_on_bias": 1e-3})
+    text = Segment(scenario, 0, 0).to_json()
+    assert '"sensor_grade": "mems"' in text
+    assert Segment.from_json(text).scenario == scenario
+    assert scenario.sensor_grade == "mems"
+    assert scenario.parameters()["gyro_turn_on_bias"] == 1e-3
 
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:

@@ -25,6 +25,7 @@ FIXED: Final[Mapping[str, str]] = {
     "paused": "it is how the node starts: call ~/pause or ~/resume",
     "publish_tf": f"publishers are made at the start: {_NEW_NODE}",
     "marker_rate": f"publishers are made at the start: {_NEW_NODE}",
+    "sensor_grade": f"other parameters depend on it: {_NEW_NODE}",
 }
 """Parameters that are fixed at the start, each with the reason and what to do instead."""
 IMMEDIATE: Final = frozenset({"real_time_factor"})

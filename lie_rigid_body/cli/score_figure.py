@@ -1,0 +1,111 @@
+"""The picture of a score: the errors over time, with the limits, and the NEES with its bounds."""
+
+from __future__ import annotations
+
+from io import BytesIO, StringIO
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation import Limits, Score
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLOURS: Final = {"total": "#333333", "heading": "#0072B2", "inclination": "#D55E00"}
+"""Distinct in every kind of colour vision."""
+_LIMIT: Final = "#CC2222"
+_MOST_POINTS: Final = 4000
+"""Points of a curve: more are drawn as the largest of neighbours, so that no peak is lost."""
+_WIDE_SPAN: Final = 30.0
+"""Ratio of the largest error to the median above which the axis is logarithmic."""
+
+
+def png(title: str, score: Score, limits: Limits) -> bytes:
+    """The picture as a PNG."""
+    out = BytesIO()
+    _draw(title, score, limits).savefig(out, format="png", dpi=120)
+    return out.getvalue()
+
+
+def svg(title: str, score: Score, limits: Limits) -> str:
+    """The picture as an SVG element."""
+    import matplotlib
+
+    out = StringIO()
+    # the same bytes for the same score, and text that a browser can search
+    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
+        _draw(title, score, limits).savefig(out, format="svg", metadata={"Date": None})
+    text = out.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _draw(title: str, score: Score, limits: Limits) -> Figure:
+    from matplotlib.figure import Figure
+
+    rows = 2 if score.consistency is None else 3
+    figure = Figure(figsize=(10.0, 2.2 + 2.0 * rows), layout="constrained")
+    total, parts, *rest = figure.subplots(rows, sharex=True)
+    _draw_angles(total, score, ("total",))
+    _draw_limits(total, score, limits)
+    _draw_angles(parts, score, ("heading", "inclination"))
+    if rest:
+        _draw_nees(rest[0], score)
+    for axes in (total, parts, *rest):
+        axes.grid(alpha=0.3, lw=0.6)
+        axes.margins(x=0.0)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, borderaxespad=0.1)
+    (rest[0] if rest else parts).set_xlabel("time since the first estimate [s]")
+    rms = score.total_deg.rms
+    figure.suptitle(f"{title}\nattitude error {rms:.4g}° rms, {score.samples} samples", fontsize=11)
+    return figure
+
+
+def _draw_angles(axes: Axes, score: Score, names: tuple[str, ...]) -> None:
+    largest = median = 0.0
+    for name in names:
+        degrees = np.degrees(getattr(score.error, name))
+        axes.plot(*_thinned(score.t_s, degrees), color=COLOURS[name], lw=1.1, label=name, **_marker(degrees))
+        largest, median = max(largest, float(degrees.max())), max(median, float(np.median(degrees)))
+    axes.set_ylabel("error [deg]")
+    if median > 0.0 and largest > _WIDE_SPAN * median:
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0.0)
+
+
+def _draw_limits(axes: Axes, score: Score, limits: Limits) -> None:
+    end = float(score.t_s[-1])
+    if score.time_to_converge_s is not None and score.time_to_converge_s > 0.0:
+        axes.axvline(score.time_to_converge_s, color="#009E73", lw=1.0, ls="--", label="converged")
+    if limits.max_rms_deg is not None:
+        axes.plot([0.0, end], [limits.max_rms_deg] * 2, color=_LIMIT, lw=1.0, ls=":", label="limit of the rms")
+    for i, (start, limit) in enumerate(limits.max_after):
+        label = "limit" if i == 0 else None
+        axes.plot([min(start, end), end], [limit] * 2, color=_LIMIT, lw=1.4, label=label)
+
+
+def _draw_nees(axes: Axes, score: Score) -> None:
+    consistency = score.consistency
+    assert consistency is not None
+    axes.plot(*_thinned(score.t_s, consistency.nees), color=COLOURS["total"], lw=0.9, label="NEES")
+    low, high = consistency.bounds
+    label = f"{consistency.probability:.0%} bounds"
+    axes.axhspan(low, high, color="#009E73", alpha=0.2, lw=0.0, label=label)
+    axes.set_yscale("log")
+    axes.set_ylabel("NEES")
+
+
+def _thinned(t_s: Array, values: Array) -> tuple[Array, Array]:
+    """At most some thousand points, each the largest of its neighbours."""
+    size = -(-len(values) // _MOST_POINTS)
+    if size == 1:
+        return t_s, values
+    starts = np.arange(0, len(values), size)
+    return t_s[starts], np.maximum.reduceat(values, starts)
+
+
+def _marker(values: Array) -> dict[str, Any]:
+    return {"marker": "o", "ms": 4.0} if len(values) <= 3 else {}

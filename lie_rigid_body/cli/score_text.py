@@ -1,0 +1,47 @@
+"""A score as a table for people and as JSON for programs."""
+
+from __future__ import annotations
+
+from lie_rigid_body.evaluation import Limits, Score
+from lie_rigid_body.evaluation.summary import findings, table, wrapped
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+
+
+def as_table(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> str:
+    """The score in lines for a terminal, without a final newline."""
+    lines = [title, *wrapped(extent(read, score)), ""]
+    lines += [*table(score), ""]
+    for note in read.notes:
+        lines += wrapped(note, "note: ")
+    lines += findings(score)
+    lines += [line for sentence in verdict(score, limits) for line in wrapped(sentence)]
+    return "\n".join(lines)
+
+
+def as_json(bag: str, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
+    """The score as JSON-serialisable data, with where it is from."""
+    return {
+        "bag": bag,
+        "topic": read.track.topic,
+        "type": read.track.message_type,
+        "truth": read.source,
+        **score.to_json(series=series),
+        "notes": list(read.notes),
+    }
+
+
+def extent(read: RecordedEstimate, score: Score) -> str:
+    """What was compared with what, in a sentence."""
+    kind = read.track.message_type.replace("/msg/", "/")
+    first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))
+    left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
+    return (
+        f"{score.samples} of {kind}, stamped {first:.9g} s to {last:.9g} s, against the truth ({read.source}) at "
+        f"these stamps{left_out}"
+    )
+
+
+def verdict(score: Score, limits: Limits) -> list[str]:
+    """Whether limits are kept, in sentences; none if none were given."""
+    broken = [f"BROKEN: {sentence}." for sentence in score.broken]
+    return broken or ([] if limits == Limits() else ["PASSED: every limit is kept."])

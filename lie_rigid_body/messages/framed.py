@@ -1,0 +1,109 @@
+"""Attitudes in messages of two frames, nav_msgs/Odometry and tf2_msgs/TFMessage, whose fields have no fixed places."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.decoding import byte_order, text_of
+from lie_rigid_body.messages.layout import numbers_after
+from lie_rigid_body.parameters import NS
+
+_ODOMETRY_NUMBERS: Final = 7 + 36 + 6 + 36
+"""Pose and its covariance, twist and its covariance."""
+_TRANSFORM_NUMBERS: Final = 7
+_SPARE: Final = 8
+"""A middleware may pad the end by less than this."""
+
+Frames = tuple[str, str]
+"""Frame of the header, and child frame."""
+
+
+@dataclass
+class FramedNumbers:
+    """The numbers of all messages of the same two frames.
+
+    Attributes
+    ----------
+    stamps_ns : list of int
+    numbers : list of tuple of float
+        float64 fields in order; first position or translation x y z, then x y z w of the attitude.
+    """
+
+    stamps_ns: list[int] = field(default_factory=list)
+    numbers: list[tuple[float, ...]] = field(default_factory=list)
+
+
+def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
+    """Read nav_msgs/Odometry, by frame and child frame.
+
+    Raises
+    ------
+    BagError
+        Naming the first message that is not such a payload.
+    """
+    found: dict[Frames, FramedNumbers] = {}
+    for index, payload in enumerate(payloads):
+        fields = _Fields(payload, index)
+        fields.read(found, _ODOMETRY_NUMBERS)
+        fields.end()
+    return found
+
+
+def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
+    """Read tf2_msgs/TFMessage, by frame and child frame.
+
+    Raises
+    ------
+    BagError
+        Naming the first message that is not such a payload.
+    """
+    found: dict[Frames, FramedNumbers] = {}
+    for index, payload in enumerate(payloads):
+        fields = _Fields(payload, index)
+        for _ in range(fields.word()):
+            fields.read(found, _TRANSFORM_NUMBERS)
+        fields.end()
+    return found
+
+
+class _Fields:
+    """The fields of one payload, read in order."""
+
+    def __init__(self, payload: bytes, index: int) -> None:
+        self._payload, self._index, self._at = payload, index, 4
+        self._order = byte_order(payload, index)
+
+    def read(self, found: dict[Frames, FramedNumbers], count: int) -> None:
+        """A header, a child frame and so many numbers."""
+        stamp = self.word() * NS + self.word()
+        frames = (self._text(), self._text())
+        of_frames = found.setdefault(frames, FramedNumbers())
+        of_frames.stamps_ns.append(stamp)
+        self._at = numbers_after(self._at)
+        of_frames.numbers.append(self._unpack(f"{count}d"))
+
+    def word(self) -> int:
+        self._at = -(-self._at // 4) * 4
+        value: int = self._unpack("I")[0]
+        return value
+
+    def _text(self) -> str:
+        length = self.word()
+        return text_of(self._unpack(f"{length}s")[0], self._index)
+
+    def _unpack(self, what: str) -> tuple:  # type: ignore[type-arg]
+        try:
+            values = struct.unpack_from(f"{self._order}{what}", self._payload, self._at)
+        except struct.error:
+            raise BagError(f"message {self._index} ends after {len(self._payload)} bytes, before its fields") from None
+        self._at += struct.calcsize(f"{self._order}{what}")
+        return values
+
+    def end(self) -> None:
+        """Refuse bytes beyond the last field."""
+        if len(self._payload) >= self._at + _SPARE:
+            raise BagError(f"message {self._index} has {len(self._payload)} bytes where its fields end at {self._at}")

@@ -1,0 +1,103 @@
+"""The MCAP files that a bag is made of, read one after the other."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from lie_rigid_body.bounded_input import load_yaml, read_text
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording import folder_metadata
+from lie_rigid_body.recording.mcap_reader import McapContents, read_file
+from lie_rigid_body.recording.output_file import reason
+
+LARGEST_METADATA: Final = 2**20
+"""Largest size of the metadata.yaml of a folder, bytes."""
+
+
+class BagFiles:
+    """The files of a bag in the order of recording.
+
+    Parameters
+    ----------
+    path : str or Path
+        An MCAP file, or a rosbag2 folder of them.
+    progress : callable, optional
+        Called with the number of bytes that were read since it was called last, in every pass.
+
+    Raises
+    ------
+    BagError
+        If the path or its metadata cannot be read, or name no files.
+    """
+
+    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
+        self.path, self._progress = Path(path), progress
+        self._metadata = self.path / "metadata.yaml"
+        try:
+            self._information = _information(self._metadata) if self.path.is_dir() else None
+            self._files = _files(self.path, self._information)
+        except OSError as error:
+            raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
+
+    def read(self, contents: McapContents, wanted: Collection[str]) -> Iterator[int]:
+        """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
+        for file in self._files:
+            before = 0
+            for position in read_file(file, wanted, contents):
+                self._progress(position - before)
+                before = position
+                yield position
+
+    def contents(self, wanted: Collection[str]) -> McapContents:
+        """All messages, with the payloads of the wanted types.
+
+        Raises
+        ------
+        BagError
+            If a file is no bag, cut off or damaged, or the folder's metadata do not fit it.
+        """
+        contents = McapContents()
+        for _ in self.read(contents, wanted):
+            pass
+        if self._information is not None:
+            folder_metadata.hold(self._metadata, self._information, contents)
+        return contents
+
+
+def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
+    """The MCAP files of a bag, in the order of recording."""
+    if not path.is_dir():
+        return [path]
+    files = (
+        sorted(path.glob("*.mcap"), key=_natural)
+        if information is None
+        else [path / str(name) for name in information["relative_file_paths"]]
+    )
+    if not files:
+        raise BagError(f"{path} is a folder without MCAP files: give a bag")
+    return files
+
+
+def _information(metadata: Path) -> Mapping[str, Any] | None:
+    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
+    if not metadata.exists():
+        return None
+
+    try:
+        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))[
+            "rosbag2_bagfile_information"
+        ]
+        names = [str(name) for name in information["relative_file_paths"]]
+    except (InputError, TypeError, LookupError):
+        raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
+    return information
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]

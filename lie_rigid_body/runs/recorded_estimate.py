@@ -1,0 +1,200 @@
+"""An attitude estimate in a bag, and the truth that it is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.certificate.segments import declared_segments
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.evaluation import SampledTruth, Truth
+from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
+from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
+from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
+from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.track_decoding import texts
+from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import listed, short_repr
+
+_TYPES: Final = (*ATTITUDE_TYPES, STRING)
+
+
+@dataclass(frozen=True)
+class RecordedEstimate:
+    """The attitudes of a topic, and their truth.
+
+    Attributes
+    ----------
+    track : AttitudeTrack
+    truth : Truth
+    source : str
+        What the truth is made of: ``poses and scenario``, ``scenario`` or ``poses``.
+    segments : tuple of Segment
+        The scenarios that the truth's bag declares; empty if it declares none.
+    covariance : ndarray, shape (N, 3, 3), or None
+        The estimator's own, if it gives one at every sample that can be used.
+    notes : tuple of str
+        What a reader of the score should know, one sentence each.
+    """
+
+    track: AttitudeTrack
+    truth: Truth
+    source: str
+    segments: tuple[Segment, ...]
+    covariance: Array | None
+    notes: tuple[str, ...]
+
+    __repr__ = short_repr
+
+
+def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None = None) -> RecordedEstimate:
+    """Read an estimate and the truth.
+
+    Parameters
+    ----------
+    bag : str or Path
+        An MCAP file, or a rosbag2 folder of them.
+    topic : str
+        Of the estimate: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage.
+    truth_bag : str or Path, optional
+        The bag with the truth, if it is another one.
+
+    Returns
+    -------
+    RecordedEstimate
+
+    Raises
+    ------
+    BagError
+        If a bag cannot be read, the topic holds no estimate of one body, or there is no truth of one body.
+    ParameterError
+        If a declared scenario is impossible.
+    """
+    path, topic = Path(bag), f"/{topic.lstrip('/')}"
+    contents = BagFiles(path).contents(_TYPES)
+    if truth_bag is None:
+        return _beside(path, contents, topic, _TrueMotion(path, contents, topic))
+    other = Path(truth_bag)
+    return _beside(path, contents, topic, _TrueMotion(other, BagFiles(other).contents(_TYPES), ""))
+
+
+class _TrueMotion:
+    """What a bag tells of the truth: scenarios, poses, or both.
+
+    Parameters
+    ----------
+    path : Path
+    contents : McapContents
+    estimate_topic : str
+        Not the truth, whatever its name.
+    """
+
+    def __init__(self, path: Path, contents: McapContents, estimate_topic: str) -> None:
+        self.path = path
+        candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
+        scenario = _only(path, candidates, "scenario", STRING, estimate_topic)
+        self.segments: tuple[Segment, ...] = ()
+        if scenario is not None:
+            self.segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
+            pose_topic = f"{_namespace(scenario)}/pose"
+            candidates = [track for track in candidates if track.topic == pose_topic]
+        pose = _only(path, candidates, "pose", POSE_STAMPED, estimate_topic)
+        self.poses = None if pose is None else read_attitudes(path, contents, pose.topic)
+        if scenario is None and pose is None:
+            raise BagError(
+                f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth"
+            )
+
+    @property
+    def frames(self) -> tuple[str, str] | None:
+        """Names of the world's and the body's frame, if a scenario tells them."""
+        scenario = self.segments[0].scenario if self.segments else None
+        return None if scenario is None else (scenario.world_frame, scenario.body_frame)
+
+    @property
+    def source(self) -> str:
+        """What it is made of."""
+        return " and ".join([*(["poses"] if self.poses is not None else []), *(["scenario"] if self.segments else [])])
+
+    def until(self, last_ns: int) -> Truth:
+        """The truth as a function of time; without poses it is asked until the given stamp at most."""
+        if self.poses is None:
+            start = self.segments[0].start_ns
+            return ScenarioTruth(self.segments, start, max(last_ns, start))
+        stamps, first = np.unique(self.poses.stamps_ns, return_index=True)
+        attitude = self.poses.attitude_xyzw[first]
+        if not self.segments:
+            return SampledTruth(stamps, attitude)
+        clock = self.segments[-1].clock()
+        end = clock.stamp_ns(clock.count_until(int(stamps[-1]))) - 1
+        return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
+
+
+def _beside(path: Path, contents: McapContents, topic: str, true: _TrueMotion) -> RecordedEstimate:
+    track = read_attitudes(path, contents, topic, true.frames)
+    covariance = track.covariance
+    usable = covariance is not None and is_given(covariance)
+    return RecordedEstimate(
+        track,
+        true.until(int(track.stamps_ns.max())),
+        true.source,
+        true.segments,
+        covariance if usable else None,
+        tuple(_notes(track, true)),
+    )
+
+
+def _notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
+    if true.poses is None:
+        start, first = true.segments[0].start_ns, int(track.stamps_ns[0])
+        yield (
+            f"The truth is that of the scenario alone, from {start / 1e9:.9g} s on; the estimate begins "
+            f"{(first - start) / 1e9:.9g} s after that."
+        )
+    yield from _frame_notes(track, true)
+    fault = "" if track.covariance is None else covariance_fault(track.covariance)
+    if fault:
+        yield f"There is no NEES: {fault}."
+
+
+def _frame_notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
+    """Names of frames that are not those of the truth. An Imu is stamped with the frame of the sensor (REP-145)."""
+    world = true.frames[0] if true.frames else true.poses.frame if true.poses else ""
+    ours = {world}
+    if track.message_type == IMU and true.segments:
+        parameters = true.segments[0].scenario.parameters()
+        ours |= {true.segments[0].scenario.body_frame, str(parameters.get("imu_frame", "imu_link"))}
+    if track.frame not in ours and not (track.message_type == IMU and not true.segments):
+        yield (
+            f"The frame of the estimate is {track.frame!r}, that of the truth {world!r}: they are taken for the same. "
+            "Is it the right topic?"
+        )
+    if true.frames and track.child_frame and track.child_frame != true.frames[1]:
+        yield (
+            f"The body of the estimate is {track.child_frame!r}, that of the truth {true.frames[1]!r}: they are taken "
+            "for the same. Is it the right body?"
+        )
+
+
+def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:
+    """The one track of a type whose topic has the given last name; of several that in the namespace of the estimate."""
+    found = [t for t in tracks if t.message_type == kind and t.topic.rpartition("/")[2] == ending]
+    if len(found) > 1:
+        near = [t for t in found if _namespace(t) and estimate_topic.startswith(f"{_namespace(t)}/")]
+        found = near if len(near) == 1 else found
+    if len(found) > 1:
+        topics = listed([track.topic for track in found])
+        raise BagError(f"{path} has several topics .../{ending}: {topics}: record those of one body")
+    return found[0] if found else None
+
+
+def _namespace(scenario: RawTrack) -> str:
+    """The namespace of the node that publishes a private topic."""
+    return scenario.topic.rsplit("/", 2)[0]

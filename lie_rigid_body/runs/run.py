@@ -1,0 +1,358 @@
+"""A run as arrays: the truth and what the sensors read, from a simulation or a bag, and into a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Score, bias_error, evaluate
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import ImuReadings
+from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, Samples, Segment, Taken
+from lie_rigid_body.wording import call_repr, short_repr
+
+if TYPE_CHECKING:
+    from lie_rigid_body.certificate import Certificate
+    from lie_rigid_body.recording.bag_reader import Recording
+    from lie_rigid_body.recording.sensor_reader import VectorTrack
+
+END_OF_TIME: Final = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True, eq=False)
+class ImuArrays:
+    """What an IMU read, on the sensor's axes.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (M,)
+        Stamps, ns.
+    gyro : ndarray, shape (M, 3)
+        Angular velocity, rad/s.
+    specific_force : ndarray, shape (M, 3)
+        Acceleration less gravitation, m/s².
+    gyro_bias : ndarray, shape (M, 3), or None
+        The true bias in each angular velocity, rad/s. None if a bag does not tell it.
+    accelerometer_bias : ndarray, shape (M, 3), or None
+        The true bias in each specific force, m/s². None if a bag does not tell it.
+    """
+
+    t_ns: Integers
+    gyro: Array
+    specific_force: Array
+    gyro_bias: Array | None
+    accelerometer_bias: Array | None
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True, eq=False)
+class MagnetometerArrays:
+    """What a magnetometer read, on the sensor's axes.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (L,)
+        Stamps, ns.
+    field : ndarray, shape (L, 3)
+        Magnetic field, T.
+    """
+
+    t_ns: Integers
+    field: Array
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The truth and the readings of one run.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (N,)
+        Stamps of the truth, ns.
+    truth : State
+        Attitudes world-from-body, scalar last, shape (N, 4), and body rates, rad/s, shape (N, 3).
+    imu : ImuArrays or None
+    magnetometer : MagnetometerArrays or None
+        None where there is no such sensor.
+    segments : tuple of Segment
+        The scenario in force from the start, and after each reset.
+    """
+
+    t_ns: Integers
+    truth: State
+    imu: ImuArrays | None
+    magnetometer: MagnetometerArrays | None
+    segments: tuple[Segment, ...]
+    _recording: Recording | None = None
+
+    def __repr__(self) -> str:
+        parts = {"t_ns": self.t_ns, "imu": self.imu, "magnetometer": self.magnetometer, "segments": len(self.segments)}
+        return call_repr(self, parts)
+
+    @classmethod
+    def of(cls, taken: Taken, segment: Segment) -> Run:
+        """The run of what was taken from a simulation in one segment."""
+        imu, magnetometer = taken.imu, taken.magnetometer
+        return cls(
+            taken.samples.stamps_ns,
+            taken.samples.states,
+            None if imu is None else _imu(imu),
+            None if magnetometer is None else MagnetometerArrays(magnetometer.stamps_ns, magnetometer.magnetic_field),
+            (segment,),
+        )
+
+    @classmethod
+    def from_bag(cls, path: str | Path) -> Run:
+        """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
+
+        Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
+        sensor is None if its topic is not in the bag, and its biases are if ``imu/bias`` is not; a reading whose stamp
+        is not on that topic has the bias NaN.
+
+        Raises
+        ------
+        BagError
+            If it is no bag, cut off or damaged, or lacks the scenario, the poses or the twists.
+        ParameterError
+            If it declares a scenario that cannot be.
+        """
+        from lie_rigid_body.certificate.segments import recorded_segments
+        from lie_rigid_body.recording.bag_reader import Bag
+        from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, imu_tracks, magnetometer_track
+
+        path, bag = Path(path), Bag(path)
+        contents = bag.messages_of(SENSOR_TYPES)
+        data, bias = imu_tracks(path, contents)
+        field = magnetometer_track(path, contents)
+        recording = bag.load()
+        pieces = recorded_segments(recording)
+        return cls(
+            np.concatenate([piece.stamps_ns for piece in pieces]),
+            State.trusted(
+                np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
+                np.concatenate([piece.states.body_rate for piece in pieces]),
+            ),
+            None if data is None else _recorded_imu(data, bias),
+            None if field is None else MagnetometerArrays(field.stamps_ns, field.vectors[0]),
+            tuple(piece.segment for piece in pieces),
+            recording,
+        )
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of the run; of a run with resets the first."""
+        return self.segments[0].scenario
+
+    def to_bag(self, path: str | Path, *, overwrite: bool = False) -> None:
+        """Write the run into an MCAP bag: of a simulated run the same bytes as those of ``record``.
+
+        Parameters
+        ----------
+        path : str or Path
+        overwrite : bool
+            Replace an existing file, when the new one is whole.
+
+        Raises
+        ------
+        BagError
+            If the file exists and is not to be replaced, or cannot be written.
+        InputError
+            If the run has readings of an IMU without their biases, as some bags.
+        """
+        from lie_rigid_body.messages.batch import BatchEncoder
+        from lie_rigid_body.recording.bag_writer import BagWriter
+
+        pieces = [(segment, self._between(*bounds), segment.scenario) for segment, *bounds in self._bounds()]
+        with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite) as bag:
+            for segment, taken, scenario in pieces:
+                bag.begin_segment(segment)
+                bag.write(BatchEncoder(scenario).encode(taken))
+
+    def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
+        """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
+
+        Parameters
+        ----------
+        inertia : sequence of float, optional
+            To be used in place of the declared one, kg m².
+
+        Returns
+        -------
+        Certificate
+            Its ``passed``, ``messages`` and ``attitude_accuracy`` (rad) tell the verdict.
+        """
+        from lie_rigid_body.certificate import certify
+        from lie_rigid_body.recording.bag_reader import read_bag
+
+        if self._recording is not None:
+            return certify(self._recording, inertia)
+        with TemporaryDirectory() as folder:
+            self.to_bag(Path(folder, "run.mcap"))
+            return certify(read_bag(Path(folder, "run.mcap")), inertia)
+
+    def attitude(self) -> ScenarioTruth:
+        """The true attitude at any time from the first sample until just before the one after the last."""
+        clock, last = self.segments[-1].clock(), int(self.t_ns[-1])
+        end = clock.stamp_ns(clock.count_until(last)) - 1
+        return ScenarioTruth(self.segments, int(self.t_ns[0]), end, self.t_ns, self.truth.attitude_xyzw)
+
+    def score(
+        self,
+        estimate_xyzw: ArrayLike,
+        t_ns: ArrayLike | None = None,
+        *,
+        after_s: float = 0.0,
+        gyro_bias: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
+        **options: Any,
+    ) -> Score:
+        """Score an attitude estimate of this run.
+
+        Parameters
+        ----------
+        estimate_xyzw : array_like, shape (K, 4)
+            World-from-body, scalar last.
+        t_ns : array_like of int, shape (K,), optional
+            Its stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+        after_s : float
+            Estimates of so many seconds from the first on do not count, s: a filter converges.
+        gyro_bias : array_like, shape (K, 3), optional
+            Estimated biases of the gyro at the same stamps, rad/s.
+        covariance : array_like, shape (K, 3, 3), (K, 6, 6), (3, 3) or (6, 6), optional
+            The estimator's own, of small rotations, rad².
+        **options
+            Further arguments of `lie_rigid_body.evaluation.evaluate`.
+
+        Returns
+        -------
+        Score
+
+        Raises
+        ------
+        InputError
+            If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
+        """
+        attitude = np.atleast_1d(np.asarray(estimate_xyzw))
+        stamps = self.stamps_of(len(attitude)) if t_ns is None else np.atleast_1d(np.asarray(t_ns))
+        truth, counted = self.attitude(), slice(None)
+        if after_s:
+            counted = slice(_first_after(stamps, after_s), None)
+            truth.first_ns = int(stamps[counted][0])
+        if covariance is not None and np.ndim(covariance) == 3:
+            covariance = np.asarray(covariance)[counted]
+        stamps = stamps[counted]
+        score = evaluate(stamps, attitude[counted], truth, covariance=covariance, **options)
+        if gyro_bias is None:
+            return score
+        true_bias = self.gyro_bias_at(stamps)
+        return replace(score, gyro_bias_rad_s=bias_error(np.asarray(gyro_bias)[counted], true_bias))
+
+    def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
+        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.
+
+        Raises
+        ------
+        InputError
+            If the run does not tell it.
+        """
+        if self.imu is None or self.imu.gyro_bias is None:
+            raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
+        return np.stack(
+            [np.interp(np.asarray(t_ns, dtype=np.int64), self.imu.t_ns, axis) for axis in self.imu.gyro_bias.T], axis=-1
+        )
+
+    def stamps_of(self, length: int) -> Integers:
+        """The stamps of so many readings of the IMU, or of samples of the truth, ns.
+
+        Raises
+        ------
+        InputError
+            If neither has that number.
+        """
+        if self.imu is not None and len(self.imu.t_ns) == length:
+            return self.imu.t_ns
+        if len(self.t_ns) == length:
+            return self.t_ns
+        readings = 0 if self.imu is None else len(self.imu.t_ns)
+        raise InputError(
+            f"an estimate of {length} rows goes neither with {readings} readings of the IMU nor with "
+            f"{len(self.t_ns)} samples of the truth: give its stamps as t_ns"
+        )
+
+    def _bounds(self) -> Iterator[tuple[Segment, int, int]]:
+        """Each segment, with the first stamp that may be in it and the first after it."""
+        for i, (segment, later) in enumerate(zip_longest(self.segments, self.segments[1:])):
+            yield segment, segment.start_ns if i else 0, END_OF_TIME if later is None else later.start_ns
+
+    def _between(self, begin: int, end: int) -> Taken:
+        def inside(t_ns: Integers) -> Booleans:
+            return np.asarray((t_ns >= begin) & (t_ns < end))
+
+        kept = inside(self.t_ns)
+        states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
+        imu = magnetometer = None
+        if self.imu is not None:
+            imu = _samples(self.imu, inside(self.imu.t_ns))
+        if self.magnetometer is not None:
+            read = inside(self.magnetometer.t_ns)
+            magnetometer = MagnetometerSamples(self.magnetometer.t_ns[read], self.magnetometer.field[read])
+        return Taken(Samples(self.t_ns[kept], states), imu, magnetometer)
+
+
+def _imu(samples: ImuSamples) -> ImuArrays:
+    readings = samples.readings
+    return ImuArrays(
+        samples.stamps_ns,
+        readings.angular_velocity,
+        readings.linear_acceleration,
+        readings.gyro_bias,
+        readings.accelerometer_bias,
+    )
+
+
+def _first_after(stamps: Integers, after_s: float) -> int:
+    """Number of the first stamp so many seconds after the first, s."""
+    late = np.flatnonzero(stamps >= stamps[0] + round(after_s * 1e9)) if stamps.size else stamps
+    if not late.size:
+        raise InputError(f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time")
+    return int(late[0])
+
+
+def _recorded_imu(data: VectorTrack, bias: VectorTrack | None) -> ImuArrays:
+    gyro, specific_force = data.vectors
+    return ImuArrays(data.stamps_ns, gyro, specific_force, *_biases(data.stamps_ns, bias))
+
+
+def _biases(t_ns: Integers, bias: VectorTrack | None) -> tuple[Array | None, Array | None]:
+    """Biases of gyro and accelerometer at the stamps of readings."""
+    if bias is None:
+        return None, None
+    if np.array_equal(bias.stamps_ns, t_ns):
+        gyro, accelerometer = bias.vectors
+        return gyro, accelerometer
+    order = np.argsort(bias.stamps_ns, kind="stable")
+    place = order[np.minimum(np.searchsorted(bias.stamps_ns[order], t_ns), len(order) - 1)]
+    told = (bias.stamps_ns[place] == t_ns)[:, np.newaxis]
+    gyro, accelerometer = (np.where(told, vectors[place], np.nan) for vectors in bias.vectors)
+    return gyro, accelerometer
+
+
+def _samples(imu: ImuArrays, kept: Booleans) -> ImuSamples:
+    if imu.gyro_bias is None or imu.accelerometer_bias is None:
+        raise InputError("the run does not tell the biases of its IMU, which a bag holds: record imu/bias as well")
+    columns = (imu.gyro, imu.specific_force, imu.gyro_bias, imu.accelerometer_bias)
+    return ImuSamples(imu.t_ns[kept], ImuReadings(*(column[kept] for column in columns)))

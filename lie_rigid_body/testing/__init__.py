@@ -1,0 +1,147 @@
+"""Tests of attitude filters: a plugin of pytest with runs to filter, and an assertion that says what is wrong.
+
+The plugin is loaded by its entry point, and loads nothing heavy before a test wants a run. A test that takes the
+fixture `attitude_run` is called with a `lie_rigid_body.Run` of every shipped scenario and sensor grade, or of those
+that its marker chooses::
+
+    @pytest.mark.attitude_run(scenarios=["tumbling_cubesat"], grades=["perfect", "mems"], duration=60.0)
+    def test_my_filter(attitude_run):
+        estimate = my_filter(attitude_run.imu.t_ns, attitude_run.imu.gyro, attitude_run.imu.specific_force)
+        assert_attitude(estimate, attitude_run, max_rms_deg=1.0, after_s=10.0)
+
+Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from lie_rigid_body.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from lie_rigid_body.evaluation import Score
+    from lie_rigid_body.runs import Run
+
+__all__ = ["assert_attitude", "attitude_run"]
+
+FIXTURE: Final = "attitude_run"
+"""Name of the fixture, and of its marker."""
+PARAMETERS: Final[dict[str, object]] = {
+    "duration": 30.0,
+    "motion": "closed_form",
+    "imu_rate": 100.0,
+    "magnetometer_rate": 100.0,
+    "gyro_rate": "integrated",
+    "accelerometer_mode": "pivot_gravity",
+}
+"""Arguments of `lie_rigid_body.simulate` that a marker may override."""
+
+_runs: dict[str, Run] = {}
+"""Runs that tests of this process have asked for, by their arguments."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the marker."""
+    config.addinivalue_line(
+        "markers",
+        f"{FIXTURE}(scenarios=None, grades=None, **parameters): runs of the fixture of that name, by scenario and "
+        "sensor grade, all by default; further arguments are those of lie_rigid_body.simulate",
+    )
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Call a test with every run that its marker chooses, unless it chooses them by ``parametrize``."""
+    if FIXTURE not in metafunc.fixturenames or _is_parametrised(metafunc):
+        return
+
+    from lie_rigid_body.scenario.parameter_file import scenario_files
+    from lie_rigid_body.sensors import GRADES
+
+    marker = metafunc.definition.get_closest_marker(FIXTURE)
+    chosen = dict(marker.kwargs) if marker else {}
+    scenarios, grades = chosen.get("scenarios") or list(scenario_files()), chosen.get("grades") or list(GRADES)
+    pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
+    metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
+
+
+def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
+    names = [mark.args[0] for mark in metafunc.definition.iter_markers("parametrize") if mark.args]
+    return any(FIXTURE in (name.split(",") if isinstance(name, str) else name) for name in names)
+
+
+@pytest.fixture
+def attitude_run(request: pytest.FixtureRequest) -> Run:
+    """A simulated run of a scenario and a sensor grade, the same in every run of the tests.
+
+    Without a marker it lasts 30 s, with IMU and magnetometer at 100 Hz, the gyro integrated, the body held at its mass
+    centre. The marker ``attitude_run`` chooses scenarios and grades, and gives further arguments of `simulate`.
+    """
+    from lie_rigid_body.runs import simulate
+
+    scenario, grade = request.param
+    marker = request.node.get_closest_marker(FIXTURE)
+    chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
+    given: dict[str, Any] = {**PARAMETERS, "sensor_grade": grade, **chosen}
+    key = json.dumps([str(scenario), given], sort_keys=True, default=repr)
+    if key not in _runs:
+        _runs[key] = simulate(scenario, **given)
+    return _runs[key]
+
+
+def assert_attitude(
+    estimate: ArrayLike,
+    run: Run,
+    *,
+    max_rms_deg: float | None = None,
+    max_after: str | tuple[str, ...] = (),
+    after_s: float = 0.0,
+    t_ns: ArrayLike | None = None,
+    **options: Any,
+) -> Score:
+    """Assert that an attitude estimate keeps its limits; if not, the message tells the error and its causes.
+
+    Parameters
+    ----------
+    estimate : array_like, shape (K, 4)
+        World-from-body, scalar last.
+    run : Run
+    max_rms_deg : float, optional
+        Largest RMS of the total error, degrees.
+    max_after : str or tuple of str
+        Largest total error after a time since the first estimate that counts, such as ``"10s:2deg"``.
+    after_s : float
+        Estimates of so many seconds from the first on do not count: a filter converges.
+    t_ns : array_like of int, shape (K,), optional
+        Stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+    **options
+        Further arguments of `Run.score`, such as ``covariance`` and ``gyro_bias``.
+
+    Returns
+    -------
+    Score
+        For further assertions.
+
+    Raises
+    ------
+    AssertionError
+        If a limit is broken.
+    InputError
+        If there is no limit, or the estimate is unusable: not finite, empty, out of order.
+    """
+    __tracebackhide__ = True
+    from lie_rigid_body.evaluation import Limits
+    from lie_rigid_body.evaluation.summary import findings, table
+
+    limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
+    if limits == Limits():
+        raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")
+    score = run.score(estimate, t_ns, after_s=after_s, limits=limits, **options)
+    if score.passed:
+        return score
+    broken = "; ".join(score.broken)
+    raise AssertionError("\n".join([broken, "", *table(score), "", *findings(score)]))

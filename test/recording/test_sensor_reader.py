@@ -1,0 +1,64 @@
+"""The sensors of a bag: the same numbers however the bag is cut, and refusals that name the topic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zstandard
+from test_bag_reader import rewrite
+
+from lie_rigid_body import BagError, Run, simulate
+
+IMU, BIAS = "/imu/data_raw", "/imu/bias"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = simulate(
+        duration=1.0, rate=10.0, imu_rate=50.0, magnetometer_rate=20.0, gyro_noise_density=1e-3, gyro_turn_on_bias=0.1
+    )
+    path = tmp_path_factory.mktemp("sensors") / "whole.mcap"
+    run.to_bag(path)
+    return path
+
+
+def numbers(run: Run) -> list[bytes]:
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    return [np.asarray(value).tobytes() for part in (run.imu, run.magnetometer) for value in vars(part).values()]
+
+
+@pytest.mark.parametrize("chunk_size", [1, 2000])
+def test_sensors_are_the_same_in_many_chunks_and_files(whole: Path, tmp_path: Path, chunk_size: int) -> None:
+    for part in range(3):
+        inside = range(70 * part, 1000 if part == 2 else 70 * (part + 1))
+        rewrite(
+            whole,
+            tmp_path / f"{part}.mcap",
+            keep=lambda number, topic, inside=inside: number in inside,  # type: ignore[misc]
+            chunk_size=chunk_size,
+        )
+    cut = Run.from_bag(tmp_path)
+    assert numbers(cut) == numbers(Run.from_bag(whole))
+    assert len(cut.t_ns) == 10
+
+
+@pytest.mark.parametrize(
+    ("topic", "change", "said"),
+    [
+        (IMU, zstandard.compress, "compressed one by one"),
+        (IMU, lambda data: data[:100], r"topic /imu/data_raw: message 0 has 100 bytes.*: record the bag again"),
+        (BIAS, lambda data: b"\x07" + data[1:], r"topic /imu/bias: message 0 begins with 07 .* not plain CDR"),
+    ],
+)
+def test_messages_that_are_no_readings_are_refused_by_topic(
+    whole: Path, tmp_path: Path, topic: str, change: Callable[[bytes], bytes], said: str
+) -> None:
+    path = rewrite(
+        whole, tmp_path / "x.mcap", change=lambda number, name, data: change(data) if name == topic else data
+    )
+    with pytest.raises(BagError, match=said):
+        Run.from_bag(path)

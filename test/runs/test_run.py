@@ -1,0 +1,287 @@
+"""Runs as arrays: the same bits from a simulation and from its bag, and the truth between samples."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.writer import Writer
+
+from lie_rigid_body import BagError, ClosedForm, InputError, Run, Scenario, simulate
+from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.runs import ImuArrays
+from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.wording import LONGEST_LINE
+
+SENSORS: dict[str, Any] = {
+    "imu_rate": 200.0,
+    "magnetometer_rate": 50.0,
+    "accelerometer_mode": "pivot_gravity",
+    "gyro_noise_density": 1e-3,
+    "gyro_turn_on_bias": 1e-2,
+    "gyro_bias_random_walk": 1e-4,
+    "magnetometer_noise_density": 1e-8,
+}
+SCENARIO = "tumbling_cubesat"
+DURATION = 2.0
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate(SCENARIO, duration=DURATION, **SENSORS)
+
+
+def arrays(run: Run) -> list[np.ndarray]:
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    assert run.imu.gyro_bias is not None
+    assert run.imu.accelerometer_bias is not None
+    return [
+        run.t_ns,
+        run.truth.attitude_xyzw,
+        run.truth.body_rate,
+        run.imu.t_ns,
+        run.imu.gyro,
+        run.imu.specific_force,
+        run.imu.gyro_bias,
+        run.imu.accelerometer_bias,
+        run.magnetometer.t_ns,
+        run.magnetometer.field,
+    ]
+
+
+def imu_of(run: Run) -> ImuArrays:
+    assert run.imu is not None
+    return run.imu
+
+
+def bits(run: Run) -> list[bytes]:
+    return [array.tobytes() for array in arrays(run)]
+
+
+def test_shapes_and_stamps(run):
+    assert [array.shape for array in arrays(run)] == [
+        *[(40,), (40, 4), (40, 3)],
+        *[(400,), (400, 3), (400, 3), (400, 3), (400, 3)],
+        *[(100,), (100, 3)],
+    ]
+    assert run.t_ns.dtype == run.imu.t_ns.dtype == np.int64
+    assert run.imu.t_ns[-1] == 1_995_000_000
+    assert run.scenario.rate == 20.0
+
+
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_bits_and_bytes_are_those_of_record(tmp_path, motion):
+    own, recorded = tmp_path / "own.mcap", tmp_path / "recorded.mcap"
+    run = simulate(SCENARIO, duration=DURATION, motion=motion, **SENSORS)
+    run.to_bag(own)
+    given = [f"-p{name}:={value}" for name, value in {**SENSORS, "motion": motion}.items()]
+    command = [sys.executable, "-m", "lie_rigid_body", "record", str(recorded), "--quiet", f"--duration={DURATION}"]
+    subprocess.run([*command, "--scenario", SCENARIO, *given], check=True)
+    assert own.read_bytes() == recorded.read_bytes()
+    read = Run.from_bag(recorded)
+    assert bits(read) == bits(run)
+    assert read.scenario == run.scenario
+
+
+def test_a_run_has_the_certificate_of_its_bag(run, tmp_path):
+    run.to_bag(tmp_path / "a.mcap")
+    found, of_bag = run.certificate(), Run.from_bag(tmp_path / "a.mcap").certificate()
+    assert found.passed
+    assert found.attitude_accuracy == of_bag.attitude_accuracy < 1e-14
+    assert found.messages == of_bag.messages
+    assert not run.certificate([1.5, 2.25, 3.0]).passed
+
+
+def test_an_existing_bag_is_kept_unless_told(run, tmp_path):
+    bag = tmp_path / "a.mcap"
+    run.to_bag(bag)
+    before = bag.read_bytes()
+    with pytest.raises(BagError, match="exists and is kept"):
+        run.to_bag(bag)
+    run.to_bag(bag, overwrite=True)
+    assert bag.read_bytes() == before
+
+
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_seeds_have_the_bits_of_single_runs_and_share_the_truth(motion):
+    given: dict[str, Any] = {"duration": 0.5, "motion": motion, "gyro_rate": "integrated", **SENSORS}
+    runs = simulate(SCENARIO, seeds=[7, 3, 7], **given)
+    assert [bits(r) for r in runs] == [bits(simulate(SCENARIO, sensor_seed=s, **given)) for s in (7, 3, 7)]
+    assert imu_of(runs[0]).gyro.tobytes() != imu_of(runs[1]).gyro.tobytes()
+    assert np.shares_memory(runs[0].truth.attitude_xyzw, runs[1].truth.attitude_xyzw)
+    assert [r.scenario.parameters()["sensor_seed"] for r in runs] == [7, 3, 7]
+
+
+def test_the_truth_is_computed_once_for_all_seeds(monkeypatch):
+    asked: list[int] = []
+    at = ClosedForm.at
+
+    def counting(self, t_ns):
+        asked.append(np.size(t_ns))
+        return at(self, t_ns)
+
+    monkeypatch.setattr(ClosedForm, "at", counting)
+    simulate(SCENARIO, duration=1.0, motion="closed_form", seeds=range(1), imu_rate=100.0)
+    alone = asked.copy()
+    simulate(SCENARIO, duration=1.0, motion="closed_form", seeds=range(9), imu_rate=100.0)
+    assert asked == alone + alone
+
+
+def test_a_run_without_sensors_and_a_scenario_of_ones_own(tmp_path):
+    scenario = Scenario.from_parameters({"rate": 10.0, "epoch_ns": 5})
+    run = simulate(scenario, duration=1, inertia=np.array([3.0, 4.0, 5.0]))
+    assert run.imu is None
+    assert run.magnetometer is None
+    assert run.scenario.inertia == (3.0, 4.0, 5.0)
+    assert run.t_ns[:2].tolist() == [5, 100_000_005]
+    run.to_bag(tmp_path / "a.mcap")
+    assert Run.from_bag(tmp_path / "a.mcap").imu is None
+    file = tmp_path / "p.yaml"
+    file.write_text("/**:\n  ros__parameters: {rate: 25.0}\n")
+    assert len(simulate(file, duration=1.0).t_ns) == 25
+    assert len(simulate(duration=0.1).t_ns) == 10
+
+
+def bag_with_a_reset(path: Path) -> None:
+    given = {"motion": "closed_form", "rate": 10.0, "imu_rate": 40.0, "gyro_noise_density": 1e-3}
+    simulation = Simulation(Scenario.from_parameters(given))
+    encoder = BatchEncoder(simulation.segment.scenario)
+    with BagWriter(path, stamped_twist=True) as bag:
+        for k, rate in enumerate([[0.3, 1.0, 0.0], [0.0, 0.2, 2.0]]):
+            if k:
+                simulation.reset(Scenario.from_parameters({**given, "initial_body_rate": rate}))
+            bag.begin_segment(simulation.segment)
+            bag.write(encoder.encode(simulation.take_until(simulation.segment.start_ns + 10**9 - 1, 10**6)))
+
+
+def test_a_bag_with_a_reset(tmp_path):
+    bag_with_a_reset(tmp_path / "a.mcap")
+    run = Run.from_bag(tmp_path / "a.mcap")
+    assert [segment.start_ns for segment in run.segments] == [0, 10**9]
+    assert run.magnetometer is None
+    assert len(run.t_ns) == 20
+    run.to_bag(tmp_path / "b.mcap")
+    again = Run.from_bag(tmp_path / "b.mcap")
+    assert imu_of(again).gyro.tobytes() == imu_of(run).gyro.tobytes()
+    assert again.segments == run.segments
+    # the truth between samples is that of the segment, on either side of the jump
+    truth = run.attitude()
+    for stamp in (10**9 - 1, 10**9 + 33_333_333):
+        segment = run.segments[stamp >= 10**9]
+        motion = ClosedForm(segment.scenario.body(), segment.scenario.start())
+        expected = motion.at(np.array([stamp - segment.start_ns])).attitude_xyzw
+        assert attitude_error(truth.at(np.array([stamp])), expected).total < 1e-14
+    assert truth.last_ns == 2 * 10**9 - 1
+
+
+def without_topic(source: Path, target: Path, topic: str, keep_every: int = 0) -> None:
+    from mcap.reader import make_reader
+
+    with source.open("rb") as stream, target.open("wb") as out:
+        writer, channels, count = Writer(out), {}, 0
+        writer.start(profile="ros2")
+        for schema, channel, message in make_reader(stream).iter_messages():
+            if channel.topic == topic:
+                count += 1
+                if not keep_every or count % keep_every:
+                    continue
+            if channel.topic not in channels:
+                assert schema is not None
+                number = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.topic] = writer.register_channel(channel.topic, "cdr", number)
+            writer.add_message(channels[channel.topic], message.log_time, message.data, message.publish_time)
+        writer.finish()
+
+
+def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
+    run.to_bag(tmp_path / "a.mcap")
+    without_topic(tmp_path / "a.mcap", tmp_path / "b.mcap", "/imu/bias")
+    read = Run.from_bag(tmp_path / "b.mcap")
+    imu = imu_of(read)
+    assert imu.gyro.tobytes() == imu_of(run).gyro.tobytes()
+    assert imu.gyro_bias is None
+    assert imu.accelerometer_bias is None
+    with pytest.raises(InputError, match="record imu/bias as well"):
+        read.to_bag(tmp_path / "c.mcap")
+    assert not (tmp_path / "c.mcap").exists()
+    without_topic(tmp_path / "a.mcap", tmp_path / "d.mcap", "/imu/bias", keep_every=4)
+    some = imu_of(Run.from_bag(tmp_path / "d.mcap")).gyro_bias
+    assert some is not None
+    told = np.arange(400) % 4 == 3
+    assert np.isnan(some[~told]).all()
+    np.testing.assert_array_equal(some[told], np.asarray(imu_of(run).gyro_bias)[told])
+    without_topic(tmp_path / "a.mcap", tmp_path / "e.mcap", "/lie_rigid_body/scenario")
+    with pytest.raises(BagError, match="tells body, motion and frames"):
+        Run.from_bag(tmp_path / "e.mcap")
+
+
+@pytest.mark.parametrize("method", ["dmv20", "rkmk1"])
+def test_the_truth_between_samples_is_the_motion_that_the_sensors_read(method):
+    given: dict[str, Any] = {
+        "duration": 5.0,
+        "method": method,
+        "initial_body_rate": [1.0, 2.0, -0.5],
+        "max_step": 0.01,
+        "rate": 20.0,
+    }
+    run = simulate(**given)
+    fine = simulate(**{**given, "rate": 100.0}, motion="moving_chart")
+    truth = run.attitude()
+    at_samples = attitude_error(truth.at(run.t_ns), run.truth.attitude_xyzw).total
+    assert at_samples.max() < 1e-14
+    between = attitude_error(truth.at(fine.t_ns[:490]), fine.truth.attitude_xyzw[:490]).total
+    exact = ClosedForm(run.scenario.body(), run.scenario.start()).at(fine.t_ns[:490]).attitude_xyzw
+    off = attitude_error(exact, fine.truth.attitude_xyzw[:490]).total
+    assert between.max() < (1e-14 if method == "dmv20" else 0.01 * off.max())
+    assert truth.uncertainty_at(fine.t_ns) < (1e-14 if method == "dmv20" else 1e-2 * off.max())
+
+
+def test_scores_of_a_run(run):
+    truth = run.attitude()
+    late = run.score(truth.at(np.maximum(run.imu.t_ns - 4_000_000, 0)))
+    assert late.samples == 400
+    assert [finding.code for finding in late.findings] == ["lagging"]
+    assert abs(late.lag_s - 0.004) < 1e-6
+    assert run.score(run.truth.attitude_xyzw).total_deg.max < 1e-12
+    assert run.score(run.truth.attitude_xyzw[::2], run.t_ns[::2]).samples == 20
+    with pytest.raises(InputError, match="17 rows goes neither with 400 readings of the IMU nor with 40 samples"):
+        run.score(run.truth.attitude_xyzw[:17])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"scenario": "perpetual", "duration": 1.0}, "'perpetual' is unknown"),
+        ({"duration": 0.0}, "duration 0 is not a time"),
+        ({"duration": float("nan")}, "duration nan is not a time"),
+        ({"duration": "60"}, "duration '60' is not a number"),
+        ({"duration": 1.0, "imu_rte": 3.0}, "did you mean imu_rate"),
+        ({"duration": 1.0, "seeds": [1], "sensor_seed": 2}, "beside seeds"),
+        ({"duration": 1.0, "seeds": [-1]}, "sensor_seed: -1 is outside"),
+        ({"scenario": 5, "duration": 1.0}, "scenario 5 is no name"),
+    ],
+)
+def test_refusals_are_one_line(arguments, message):
+    with pytest.raises(InputError, match=message) as error:
+        simulate(**arguments)
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) <= LONGEST_LINE
+
+
+def test_the_error_of_an_estimated_bias(run):
+    bias = np.asarray(imu_of(run).gyro_bias) + np.array([3e-3, 0.0, -4e-3])
+    score = run.score(run.attitude().at(imu_of(run).t_ns), gyro_bias=bias)
+    assert score.gyro_bias_rad_s is not None
+    assert score.gyro_bias_rad_s.rms == pytest.approx(5e-3, rel=1e-12)
+    assert score.to_json()["gyro_bias_rad_s"] == score.gyro_bias_rad_s.to_json()
+    middle = run.gyro_bias_at(imu_of(run).t_ns[:-1] + 2_500_000)
+    np.testing.assert_allclose(middle, 0.5 * (bias[1:] + bias[:-1]) - np.array([3e-3, 0.0, -4e-3]), rtol=0, atol=1e-15)
+    with pytest.raises(InputError, match="does not tell the bias"):
+        simulate(SCENARIO, duration=1.0).gyro_bias_at([0])

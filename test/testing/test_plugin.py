@@ -1,0 +1,127 @@
+"""The plugin for tests of filters, in pytest processes of their own, as its users have it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import InputError, Run, simulate
+from lie_rigid_body.scenario.parameter_file import scenario_files
+from lie_rigid_body.sensors import GRADES
+from lie_rigid_body.testing import assert_attitude
+
+ROOT = Path(__file__).parents[2]
+PLUGIN = "lie_rigid_body.testing"
+
+
+def run_pytest(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Pytest in a folder of its own; the plugin is named, as this checkout need not be what is installed."""
+    command = [sys.executable, "-m", "pytest", "-p", PLUGIN, "-p", "no:cacheprovider", *arguments]
+    nothing_left = {"PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_STORAGE_DIRECTORY": os.devnull}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **nothing_left}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+def outcome(done: subprocess.CompletedProcess[str], **counts: int) -> str:
+    last = done.stdout.splitlines()[-1]
+    assert all(f"{count} {what}" in last for what, count in counts.items()), done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate("prolate_top", duration=5.0, imu_rate=50.0, motion="closed_form", sensor_grade="mems")
+
+
+def stamps(run: Run) -> np.ndarray:
+    assert run.imu is not None
+    return run.imu.t_ns
+
+
+def test_loading_it_loads_nothing_heavy():
+    code = f"import sys, {PLUGIN}; print(sorted({{'numpy', 'scipy', 'yaml', 'hypothesis', 'mcap'}} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.long
+def test_the_worked_example_passes():
+    done = run_pytest(ROOT / "examples" / "complementary_filter", "-q")
+    outcome(done, passed=2 * len(GRADES) + 2)
+
+
+def test_runs_by_marker_by_parametrize_and_all_of_them(tmp_path):
+    (tmp_path / "test_user.py").write_text(
+        """
+import pytest
+
+def test_all(attitude_run):
+    raise AssertionError("only collected")
+
+@pytest.mark.attitude_run(scenarios=["dzhanibekov"], grades=["mems", "perfect"], duration=0.5, imu_rate=40.0)
+def test_marked(attitude_run):
+    assert len(attitude_run.imu.t_ns) == 20
+    assert attitude_run.scenario.inertia == (1.0, 2.0, 3.0)
+    assert attitude_run.scenario.sensors.imu.gyro.noise_density == 0.0 or attitude_run.scenario.sensor_grade == "mems"
+
+first = []
+
+@pytest.mark.attitude_run(duration=0.5)
+@pytest.mark.parametrize("attitude_run", [("flat_plate", "tactical")] * 2, indirect=True)
+def test_parametrised(attitude_run):
+    first.append(attitude_run)
+    assert attitude_run is first[0]
+    assert attitude_run.scenario.sensor_grade == "tactical"
+"""
+    )
+    listed = run_pytest(tmp_path, "--collect-only", "-q", "--strict-markers").stdout
+    assert listed.count("test_all[") == len(scenario_files()) * len(GRADES)
+    assert "test_marked[dzhanibekov-mems]" in listed
+    done = run_pytest(tmp_path, "-q", "--strict-markers", "-k", "not test_all")
+    outcome(done, passed=4)
+
+
+def test_a_failure_tells_the_error_and_its_cause(run):
+    late = run.attitude().at(np.maximum(stamps(run) - 20_000_000, 0))
+    with pytest.raises(AssertionError) as failure:
+        assert_attitude(late, run, max_rms_deg=0.01, max_after="1s:2deg")
+    message = str(failure.value)
+    assert message.startswith("the error is ")
+    assert "rms, above the limit of 0.01°" in message
+    for wanted in ("\ntotal  ", "\nheading  ", "\ninclination  ", "\nlagging: The estimate is late by 0.02 s"):
+        assert wanted in message
+
+
+def test_a_score_is_returned_and_the_beginning_can_be_left_out(run):
+    wrong = run.attitude().at(stamps(run)).copy()
+    wrong[:50] = [0.0, 0.0, 0.0, 1.0]
+    with pytest.raises(AssertionError):
+        assert_attitude(wrong, run, max_rms_deg=0.1)
+    score = assert_attitude(wrong, run, max_rms_deg=0.1, after_s=1.0, gyro_bias=run.gyro_bias_at(stamps(run)))
+    assert score.samples == 200
+    assert score.findings == ()
+    assert score.gyro_bias_rad_s is not None
+    assert score.gyro_bias_rad_s.max == 0.0
+    covariance = np.tile(np.eye(3) * 1e-6, (250, 1, 1))
+    assert assert_attitude(wrong, run, max_rms_deg=0.1, after_s=1.0, covariance=covariance).consistency is not None
+    few = assert_attitude(wrong[60:80], run, t_ns=stamps(run)[60:80], max_after="0s:0.1deg")
+    assert few.samples == 20
+
+
+def test_what_cannot_be_judged_is_refused_in_one_line(run):
+    right = run.attitude().at(stamps(run))
+    for given, message in [
+        ({"estimate": right}, "needs a limit"),
+        ({"estimate": right[:7], "max_rms_deg": 1.0}, "give its stamps as t_ns"),
+        ({"estimate": np.full((250, 4), np.nan), "max_rms_deg": 1.0}, "not finite"),
+        ({"estimate": right, "max_rms_deg": 1.0, "after_s": 9.0}, "beyond the last estimate"),
+        ({"estimate": right, "max_after": "10s"}, "give for example 10s:2deg"),
+    ]:
+        with pytest.raises(InputError, match=message) as error:
+            assert_attitude(run=run, **given)
+        assert "\n" not in str(error.value)
