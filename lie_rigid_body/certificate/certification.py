@@ -171,7 +171,7 @@ def _notes(found: SurveyedSegment, held: SegmentLaws, *, attitude_holds: bool) -
 def _loss(found: SurveyedSegment) -> str:
     """Who lost the messages of a gap, after which all go on as if none were missing."""
     return (
-        f"{found.stamps.worst:.0f} messages are missing ({found.unpaired} samples are on one topic only); those "
+        f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
         "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
         "network lost them: give the recorder a deeper history (docs/ros.md)"
     )

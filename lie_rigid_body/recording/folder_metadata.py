@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.mcap_reader import FileSpan, McapContents
+from lie_rigid_body.recording.mcap_reader import COMPRESSED_ONE_BY_ONE, FileSpan, McapContents
 
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
@@ -31,6 +31,8 @@ def hold(metadata: Path, information: Mapping[str, Any], contents: McapContents)
     BagError
         Naming the first entry that does not fit.
     """
+    if str(information.get("compression_mode")).upper() == "MESSAGE":
+        raise BagError(f"{metadata.parent}: {COMPRESSED_ONE_BY_ONE}")
     try:
         found = dict(_faults(metadata.parent, information, contents))
     except (TypeError, LookupError, AttributeError, ValueError):

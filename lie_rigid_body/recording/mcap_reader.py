@@ -63,6 +63,10 @@ _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
 _PROFILES: Final = ("ros2", "")
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of whatever zstd compressed."""
+COMPRESSED_ONE_BY_ONE: Final = (
+    "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
+    "'ros2 bag convert'"
+)
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
 _KEPT_AT_LEAST: Final = 64 * 2**20

@@ -12,7 +12,7 @@ from lie_rigid_body import messages
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.recording.mcap_reader import ZSTD_MAGIC, RawMessages, RawTrack
+from lie_rigid_body.recording.mcap_reader import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC, RawMessages, RawTrack
 
 
 @contextmanager
@@ -41,10 +41,7 @@ def taken(path: Path, track: RawTrack) -> list[RawMessages]:
     require_cdr(path, track)
     pieces = track.take()
     if pieces and pieces[0].data[pieces[0].starts[0] :].startswith(ZSTD_MAGIC):
-        raise BagError(
-            f"{path}: its messages are compressed one by one: record without '--compression-mode message', "
-            "or unpack it with 'ros2 bag convert'"
-        )
+        raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
     return pieces
 
 

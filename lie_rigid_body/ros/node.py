@@ -31,6 +31,12 @@ from lie_rigid_body.scenario.parameter_file import NODE_NAME
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
 """The topics of the node, wanted or not: each has a type of its own, or means something else."""
+SERVICES: Final = (
+    *("~/reset", "~/pause", "~/resume", "~/step"),
+    *("~/describe_parameters", "~/get_parameter_types", "~/get_parameters", "~/list_parameters", "~/set_parameters"),
+    *("~/set_parameters_atomically", "~/get_type_description"),
+)
+"""The services of the node, those of every node among them, without the standard ones of simulators."""
 LOOK_INTERVAL: Final = 25.0
 """Time between two looks for other nodes of the same name, s: one that was killed is seen for 20 s more."""
 LOOKS: Final = 2
@@ -59,7 +65,8 @@ class SimulatorNode(Node):
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         with translated_errors("this node"):
             super().__init__(NODE_NAME, start_parameter_services=False)
-        _require_distinct({topic: self.resolve_topic_name(topic) for topic in TOPICS})
+        _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in TOPICS})
+        _require_distinct("services", {service: self.resolve_service_name(service) for service in SERVICES})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
@@ -139,8 +146,8 @@ class SimulatorNode(Node):
         return act
 
 
-def _require_distinct(full_names: Mapping[str, str]) -> None:
-    """Refuse two topics of one name: some middlewares do if their types differ, others send both without a word."""
+def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:
+    """Refuse two topics, or services, of one name: some middlewares do if their types differ, others take both."""
     for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
         if its_name == other_name:
-            raise InputError(f"the topics {one} and {other} would both be {its_name}: give each a name of its own")
+            raise InputError(f"the {kind} {one} and {other} would both be {its_name}: give each a name of its own")

@@ -332,7 +332,7 @@ def test_a_recorders_gap_is_told_as_one_and_as_the_recorders(bag, tmp_path):
     assert law.stamp_ns == segment.segment.clock().stamp_ns(100)
     notes = "; ".join(segment.notes)
     assert "begins at sample 3" in notes
-    assert "41 messages are missing (41 samples are on one topic only)" in notes
+    assert "messages missing: 41 (samples on one topic only: 41)" in notes
     assert "the node published them, and the recorder or the network lost them" in notes
     own = certificate(bag, tmp_path, lost)
     assert (own.segments[0].law("stamps").worst, own.segments[0].notes) == (41, ())

@@ -223,6 +223,12 @@ def test_messages_compressed_one_by_one_are_refused_by_the_name_of_the_option(
     path = rewrite(make_bag(), tmp_path / "x.mcap", change=lambda number, topic, data: zstandard.compress(data))
     with pytest.raises(BagError, match="record without '--compression-mode message'"):
         read_bag(path)
+    bag = folder(tmp_path, "x.mcap")
+    path.rename(bag / "x.mcap")
+    with (bag / "metadata.yaml").open("a") as metadata:
+        metadata.write("  compression_mode: MESSAGE\n  compression_format: zstd\n")
+    with pytest.raises(BagError, match="record without '--compression-mode message'"):
+        read_bag(bag)
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,11 @@ CASES = {
     ),
     "ros: topic of another type": (["--ros-args", "-r", "pose:=/rosout"], ["pose and /rosout", "both be /rosout"]),
     "ros: the clock is no twist": (["--ros-args", "-r", "twist:=/clock"], ["twist and /clock", "both be /clock"]),
+    "ros: reset on pause": (["--ros-args", "-r", "~/reset:=~/pause"], ["services ~/reset and ~/pause", "both be"]),
+    "ros: reset on parameters": (
+        ["--ros-args", "-r", "~/reset:=~/set_parameters"],
+        ["services ~/reset and ~/set_parameters", "both be"],
+    ),
     "ros: bad topic name": (["--ros-args", "-r", "pose:=/a//b"], ["pose:=/a//b"]),
     "ros: long node name": (["--ros-args", "-r", f"__node:={300 * 'n'}"], ["this node", "at most 200"]),
     "ros: node name too long for services": (
