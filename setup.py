@@ -24,6 +24,7 @@ ROS_NAMES = [
     f"sim = {NAME}.ros.sim:main",
     f"record = {NAME}.cli.record:main",
     f"check = {NAME}.cli.check:main",
+    f"recover = {NAME}.cli.recover:main",
     f"plot = {NAME}.cli.plot:main",
     f"evaluate = {NAME}.cli.evaluate:main",
     f"explain = {NAME}.cli.explain:main",

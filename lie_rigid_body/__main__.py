@@ -27,6 +27,7 @@ VERBS = {
     "sim": Verb("lie_rigid_body.ros.sim", "run the live ROS 2 node"),
     "record": Verb("lie_rigid_body.cli.record", "write a bag, without ROS"),
     "check": Verb("lie_rigid_body.cli.check", "certify that a bag obeys the conservation laws"),
+    "recover": Verb("lie_rigid_body.cli.recover", "rescue what is whole of a bag that was cut off"),
     "plot": Verb("lie_rigid_body.cli.plot", "draw a bag: body rate, drifts and polhode"),
     "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate in a bag"),
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),

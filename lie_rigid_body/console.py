@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, shortened
 
 if TYPE_CHECKING:
@@ -135,6 +136,21 @@ def _open_standard_streams() -> None:
     os.close(descriptor)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
     sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
+
+
+def seconds(stamp_ns: int) -> str:
+    """A stamp in seconds, to the nanosecond."""
+    return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
+
+
+def size(count: int) -> str:
+    """A number of bytes as people read it."""
+    value = float(count)
+    for unit in ("B", "kB", "MB", "GB", "TB"):
+        if value < 1000.0 or unit == "TB":
+            break
+        value /= 1000.0
+    return f"{value:.4g} {unit}"
 
 
 def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:

@@ -45,7 +45,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "campaign": BAG | {"certificate"},
     "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
-    "console": {"scenario", "interruption"},
+    "console": {"parameters", "scenario", "interruption"},
     "cli": EDGE | {"campaign"},
     "ros": EDGE,
     "": SCENARIO | {"simulation", "evaluation", "runs"},

@@ -8,17 +8,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.parameters import Value
-from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.simulation import Simulation
 
 BAGS: Final = "bags"
 """The folder of the bags, in that of the campaign."""
-
-_LARGEST_BATCH: Final = 1024
-"""Largest number of samples computed and written at once."""
 
 
 @dataclass(frozen=True)
@@ -84,17 +79,11 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     from lie_rigid_body.recording.bag_reader import read_bag
 
     scenario = campaign.scenario_of(run)
-    _record(scenario, campaign, path)
+    scenario.expect(campaign.duration)
+    simulation = Simulation(scenario)
+    last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
+    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
+        for _ in write_run(bag, simulation, last_ns):
+            pass
     certificate = certify(read_bag(path))
     return Row(run, campaign.varied(run), certificate.passed, certificate.attitude_accuracy, name)
-
-
-def _record(scenario: Scenario, campaign: Campaign, path: Path) -> None:
-    simulation = Simulation(scenario)
-    encoder = BatchEncoder(scenario)
-    last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
-    batch = scenario.batch_size(_LARGEST_BATCH, 10 * _LARGEST_BATCH)
-    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
-        bag.begin_segment(simulation.segment)
-        while simulation.next_stamp_ns <= last_ns:
-            bag.write(encoder.encode(simulation.take_until(last_ns, batch)))

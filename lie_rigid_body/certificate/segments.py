@@ -193,6 +193,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     declared = declared_segments(text for _, text in bag.scenario_texts)
     segments = [_with_inertia(segment, inertia) for segment in declared.values()]
     facts, own = _Facts(), as_written(bag)
+    cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
     facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
     tallies = [_SegmentTally(segment) for segment in segments]
     pairing = Pairing()
@@ -211,7 +212,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     for i, tally in enumerate(tallies):
         following = segments[i + 1].start_ns if i + 1 < len(segments) else None
         if not tally.is_empty or _should_have_samples(tally.segment, following, own or found):
-            found.append(tally.result(following, late_start=not own and not found, open_end=not own))
+            found.append(tally.result(following, late_start=not own and not found, open_end=not own, cut_off=cut_off))
     if not any(segment.count for segment in found):
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     return facts.survey(found, segments, as_written=own)
@@ -290,10 +291,17 @@ class _SegmentTally:
         self._longest = max(self._longest, float(spans.max()))
         self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
 
-    def result(self, following: int | None, *, late_start: bool, open_end: bool) -> SurveyedSegment:
+    def result(self, following: int | None, *, late_start: bool, open_end: bool, cut_off: bool) -> SurveyedSegment:
         """The segment, before one that starts at ``following``, ns."""
-        segment = self.segment
-        law = stamp_law(segment, following, self.stamps, late_start=late_start, open_end=open_end and following is None)
+        segment, is_last = self.segment, following is None
+        law = stamp_law(
+            segment,
+            following,
+            self.stamps,
+            late_start=late_start,
+            open_end=open_end and is_last,
+            cut_off=cut_off and is_last,
+        )
         if not self._count:
             return SurveyedSegment(segment, 0, None, None, law, late_start, 0)
         first = int(number_samples(segment.clock(), np.array([self._first_ns]))[0])

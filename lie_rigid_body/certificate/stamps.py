@@ -63,6 +63,7 @@ def stamp_law(
     *,
     late_start: bool,
     open_end: bool,
+    cut_off: bool,
 ) -> LawResult:
     """Whether every topic has every sample of the segment once, in order, stamped on the grid.
 
@@ -76,6 +77,8 @@ def stamp_law(
     late_start, open_end : bool
         Whether the recording may begin after the start, or end at a different sample on each topic (a recorder that
         subscribes to a running node does both).
+    cut_off : bool
+        Whether the recording may lack the twist of its last pose, which is written after it.
 
     Returns
     -------
@@ -90,7 +93,7 @@ def stamp_law(
     faults = []
     for topic, tally in tallies.items():
         first = tally.low if late_start and tally.count else segment.first_sample
-        last = tally.high if open_end and tally.count else end
+        last = tally.high if open_end and tally.count else end - (cut_off and topic == "twist")
         faults += tally.faults(topic, first, last)
     unit = next(
         (kind for kind in (OFF_GRID, GAP, DUPLICATE, DISORDER) if any(f.kind == kind for f in faults)), OFF_GRID

@@ -15,32 +15,30 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.parameters import NS
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-BYTES_PER_SAMPLE: Final = 105
-"""Bytes of a pose and a twist in a bag, compressed."""
-BYTES_PER_READING: Final = 130
-"""Bytes of a reading in a bag, compressed: a little more than an IMU with noise takes, its bias included."""
+COMPRESSIONS: Final = {"zstd": "zstd", "lz4": "lz4", "none": ""}
+"""Their names for users, and in MCAP files."""
+BYTES_PER_SAMPLE: Final = {"zstd": 105, "lz4": 130, "none": 260}
+"""Bytes of a pose and a twist in a bag."""
+BYTES_PER_READING: Final = {"zstd": 145, "lz4": 160, "none": 750}
+"""Bytes of a reading in a bag: a little more than an IMU with noise takes, its bias included."""
 LARGEST_DURATION: Final = 10**10
 """Longest duration, s: more is beyond every stamp of builtin_interfaces/Time."""
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 """Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
-_LARGEST_BATCH: Final = 1024
-"""Largest number of samples computed and written at once."""
-_STEPS_PER_BATCH: Final = 10_000
-"""Number of steps of the moving chart that a batch may take, if it holds more than one sample."""
+LARGEST_CHUNK: Final = 16 * 1024**2
 
 
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
-    duration = _duration(given.duration)
+    duration, chunk_size = _duration(given.duration), _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -52,9 +50,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     last_ns = simulation.clock.last_ns_before(duration)
     out = Path(given.out)
     simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
-    _require_room(out, count, _readings(scenario, duration))
+    _require_room(out, given.compression, count, _readings(scenario, duration))
+    scenario.expect(float(duration))  # before there is a file: what is loaded in it heeds no signal for a second
     with Interruption() as interruption:
-        with BagWriter(out, stamped_twist=scenario.stamped_twist, overwrite=given.force) as bag:
+        with BagWriter(
+            out,
+            stamped_twist=scenario.stamped_twist,
+            overwrite=given.force,
+            compression=COMPRESSIONS[given.compression],
+            chunk_size=chunk_size,
+        ) as bag:
             _record(simulation, bag, count, last_ns, interruption, quiet=given.quiet)
         return _report(bag, simulation, count, interruption, quiet=given.quiet)
 
@@ -65,6 +70,15 @@ def _parser() -> console.Parser:
     console.add_scenario_arguments(parser)
     parser.add_argument(
         "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+    )
+    parser.add_argument(
+        "--compression", choices=COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--chunk-size",
+        metavar="BYTES",
+        default=str(256 * 1024),
+        help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
     )
     parser.add_argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole")
     parser.add_argument("--quiet", action="store_true", help="print errors only")
@@ -82,6 +96,14 @@ def _duration(text: str) -> Fraction:
     return Fraction(value)
 
 
+def _chunk_size(text: str) -> int:
+    if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= LARGEST_CHUNK):
+        raise InputError(
+            f"--chunk-size {text} is not a number of bytes from 1 to {LARGEST_CHUNK}: give for example 262144"
+        )
+    return int(text)
+
+
 def _readings(scenario: Scenario, duration: Fraction) -> int:
     """The number of readings of all sensors in a time, s."""
     from lie_rigid_body.simulation import SampleClock
@@ -90,15 +112,15 @@ def _readings(scenario: Scenario, duration: Fraction) -> int:
     return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in sensors if sensor is not None)
 
 
-def _require_room(out: Path, count: int, readings: int) -> None:
+def _require_room(out: Path, compression: str, count: int, readings: int) -> None:
     try:
         total, _, free = shutil.disk_usage(out.parent)
     except OSError:
         return  # opening the file will say what is wrong with the folder
-    needed = count * BYTES_PER_SAMPLE + readings * BYTES_PER_READING
+    needed = count * BYTES_PER_SAMPLE[compression] + readings * BYTES_PER_READING[compression]
     if needed > free and total:  # /proc and its like have no size at all
         raise BagError(
-            f"{out}: {count} samples need about {_size(needed)} and {_size(free)} are free there: "
+            f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
             "record a shorter time, a lower rate, or elsewhere"
         )
 
@@ -108,28 +130,20 @@ def _record(
 ) -> None:
     from tqdm import tqdm
 
-    from lie_rigid_body.messages.batch import BatchEncoder
+    from lie_rigid_body.recording.bag_writer import write_run
 
-    encoder = BatchEncoder(simulation.segment.scenario)
-    # few samples when each takes many steps, so that an interruption loses little
-    batch = simulation.segment.scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
-    bag.begin_segment(simulation.segment)
     # disable=None: shown on a terminal only
     with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
-        while simulation.next_stamp_ns <= last_ns and not interruption.requested:
-            try:
-                with interruption.allowed():
-                    taken = simulation.take_until(last_ns, batch)
-            except KeyboardInterrupt:
-                return
-            bag.write(encoder.encode(taken))
-            bag.require_intact()
-            bar.update(len(taken.samples))
+        try:
+            for written in write_run(bag, simulation, last_ns, interruption.allowed):
+                bar.update(written)
+        except KeyboardInterrupt:
+            return
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:
     done = bag.sample_count
-    size = _size(os.path.getsize(bag.path))
+    size = console.size(os.path.getsize(bag.path))
     if done < count and interruption.requested:
         console.complain(
             console.program("record"), f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
@@ -137,23 +151,9 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
         return console.INTERRUPTED
     if not quiet:
         clock = simulation.clock
-        first, last = (int(clock.stamps_ns(k, 1)[0]) for k in (0, done - 1))
+        first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
         console.say(
-            f"{done} samples, stamps {_seconds(first)} to {_seconds(last)} s, in {bag.path} ({size})\n"
-            f"{console.how_to_certify(bag.path)}",
+            f"{done} samples, stamps {first} to {last} s, in {bag.path} ({size})\n{console.how_to_certify(bag.path)}",
             done=f"{bag.path} is written and whole",
         )
     return console.SUCCESS
-
-
-def _seconds(stamp_ns: int) -> str:
-    return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
-
-
-def _size(count: int) -> str:
-    value = float(count)
-    for unit in ("B", "kB", "MB", "GB", "TB"):
-        if value < 1000.0 or unit == "TB":
-            break
-        value /= 1000.0
-    return f"{value:.4g} {unit}"

@@ -81,6 +81,12 @@ def _version(name: str) -> str:
         return ""
 
 
+def is_kept(function: Callable[..., None]) -> bool:
+    """Whether the compiled form of a function is in its folder."""
+    folder = cache_folder(function)
+    return folder is not None and mark(folder, function).exists()
+
+
 def mark(folder: Path, function: Callable[..., None]) -> Path:
     """A file that is in the folder as soon as the function has been compiled into it."""
     return folder / f"{function.__module__}.{function.__name__}"

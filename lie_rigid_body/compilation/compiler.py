@@ -105,7 +105,9 @@ def _compiled(function: Callable[..., None], signature: str, folder: Path | None
         previous = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(folder) if folder else previous
         try:
-            made: Callable[..., None] = numba.njit(signature, cache=folder is not None, error_model="numpy")(function)
+            made: Callable[..., None] = numba.njit(
+                signature, cache=folder is not None, error_model="numpy", nogil=True
+            )(function)
         finally:
             numba.config.CACHE_DIR = previous
     return made

@@ -14,6 +14,9 @@ STEPS_FOR_COMPILING: Final = 500_000
 """Number of steps in long calls from which on compiling pays: they take Python some seconds, while numba loads in half
 a second and compiles, once, in ten."""
 
+STEPS_FOR_LOADING: Final = 100_000
+"""The same where they are compiled already: they take Python two seconds."""
+
 STEPS_PER_CALL: Final = 1_000_000
 """Largest number of steps in one call of compiled code, which lets no signal through: a tenth of a second."""
 
@@ -35,7 +38,7 @@ class Loop(Work):
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:
-        super().__init__(plain, SIGNATURE, STEPS_FOR_COMPILING)
+        super().__init__(plain, SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Loop, (self._plain,)

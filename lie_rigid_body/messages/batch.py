@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import Final
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder, PoseTwistEncoder
 from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
+from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuModel, Sensors
 from lie_rigid_body.simulation import ImuSamples, Samples, Taken
@@ -32,13 +34,13 @@ class Messages:
     ----------
     topic : str
         Its relative name.
-    stamps_ns : list of int
-    payloads : sequence of bytes, as many
+    stamps_ns : ndarray of int64, shape (N,)
+    payloads : Payloads, N of them
     """
 
     topic: str
-    stamps_ns: list[int]
-    payloads: Sequence[bytes]
+    stamps_ns: Integers
+    payloads: Payloads
 
     __repr__ = short_repr
 
@@ -50,30 +52,35 @@ class Batch:
     Parameters
     ----------
     samples : Samples, N of them
-    poses, twists : sequence of bytes, N each
-    sensors : sequence of Messages
+    poses, twists : Payloads, N each
+    sensors : tuple of Messages
     """
 
     samples: Samples
-    poses: Sequence[bytes]
-    twists: Sequence[bytes]
-    sensors: Sequence[Messages] = ()
+    poses: Payloads
+    twists: Payloads
+    sensors: tuple[Messages, ...] = ()
 
     __repr__ = short_repr
 
+    @property
+    def topics(self) -> tuple[Messages, ...]:
+        """The messages of every topic, in the order in which those of equal stamps come: the truth before sensors."""
+        stamps_ns = self.samples.stamps_ns
+        return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
+
     def in_order(self) -> Iterator[tuple[int, str, bytes]]:
         """Stamp, topic and payload of every message; where stamps are equal: pose, twist, IMU, bias, magnetometer."""
-        stamps: list[int] = self.samples.stamps_ns.tolist()
         if not self.sensors:
+            stamps: list[int] = self.samples.stamps_ns.tolist()
             for stamp, pose, twist in zip(stamps, self.poses, self.twists, strict=True):
                 yield stamp, POSE, pose
                 yield stamp, TWIST, twist
             return
-        truth = (Messages(POSE, stamps, self.poses), Messages(TWIST, stamps, self.twists))
         everything = [
             (stamp, messages.topic, payload)
-            for messages in (*truth, *self.sensors)
-            for stamp, payload in zip(messages.stamps_ns, messages.payloads, strict=True)
+            for messages in self.topics
+            for stamp, payload in zip(messages.stamps_ns.tolist(), messages.payloads, strict=True)
         ]
         everything.sort(key=itemgetter(0))
         yield from everything
@@ -110,7 +117,7 @@ class BatchEncoder:
             yield from self._imu.messages(taken.imu)
         if self._field is not None and taken.magnetometer is not None:
             stamps_ns = taken.magnetometer.stamps_ns
-            yield Messages(MAG, stamps_ns.tolist(), self._field.encode(stamps_ns, taken.magnetometer.magnetic_field))
+            yield Messages(MAG, stamps_ns, self._field.encode(stamps_ns, taken.magnetometer.magnetic_field))
 
 
 class _ImuMessages:
@@ -124,6 +131,5 @@ class _ImuMessages:
         at, readings = samples.stamps_ns, samples.readings
         data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration)
         bias = self._bias.encode(at, readings.gyro_bias, readings.accelerometer_bias)
-        stamps: list[int] = at.tolist()
-        yield Messages(IMU_DATA, stamps, data)
-        yield Messages(IMU_BIAS, stamps, bias)
+        yield Messages(IMU_DATA, at, data)
+        yield Messages(IMU_BIAS, at, bias)

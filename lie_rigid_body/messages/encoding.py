@@ -8,7 +8,15 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.messages.layout import ENCAPSULATION, POSE_NUMBERS, TWIST_NUMBERS, Layout, numbers_after, text
+from lie_rigid_body.messages.layout import (
+    ENCAPSULATION,
+    POSE_NUMBERS,
+    TWIST_NUMBERS,
+    Layout,
+    Payloads,
+    numbers_after,
+    text,
+)
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples
@@ -35,11 +43,11 @@ class PoseTwistEncoder:
         self._pose = Layout(scenario.world_frame, [0.0] * POSE_NUMBERS, [(3, 4)])
         self._twist = Layout(twist_frame, [0.0] * TWIST_NUMBERS, [(3, 3)])
 
-    def poses(self, samples: Samples) -> list[bytes]:
+    def poses(self, samples: Samples) -> Payloads:
         """One geometry_msgs/PoseStamped a sample, position 0."""
         return self._pose.encode(samples.stamps_ns, samples.states.attitude_xyzw)
 
-    def twists(self, samples: Samples) -> list[bytes]:
+    def twists(self, samples: Samples) -> Payloads:
         """One geometry_msgs/TwistStamped or Twist a sample, linear velocity 0."""
         return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
 
@@ -64,7 +72,7 @@ class ImuEncoder:
         numbers = [*_NO_ORIENTATION, *_VECTOR, *velocity, *_VECTOR, *acceleration]
         self._layout = Layout(frame, numbers, [(13, 3), (25, 3)])
 
-    def encode(self, stamps_ns: Integers, angular_velocity: Array, linear_acceleration: Array) -> list[bytes]:
+    def encode(self, stamps_ns: Integers, angular_velocity: Array, linear_acceleration: Array) -> Payloads:
         """One sensor_msgs/Imu a sample.
 
         Parameters
@@ -77,7 +85,7 @@ class ImuEncoder:
 
         Returns
         -------
-        list of bytes
+        Payloads
         """
         return self._layout.encode(stamps_ns, angular_velocity, linear_acceleration)
 
@@ -96,7 +104,7 @@ class MagneticFieldEncoder:
     def __init__(self, frame: str, variance: float = 0.0) -> None:
         self._layout = Layout(frame, [*_VECTOR, *_diagonal(variance)], [(0, 3)])
 
-    def encode(self, stamps_ns: Integers, magnetic_field: Array) -> list[bytes]:
+    def encode(self, stamps_ns: Integers, magnetic_field: Array) -> Payloads:
         """One sensor_msgs/MagneticField a sample.
 
         Parameters
@@ -107,7 +115,7 @@ class MagneticFieldEncoder:
 
         Returns
         -------
-        list of bytes
+        Payloads
         """
         return self._layout.encode(stamps_ns, magnetic_field)
 

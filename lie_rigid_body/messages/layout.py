@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.wording import short_repr
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 FRAME: Final = 16
@@ -32,6 +35,36 @@ def text(value: str) -> bytes:
     return struct.pack("<I", len(data) + 1) + data + b"\x00"
 
 
+@dataclass(frozen=True, eq=False)
+class Payloads(Sequence[bytes]):
+    """Messages of one size, which lie side by side.
+
+    Parameters
+    ----------
+    rows : ndarray of uint8, shape (N, size)
+    """
+
+    rows: NDArray[np.uint8]
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, index: int) -> bytes: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Payloads: ...
+
+    def __getitem__(self, index: int | slice) -> bytes | Payloads:
+        return Payloads(self.rows[index]) if isinstance(index, slice) else self.rows[index].tobytes()
+
+    def __iter__(self) -> Iterator[bytes]:
+        data, size = self.rows.tobytes(), self.rows.shape[1]
+        return (data[i : i + size] for i in range(0, len(data), size))
+
+
 class Layout:
     """The bytes of a message type: a template, and the places of the fields that samples set.
 
@@ -48,8 +81,9 @@ class Layout:
     def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[tuple[int, int]]) -> None:
         head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
         start = numbers_after(len(head))
-        self._template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
-        self._size = len(self._template)
+        template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
+        self._template = np.frombuffer(template, dtype=np.uint8)
+        self._size = len(template)
         self._stamped = frame is not None
         self._vectors = [f"vector_{i}" for i in range(len(places))]
         # without a header the stamp's bytes are numbers, and are left alone
@@ -62,7 +96,7 @@ class Layout:
             }
         )
 
-    def encode(self, stamps_ns: Integers, *vectors: Array) -> list[bytes]:
+    def encode(self, stamps_ns: Integers, *vectors: Array) -> Payloads:
         """One payload a sample.
 
         Parameters
@@ -73,13 +107,13 @@ class Layout:
 
         Returns
         -------
-        list of bytes
+        Payloads
         """
-        buffer = bytearray(self._template * len(stamps_ns))
-        rows = np.frombuffer(buffer, dtype=self._fields)
+        data = np.empty((len(stamps_ns), self._size), dtype=np.uint8)
+        data[:] = self._template
+        rows = data.view(self._fields)[:, 0]
         if self._stamped:
             rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
         for name, values in zip(self._vectors, vectors, strict=True):
             rows[name] = values
-        data, size = bytes(buffer), self._size
-        return [data[i : i + size] for i in range(0, len(data), size)]
+        return Payloads(data)

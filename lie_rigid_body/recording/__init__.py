@@ -1,6 +1,12 @@
 """Bags: MCAP files as rosbag2 writes and reads them.
 
 - `output_file`: a file that appears under its name when it is whole;
-- `bag_writer`: messages into an MCAP file;
+- `chunk`: message records laid out as arrays, many at once;
+- `mcap_file`: everything else of an MCAP file, by the record types of the `mcap` library;
+- `disk_queue`: the thread that compresses and writes;
+- `bag_writer`: messages into an MCAP file, in batches or a whole run;
+- `recovery`: what is whole of a file that was cut off;
+- `inflation`: the records of a chunk, within bounds;
+- `inventory`, `folder_metadata`: what a file or a folder says of itself, held against what it holds;
 - `mcap_reader`, `bag_reader`: an MCAP file as raw messages, and a bag as arrays.
 """

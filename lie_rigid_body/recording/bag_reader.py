@@ -16,7 +16,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_writer import METADATA
+from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import listed, short_repr
@@ -105,6 +105,8 @@ class Recording:
         Topics among the three whose message definition is left out, or in a language that is not compared.
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
+    was_cut_off : bool
+        Whether `recover` says that it made the bag of a file that was cut off.
     """
 
     library: str
@@ -116,6 +118,7 @@ class Recording:
     others: tuple[str, ...] = ()
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
+    was_cut_off: bool = False
 
     __repr__ = short_repr
 
@@ -151,7 +154,7 @@ class Bag:
 
     Attributes
     ----------
-    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum
+    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
         As in `Recording`.
     pose_topic, twist_topic : str
     stamped : bool
@@ -182,6 +185,7 @@ class Bag:
         self.others = _others(contents, own)
         self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
+        self.was_cut_off = CUT_OFF in contents.metadata
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
@@ -216,6 +220,7 @@ class Bag:
             self.others,
             self.undefined,
             self.without_checksum,
+            self.was_cut_off,
         )
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:

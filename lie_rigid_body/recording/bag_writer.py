@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Final
 
-import zstandard  # noqa: F401  # mcap would miss it only once the file is there
-from mcap.writer import CompressionType, Writer
+import numpy as np
+from mcap.records import Channel, Header, Metadata, Schema
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch
+from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
+from lie_rigid_body.messages.layout import Payloads
+from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk
+from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
+from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
-from lie_rigid_body.simulation import SOFTWARE, Segment
+from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
 POSE_TOPIC: Final = "/pose"
 TWIST_TOPIC: Final = "/twist"
@@ -25,11 +30,18 @@ SCENARIO_TOPIC: Final = "/lie_rigid_body/scenario"
 METADATA: Final = "lie_rigid_body"
 """Name of the metadata record that ends a finished bag, with the number of its samples."""
 
-_CHUNK_BYTES: Final = 256 * 1024
+CUT_OFF: Final = "lie_rigid_body_cut_off"
+"""Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
+
+CHUNK_BYTES: Final = 256 * 1024
+"""Default size of a chunk."""
+_SCENARIO: Final = "~/scenario"
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
-_SEQUENCE_NUMBERS: Final = 2**32
-"""MCAP counts messages in 32 bits."""
+_LARGEST_BATCH: Final = 8192
+"""Largest number of samples computed and written at once."""
+_STEPS_PER_BATCH: Final = 10_000
+"""Number of steps of the moving chart that a batch may take, if it holds more than one sample."""
 
 
 class BagWriter:
@@ -46,8 +58,13 @@ class BagWriter:
         The type of the twist topic. It holds for the whole bag, because rosbag2 knows one type per topic.
     overwrite : bool, optional
         Replace a regular file of that name, at `finish` and not before.
-    max_chunk_seconds : float, optional
-        Finish a chunk when its stamps span as much, s. Without it, chunks end at 256 KiB or at `flush`.
+    compression : str, optional
+        Of the chunks: ``zstd``, ``lz4`` or nothing.
+    chunk_size : int, optional
+        Bytes after which a chunk ends.
+    wait_for_disk : bool, optional
+        Whether writing waits for a disk that does not keep up. Otherwise it never waits, and the bag is given up once
+        32 MiB are in the queue.
     pose_topic, twist_topic, scenario_topic : str, optional
         Full names of the topics.
     sensor_topics : mapping of str to str, optional
@@ -66,31 +83,33 @@ class BagWriter:
         *,
         stamped_twist: bool,
         overwrite: bool = False,
-        max_chunk_seconds: float | None = None,
+        compression: str = "zstd",
+        chunk_size: int = CHUNK_BYTES,
+        wait_for_disk: bool = True,
         pose_topic: str = POSE_TOPIC,
         twist_topic: str = TWIST_TOPIC,
         scenario_topic: str = SCENARIO_TOPIC,
         sensor_topics: Mapping[str, str] | None = None,
     ) -> None:
         self._stamped_twist = stamped_twist
-        self._max_chunk_ns = None if max_chunk_seconds is None else round(max_chunk_seconds * 1e9)
-        self._chunk_start_ns: int | None = None
-        self._sensor_topics = {topic: f"/{topic}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
-        self._counts = dict.fromkeys((POSE, TWIST, *SENSOR_TOPICS), 0)
-        self._segments = 0
+        self._wait_for_disk = wait_for_disk
+        self._compressed, self._compressed_here = (
+            partial(compressed, compression=compression, compress=compressor(compression)) for _ in range(2)
+        )
+        twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
+        sensors = {topic: f"/{topic}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
+        self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
+        self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
+        self._counts = dict.fromkeys(self._names, 0)
+        self._channels: dict[str, int] = {}
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
+        self._queue = DiskQueue(waits=wait_for_disk)
+        self._chunk = ChunkBuilder(chunk_size, self._put)
         with self._writing():
-            self._writer = Writer(
-                self._file.stream, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD, enable_data_crcs=True
-            )
-            self._writer.start(profile="ros2", library=f"{SOFTWARE} {__version__}")
-            twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
-            self._channels = {
-                POSE: self._channel(pose_topic, definitions.POSE_STAMPED),
-                TWIST: self._channel(twist_topic, twist),
-            }
-            self._scenario = self._channel(scenario_topic, definitions.STRING, latched=True)
+            self._mcap = McapFile(self._file.stream, Header("ros2", f"{SOFTWARE} {__version__}"))
+            for topic in (POSE, TWIST, _SCENARIO):
+                self._add_channel(topic)
 
     @property
     def path(self) -> Path:
@@ -102,10 +121,15 @@ class BagWriter:
         """How many samples of the truth were written."""
         return self._counts[POSE]
 
-    def _channel(self, topic: str, message_type: str, *, latched: bool = False) -> int:
-        schema = self._writer.register_schema(message_type, "ros2msg", definitions.definition(message_type).encode())
+    def _add_channel(self, topic: str) -> None:
+        number, kind, latched = len(self._channels) + 1, self._types[topic], topic == _SCENARIO
+        schema = Schema(number, definitions.definition(kind).encode(), "ros2msg", kind)
         qos = definitions.offered_qos_profiles(latched=latched, depth=1 if latched else _SAMPLE_DEPTH)
-        return self._writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": qos})
+        channel = Channel(number, self._names[topic], "cdr", {"offered_qos_profiles": qos}, number)
+        self._mcap.schemas[number], self._mcap.channels[number] = schema, channel
+        self._channels[topic] = number
+        self._chunk.add(schema)
+        self._chunk.add(channel)
 
     def begin_segment(self, segment: Segment) -> None:
         """Write the scenario message of a new segment, at the time of the segment's start.
@@ -117,9 +141,9 @@ class BagWriter:
         """
         if segment.scenario.stamped_twist != self._stamped_twist:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
+        text = np.frombuffer(encode_string(segment.to_json()), dtype=np.uint8)
         with self._writing():
-            self._add(self._scenario, segment.start_ns, encode_string(segment.to_json()), self._segments)
-            self._segments += 1
+            self._add([Messages(_SCENARIO, np.array([segment.start_ns]), Payloads(text[np.newaxis]))])
 
     def write(self, batch: Batch) -> None:
         """Write messages in the order of their stamps, each logged at its own.
@@ -130,48 +154,76 @@ class BagWriter:
             As `BatchEncoder` makes it.
         """
         with self._writing():
-            for stamp, topic, payload in batch.in_order():
-                if topic not in self._channels:
-                    self._channels[topic] = self._channel(self._sensor_topics[topic], SENSOR_TOPICS[topic])
-                number = self._counts[topic]
-                self._add(self._channels[topic], stamp, payload, number % _SEQUENCE_NUMBERS)
-                self._counts[topic] = number + 1
-                if topic == TWIST:
-                    self._bound_chunk(stamp)
+            self._add([messages for messages in batch.topics if len(messages.payloads)])
 
-    def _add(self, channel: int, stamp: int, data: bytes, number: int) -> None:
-        self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp, sequence=number)
-
-    def _bound_chunk(self, stamp: int) -> None:
-        if self._max_chunk_ns is None:
+    def _add(self, topics: list[Messages]) -> None:
+        if not topics:
             return
-        if self._chunk_start_ns is None:
-            self._chunk_start_ns = stamp
-        elif stamp - self._chunk_start_ns >= self._max_chunk_ns:
-            self.flush()
+        numbers = self._channels | {topic: len(self._channels) + 1 + i for i, topic in enumerate(self._new(topics))}
+        records = MessageRecords.of(topics, numbers, self._counts)
+        done = 0
+        for topic in self._new(topics):
+            first = int(np.argmax(records.channels == numbers[topic]))
+            self._chunk.add_messages(records[done:first])
+            self._add_channel(topic)
+            done = first
+        self._chunk.add_messages(records[done:])
+        for messages in topics:
+            self._counts[messages.topic] += len(messages.payloads)
+
+    def _new(self, topics: list[Messages]) -> list[str]:
+        """Those of the topics that are not in the bag yet, in the order of their first messages."""
+        new = [messages for messages in topics if messages.topic not in self._channels]
+        return [messages.topic for messages in sorted(new, key=lambda messages: int(messages.stamps_ns[0]))]
+
+    def _put(self, raw: RawChunk) -> None:
+        if self._wait_for_disk and self._queue.backlog > HELPFUL_BACKLOG:
+            chunk = self._compressed_here(raw)
+            self._queue.put(partial(self._mcap.add_chunk, chunk, raw.indexes()), len(chunk.data))
+        else:
+            self._queue.put(partial(self._store, raw), sum(map(len, raw.pieces)))
+
+    def _store(self, raw: RawChunk) -> None:
+        """Write a chunk; this is what the disk's own thread does, while the next one is laid out."""
+        self._mcap.add_chunk(self._compressed(raw), raw.indexes())
 
     def flush(self) -> None:
-        """Finish the present chunk and hand it to the operating system: it survives the end of this process."""
+        """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""
         with self._writing():
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            self._file.require_intact()
-            self._chunk_start_ns = None
+            self._chunk.finish()
+            self._queue.put(self._sync)
+
+    def _sync(self) -> None:
+        self._file.sync()
+        self._file.require_intact()
+
+    def wait(self) -> None:
+        """Wait until what was flushed is on the disk."""
+        with self._writing():
+            self._queue.wait()
 
     def require_intact(self) -> None:
-        """Check that no other program has taken away what was written so far."""
+        """Have the disk's thread check that no other program has taken away what was written so far.
+
+        What it finds is raised by the next call.
+        """
         with self._writing():
-            self._file.require_intact()
+            self._queue.put(self._file.require_intact)
 
     def finish(self) -> None:
         """Write the indexes and close the file. Calling it again does nothing."""
         if not self._open:
             return
-        self.flush()
         with self._writing():
-            self._writer.add_metadata(METADATA, {"samples": str(self.sample_count)})
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._file.commit()
+            self._chunk.finish()
+            self._queue.put(self._finish)
+            self._queue.finish()
         self._open = False
+
+    def _finish(self) -> None:
+        self._mcap.add_metadata(Metadata(METADATA, {"samples": str(self.sample_count)}))
+        self._mcap.finish()
+        self._file.commit()
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -188,12 +240,12 @@ class BagWriter:
 
     def _abandon(self) -> None:
         self._open = False
-        self._file.abandon()
+        self._queue.end(self._file.abandon)
 
     def _what_remains(self) -> str:
         if self._file.replaces:
             return "the older file of that name is kept: make room and record again"
-        return f"make room and record again, or rescue what is whole with {rescue()}"
+        return f"make room, and rescue it with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self
@@ -205,3 +257,39 @@ class BagWriter:
             self.finish()
         elif self._open:
             self._abandon()  # a run that failed does not replace a bag that is whole
+
+
+def write_run(
+    bag: BagWriter,
+    simulation: Simulation,
+    last_ns: int,
+    computing: Callable[[], AbstractContextManager[None]] = nullcontext,
+) -> Iterator[int]:
+    """Write the scenario of a simulation and all that it has up to a stamp, and look after the file meanwhile.
+
+    Parameters
+    ----------
+    bag : BagWriter
+    simulation : Simulation
+        Of which nothing was taken yet.
+    last_ns : int
+        The last stamp, ns.
+    computing : callable, optional
+        Makes the context in which a batch is computed.
+
+    Yields
+    ------
+    int
+        How many samples a batch had that was written.
+    """
+    scenario = simulation.segment.scenario
+    encoder = BatchEncoder(scenario)
+    # few samples when each takes many steps, so that an interruption loses little
+    size = scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
+    bag.begin_segment(simulation.segment)
+    while simulation.next_stamp_ns <= last_ns:
+        with computing():
+            taken = simulation.take_until(last_ns, size)
+        bag.write(encoder.encode(taken))
+        bag.require_intact()
+        yield len(taken.samples)

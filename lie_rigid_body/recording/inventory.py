@@ -27,9 +27,8 @@ from mcap.records import (
 from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers
+from lie_rigid_body.recording.chunk import HEAD, OPCODE_AND_LENGTH
 
-HEAD_BYTES: Final = 9
-"""Bytes before the content of a record: its opcode and its length."""
 _LAST_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
 _IN_DATA: Final = frozenset(
@@ -58,16 +57,6 @@ _IN_SUMMARY: Final = frozenset(
 )
 _IN_CHUNK: Final = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 _ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
-_MESSAGE: Final = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-    ]
-)
 
 R = TypeVar("R", Schema, Channel)
 
@@ -107,7 +96,7 @@ class MessageTable:
         ContradictionError
             If a message is too short to be one, or its times are beyond 64 bits with a sign.
         """
-        _require(bool((ends - starts >= _MESSAGE.itemsize).all()), "a message record is too short")
+        _require(bool((ends - starts >= HEAD.itemsize).all()), "a message record is too short")
         return cls._of_heads(data, starts, ends, _heads(data, starts))
 
     @classmethod
@@ -131,9 +120,9 @@ class MessageTable:
 def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
     """The first bytes of message records."""
     if not len(starts):
-        return np.empty(0, dtype=_MESSAGE)
-    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), _MESSAGE.itemsize)
-    heads: NDArray[np.void] = windows[starts].reshape(-1).view(_MESSAGE)
+        return np.empty(0, dtype=HEAD)
+    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), HEAD.itemsize)
+    heads: NDArray[np.void] = windows[starts].reshape(-1).view(HEAD)
     return heads
 
 
@@ -149,13 +138,13 @@ class MessageRuns:
     """
 
     def __init__(self, data: bytes, hints: Integers) -> None:
-        hints = np.sort(hints[(hints >= 0) & (hints <= len(data) - _MESSAGE.itemsize)])
+        hints = np.sort(hints[(hints >= 0) & (hints <= len(data) - HEAD.itemsize)])
         hints = hints[np.diff(hints, prepend=-1) > 0]
         self._data, self._starts, self._heads = data, hints, _heads(data, hints)
         lengths = self._heads["length"]
         sound = (self._heads["opcode"] == Opcode.MESSAGE) & (lengths <= len(data))
-        self._ends = hints + HEAD_BYTES + np.where(sound, lengths, 0).astype(np.int64)
-        sound &= (self._ends <= len(data)) & (self._ends - hints >= _MESSAGE.itemsize)
+        self._ends = hints + OPCODE_AND_LENGTH + np.where(sound, lengths, 0).astype(np.int64)
+        sound &= (self._ends <= len(data)) & (self._ends - hints >= HEAD.itemsize)
         self._sound = sound
         goes_on = sound[:-1] & sound[1:] & (self._ends[:-1] == hints[1:])
         self._last = np.append(np.flatnonzero(~goes_on), len(hints) - 1)
@@ -212,7 +201,7 @@ class Inventory:
         self._opcodes[opcode] += 1
         if opcode != Opcode.MESSAGE_INDEX:
             self._end_chunk()
-        end = position + HEAD_BYTES + length
+        end = position + OPCODE_AND_LENGTH + length
         if self._in_summary:
             begin, before = self._groups.get(opcode, (position, position))
             _require(before == position, "the groups of its summary are mixed")
@@ -255,7 +244,7 @@ class Inventory:
                 message_start_time=chunk.message_start_time,
                 message_end_time=chunk.message_end_time,
                 chunk_start_offset=position,
-                chunk_length=HEAD_BYTES + length,
+                chunk_length=OPCODE_AND_LENGTH + length,
                 message_index_offsets={},
                 message_index_length=0,
                 compression=chunk.compression,
@@ -282,7 +271,7 @@ class Inventory:
         self._indexed.add(channel)
         index = self._chunks[-1]
         index.message_index_offsets[channel] = position
-        index.message_index_length += HEAD_BYTES + len(content)
+        index.message_index_length += OPCODE_AND_LENGTH + len(content)
 
     def _end_chunk(self) -> None:
         if self._table is not None and self._indexed:
@@ -295,7 +284,7 @@ class Inventory:
         self._attachments.append(
             AttachmentIndex(
                 offset=position,
-                length=HEAD_BYTES + length,
+                length=OPCODE_AND_LENGTH + length,
                 log_time=attachment.log_time,
                 create_time=attachment.create_time,
                 data_size=len(attachment.data),
@@ -306,7 +295,7 @@ class Inventory:
 
     def metadata(self, metadata: Metadata, position: int, length: int) -> None:
         """Take a metadata record that begins at a byte, with its length without head."""
-        self._metadata.append(MetadataIndex(offset=position, length=HEAD_BYTES + length, name=metadata.name))
+        self._metadata.append(MetadataIndex(offset=position, length=OPCODE_AND_LENGTH + length, name=metadata.name))
 
     def summary(self, record: object) -> None:
         """Take a record of the summary that is neither schema nor channel."""

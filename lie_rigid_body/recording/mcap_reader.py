@@ -35,6 +35,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.chunk import HEAD
 from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated
 from lie_rigid_body.recording.inventory import (
     ContradictionError,
@@ -49,8 +50,6 @@ from lie_rigid_body.wording import short_repr
 T = TypeVar("T")
 
 _HEAD: Final = struct.Struct("<BQ")
-_MESSAGE_BYTES: Final = 31
-"""Bytes of a message record before its payload."""
 _MOST_LOOSE_BYTES: Final = 2**20
 """Messages of a file without chunks are taken in pieces of this size."""
 _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
@@ -418,7 +417,7 @@ class _FileReader:
             track.count += len(own)
             track.published_otherwise += int(np.count_nonzero(log_times != table.publish_times[own]))
             if track.message_type in self._wanted:
-                piece = _piece(table.data, table.starts[own] + _MESSAGE_BYTES, table.ends[own], log_times)
+                piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
                 track.pieces.append(piece)
                 self._keep(len(piece.data) + len(own) * _PER_MESSAGE)
 

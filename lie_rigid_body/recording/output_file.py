@@ -79,6 +79,11 @@ class OutputFile:
         """Whether an older file waits to be replaced."""
         return self._target is not None
 
+    def sync(self) -> None:
+        """Flush and fsync: what was written survives a loss of power."""
+        self.stream.flush()
+        os.fsync(self._file.fileno())
+
     def require_intact(self) -> None:
         """Check that what was written so far is still there, under its name and at its length.
 
@@ -104,8 +109,7 @@ class OutputFile:
 
     def commit(self) -> None:
         """Flush and fsync, replace the older file, if any, and close."""
-        self.stream.flush()
-        os.fsync(self._file.fileno())
+        self.sync()
         self.require_intact()
         if self._target is not None:
             os.replace(self._written, self._target)  # while it is still locked
@@ -152,8 +156,8 @@ def reason(error: Exception) -> str:
 
 
 def rescue() -> str:
-    """The commands that make a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
-    return "'mcap recover' or 'ros2 bag convert'"
+    """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
+    return "'lie-rigid-body recover BROKEN -o FIXED'"
 
 
 class _GrowingFile(FileIO):

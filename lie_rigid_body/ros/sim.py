@@ -162,6 +162,7 @@ def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
         return BagWriter(
             path,
             stamped_twist=node.parameters.scenario().stamped_twist,
+            wait_for_disk=False,
             pose_topic=pose,
             twist_topic=twist,
             scenario_topic=scenario,

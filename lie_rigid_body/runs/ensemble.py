@@ -132,6 +132,10 @@ class _KeptMotion:
         self._motion = motion
         self._states: dict[bytes, State] = {}
 
+    def expect(self, work: int) -> None:
+        """Tell the motion of work that is to come; see `Motion`."""
+        self._motion.expect(work)
+
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
         key = np.asarray(t_ns).tobytes()

@@ -131,6 +131,12 @@ class Scenario:
             return ClosedForm(self.body(), self.start())
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
 
+    def expect(self, duration: float) -> None:
+        """Take notice that samples and readings of so many seconds will be computed; see `Motion.expect`."""
+        motion = self.make_motion()
+        for rate in self._rates():
+            motion.expect(math.ceil(duration * rate) * self.steps_per_sample(rate))
+
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
         body, start = self.body(), self.start()
@@ -170,8 +176,12 @@ class Scenario:
 
     def _slowest_rate(self) -> float:
         """Lowest sampling rate among truth and active sensors, Hz."""
+        return min(self._rates())
+
+    def _rates(self) -> list[float]:
+        """Sampling rates of the truth and of the active sensors, Hz."""
         sensors = (self.sensors.imu, self.sensors.magnetometer)
-        return min(self.rate, *(sensor.rate for sensor in sensors if sensor is not None), math.inf)
+        return [self.rate, *(sensor.rate for sensor in sensors if sensor is not None)]
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):

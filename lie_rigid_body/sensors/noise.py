@@ -64,10 +64,15 @@ class WhiteNoise:
 
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
+        numbers = _uniform(self._words.random_raw(3 * count))
+        return self._normal(numbers).reshape(count, 3)
+
+    def _normal(self, numbers: Array) -> Array:
+        if self._sigma == 0.0:
+            return np.copysign(0.0, numbers - 0.5)  # the zeros have the signs of deviates
         from scipy.special import ndtri  # slow to import: not before there is noise
 
-        words = self._words.random_raw(3 * count)
-        return np.asarray(self._sigma * ndtri(_uniform(words))).reshape(count, 3)
+        return np.asarray(self._sigma * ndtri(numbers))
 
 
 def _uniform(words: NDArray[np.uint64]) -> Array:

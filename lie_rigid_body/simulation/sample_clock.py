@@ -57,20 +57,16 @@ class SampleClock:
         ndarray of int64, shape (count,)
         """
         n, d, epoch = self.period_ns.numerator, self.period_ns.denominator, self.epoch_ns
-        if d == 1 and count and epoch + first * n >= 0 and epoch + (first + count - 1) * n <= MAX_EPOCH_NS:
-            return epoch + n * np.arange(first, first + count, dtype=np.int64)
-        stamps = (
-            [epoch + k * n for k in range(first, first + count)]
-            if d == 1
-            else [epoch + _round_ratio(k * n, d) for k in range(first, first + count)]
-        )
-        if stamps and stamps[-1] > MAX_EPOCH_NS:
+        last = epoch + _round_ratio((first + count - 1) * n, d)
+        if count and last > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
-                f"sample {first + count - 1} would be stamped {stamps[-1]} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
+                f"sample {first + count - 1} would be stamped {last} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
                 "ns: start earlier, or sample for a shorter time",
             )
-        return np.array(stamps, dtype=np.int64)
+        if d == 1 and n <= MAX_EPOCH_NS and epoch + first * n >= 0:
+            return epoch + n * np.arange(first, first + count, dtype=np.int64)
+        return np.array([epoch + _round_ratio(k * n, d) for k in range(first, first + count)], dtype=np.int64)
 
     def count_before(self, duration: Fraction) -> int:
         """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""

@@ -169,7 +169,7 @@ def test_compiled_code_gives_the_same_bits(monkeypatch):
     every_operation(a, b, plain)
     # the loop is this test's own, and nothing to keep
     monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
-    work = Work(every_operation, "void(float64[:,::1], float64[:,::1], float64[:,::1])", 1)
+    work = Work(every_operation, "void(float64[:,::1], float64[:,::1], float64[:,::1])", 1, 1)
     assert work.compile()
     run = work.compiled_for(0)
     assert run is not None

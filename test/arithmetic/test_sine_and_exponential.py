@@ -117,7 +117,7 @@ def test_floats_and_arrays_give_the_same_bits():
 @needs_numba
 @pytest.mark.parametrize(("loop", "x"), [(sines, TURNS), (exponentials, sizes()), (roots, TURNS)])
 def test_compiled_code_gives_the_same_bits(loop, x: np.ndarray, monkeypatch):
-    work = Work(loop, "void(float64[::1], float64[::1], float64[:,::1])", 1)
+    work = Work(loop, "void(float64[::1], float64[::1], float64[:,::1])", 1, 1)
     # the loop is this test's own, and nothing to keep
     monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
     assert work.compile()

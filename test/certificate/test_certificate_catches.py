@@ -338,6 +338,28 @@ def test_a_recorders_gap_is_told_as_one_and_as_the_recorders(bag, tmp_path):
     assert (own.segments[0].law("stamps").worst, own.segments[0].notes) == (41, ())
 
 
+def cut_off_without(path, topic, *rows):
+    """A bag that says it was cut off, without some messages of a topic."""
+    recording = replace(read_bag(path), expected_samples=None, was_cut_off=True)
+    track = getattr(recording, topic)
+    kept = {name: np.delete(v, rows, axis=0) for name, v in vars(track).items() if isinstance(v, np.ndarray)}
+    return replace(recording, **{topic: replace(track, **kept)})
+
+
+def test_a_bag_that_was_cut_off_may_lack_the_twist_of_its_last_pose_and_nothing_else(bag, two_segments):
+    cut_off = cut_off_without(bag, "twists", -1)
+    found = certify(cut_off)
+    assert broken(found) == set()
+    assert "what came after its last sample" in found.not_certified
+    assert broken(certify(cut_off_without(bag, "twists", -1, -2))) == {"stamps"}
+    assert broken(certify(cut_off_without(bag, "twists", -2))) == {"stamps"}
+    assert broken(certify(cut_off_without(bag, "poses", -1))) == {"stamps"}
+    assert broken(certify(cut_off_without(two_segments, "twists", 19))) == {"stamps"}
+    assert broken(certify(replace(cut_off, was_cut_off=False))) == {"stamps"}
+    # its writer had finished, and the cut was behind the samples
+    assert broken(certify(replace(cut_off, expected_samples=COUNT))) == {"stamps"}
+
+
 def test_missing_end_is_noticed_by_the_count_at_the_end(bag):
     recording = read_bag(bag)
     shorter = replace(recording, expected_samples=COUNT + 1)

@@ -28,7 +28,7 @@ def honest(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"
     parameters = {"motion": "closed_form", "stamped_twist": request.param, "epoch_ns": 10**18}
     simulation = Simulation(Scenario.from_parameters(parameters))
-    with BagWriter(path, stamped_twist=request.param, max_chunk_seconds=0.3) as bag:
+    with BagWriter(path, stamped_twist=request.param, chunk_size=10_000) as bag:
         for rate in ([1.0, 2.0, 0.5], [0.3, 1.0, 0.2]):
             bag.begin_segment(simulation.segment)
             bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT), None, None)))

@@ -17,6 +17,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
 
 from lie_rigid_body.cli.record import main
 from lie_rigid_body.recording.bag_reader import Recording, read_bag
@@ -103,6 +106,25 @@ def test_the_same_scenario_gives_the_same_bytes(tmp_path: Path) -> None:
     for path in (a, b):
         recorded(path, "--scenario", "tumbling_cubesat", "--duration", "60")
     assert a.read_bytes() == b.read_bytes()
+
+
+@pytest.mark.parametrize(("name", "mcap_name"), [("zstd", "zstd"), ("lz4", "lz4"), ("none", "")])
+def test_compression_and_chunk_size_change_the_file_and_no_message(out: Path, name: str, mcap_name: str) -> None:
+    sensors = ["-p", "imu_rate:=50.0", "-p", "magnetometer_rate:=20.0", "--duration", "3"]
+    plain = recorded(out.with_name("plain.mcap"), *FAST, *sensors)
+    found = recorded(out, *FAST, *sensors, "--compression", name, "--chunk-size", "5000")
+    np.testing.assert_array_equal(found.poses.attitudes_xyzw, plain.poses.attitudes_xyzw)
+    with open(out, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        decoded = list(reader.iter_decoded_messages())
+    assert summary is not None
+    assert {index.compression for index in summary.chunk_indexes} == {mcap_name}
+    assert max(index.uncompressed_size for index in summary.chunk_indexes) < 10_000
+    with AnyReader([out]) as bag:
+        topics = [connection.topic for connection, _, _ in bag.messages()]
+    assert len(topics) == len(decoded) == 1 + 2 * 300 + 2 * 150 + 60
+    assert topics.count("/imu/data_raw") == topics.count("/imu/bias") == 150
 
 
 def test_an_existing_file_is_kept_without_force(out: Path) -> None:

@@ -68,6 +68,10 @@ BAD_USAGE = {
     "out.mcap --duration 1e999999999": "--duration 1e999999999 is not a time from",
     "out.mcap --duration 1e-999999999": "--duration 1e-999999999 is not a time from",
     "out.mcap --duration 5e9": "epoch_ns: sample .* would be stamped .* sample for a shorter time",
+    "out.mcap --duration 1 --compression gzip": "argument --compression: invalid choice: 'gzip'",
+    "out.mcap --duration 1 --chunk-size 0": "--chunk-size 0 is not a number of bytes from 1 to 16777216: give for",
+    "out.mcap --duration 1 --chunk-size 1e6": "--chunk-size 1e6 is not a number of bytes",
+    "out.mcap --duration 1 --chunk-size 16777217": "--chunk-size 16777217 is not a number of bytes",
     "out.mcap --duration 1 --scenario none": "--scenario 'none' is unknown: the scenarios are asymmetric_top, ",
     "out.mcap --duration 1 --scenario dzanibekov": "did you mean dzhanibekov?",
     "out.mcap --duration 1 --params-file none.yaml": "none.yaml does not exist",
@@ -163,7 +167,7 @@ def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert "out.mcap cannot be written: File too large; " in done.stderr
-    assert "mcap recover" in done.stderr
+    assert "lie-rigid-body recover" in done.stderr
     assert done.stderr.count("\n") == 1
 
 

@@ -14,11 +14,12 @@ from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.compilation import Loop
 from lie_rigid_body.compilation import loop as loops
 from lie_rigid_body.compilation.compiler import Compiler
-from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING
+from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
 from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
+from lie_rigid_body.scenario import Scenario
 
 MODULES = (moser_veselov_loop, munthe_kaas_loop)
 BODIES = {
@@ -89,7 +90,8 @@ def done(loop: Loop, steps: int) -> np.ndarray:
     return out
 
 
-def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
+def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     loop, asked = Loop(munthe_kaas_loop.advance), []
     monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
     monkeypatch.setattr(loop, "_plain", lambda *_: None)
@@ -157,3 +159,17 @@ def test_nothing_is_compiled_or_imported_at_the_start():
         "MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0])).at(10**9); assert 'numba' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@needs_numba
+def test_work_that_is_known_beforehand_runs_compiled_from_its_first_step(monkeypatch):
+    """Where the cache has it; otherwise another process begins to compile at once."""
+    assert munthe_kaas_loop.LOOP.compile()
+    loop = Loop(munthe_kaas_loop.advance)
+    monkeypatch.setattr(munthe_kaas_loop, "LOOP", loop)
+    monkeypatch.setattr("lie_rigid_body.motion.munthe_kaas.integrator.LOOP", loop)
+    scenario = Scenario.from_parameters({"method": "rkmk4", "imu_rate": 50.0})
+    scenario.expect(0.9 * STEPS_FOR_LOADING * scenario.max_step / 2)  # the truth and the IMU are stepped each
+    assert loop._compiled is None
+    scenario.expect(0.2 * STEPS_FOR_LOADING * scenario.max_step / 2)
+    assert loop._compiled is not None

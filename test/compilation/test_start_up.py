@@ -18,7 +18,7 @@ for module in pkgutil.walk_packages(lie_rigid_body.__path__, 'lie_rigid_body.'):
         importlib.import_module(module.name)
 """
 NOT_NEEDED_FOR_HELP = {"numba", "llvmlite", "numpy", "scipy", "matplotlib"}
-VERBS = ["record", "check", "evaluate", "plot", "scenarios", "explain"]
+VERBS = ["record", "check", "evaluate", "recover", "plot", "scenarios", "explain"]
 
 
 def loaded(code: str) -> set[str]:

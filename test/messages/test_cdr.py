@@ -85,7 +85,7 @@ def test_batches_of_any_size_give_the_same_bytes() -> None:
         one_by_one = [
             make(Samples(samples.stamps_ns[i : i + 1], samples.states[slice(i, i + 1)]))[0] for i in range(50)
         ]
-        assert make(samples) == one_by_one
+        assert list(make(samples)) == one_by_one
 
 
 @given(st.text(max_size=30))

@@ -13,6 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder
 from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, definition
+from lie_rigid_body.messages.layout import Payloads
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 FRAMES = ["w", "ab", "imu", "imu_", "imu_l", "imu_li", "imu_lin", "imu_link", "å", "körper", "刚体"]
@@ -23,11 +24,11 @@ FIELDS = RATES[[2, 0, 4, 1, 3]] * 1e-5
 DIAGONAL = [0, 4, 8]
 
 
-def imu_messages(frame: str = "imu_link") -> list[bytes]:
+def imu_messages(frame: str = "imu_link") -> Payloads:
     return ImuEncoder(frame, 0.1, 1 / 3).encode(STAMPS, RATES, FORCES)
 
 
-def field_messages(frame: str = "imu_link") -> list[bytes]:
+def field_messages(frame: str = "imu_link") -> Payloads:
     return MagneticFieldEncoder(frame, 1e-16).encode(STAMPS, FIELDS)
 
 
@@ -104,9 +105,9 @@ def test_definitions_are_those_of_jazzy(message_type: str) -> None:
 def test_batches_of_any_size_give_the_same_bytes() -> None:
     imu, field = ImuEncoder("imu_link", 0.1, 1 / 3), MagneticFieldEncoder("imu_link", 1e-16)
     one_by_one = [slice(k, k + 1) for k in range(len(STAMPS))]
-    assert [imu.encode(STAMPS[k], RATES[k], FORCES[k])[0] for k in one_by_one] == imu_messages()
-    assert [field.encode(STAMPS[k], FIELDS[k])[0] for k in one_by_one] == field_messages()
-    assert imu.encode(STAMPS[:0], RATES[:0], FORCES[:0]) == []
+    assert [imu.encode(STAMPS[k], RATES[k], FORCES[k])[0] for k in one_by_one] == list(imu_messages())
+    assert [field.encode(STAMPS[k], FIELDS[k])[0] for k in one_by_one] == list(field_messages())
+    assert len(imu.encode(STAMPS[:0], RATES[:0], FORCES[:0])) == 0
 
 
 @pytest.mark.ros

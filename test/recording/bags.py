@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
-from lie_rigid_body.messages.batch import BatchEncoder
+from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body import __version__
+from lie_rigid_body.messages import definitions, encode_string
+from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples, Simulation, Taken
+from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
 
 MakeBag = Callable[..., Path]
 
@@ -26,3 +31,42 @@ def write_bag(path: Path, count: int = 100, batch: int = 1024, **parameters: obj
         while simulation.next_sample < count:
             write_samples(bag, scenario, simulation.take(min(batch, count - simulation.next_sample)))
     return path
+
+
+class PlainBag:
+    """The bag that the `mcap` library's own writer makes, message by message."""
+
+    def __init__(self, stream: BinaryIO, **options: object) -> None:
+        self._writer = Writer(stream, **{"chunk_size": 256 * 1024, "enable_data_crcs": True, **options})  # type: ignore[arg-type]
+        self._writer.start("ros2", f"lie_rigid_body {__version__}")
+        self._types = {POSE: definitions.POSE_STAMPED, TWIST: definitions.TWIST_STAMPED, **SENSOR_TOPICS}
+        self._channels = {topic: self._channel(f"/{topic}", self._types[topic], 10) for topic in (POSE, TWIST)}
+        self._scenario = self._channel("/lie_rigid_body/scenario", definitions.STRING, 1, latched=True)
+        self._counts: dict[int, int] = {}
+
+    def _channel(self, topic: str, kind: str, depth: int, *, latched: bool = False) -> int:
+        schema = self._writer.register_schema(kind, "ros2msg", definitions.definition(kind).encode())
+        qos = definitions.offered_qos_profiles(latched=latched, depth=depth)
+        return self._writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": qos})
+
+    def begin_segment(self, segment: Segment) -> None:
+        self._add(self._scenario, segment.start_ns, encode_string(segment.to_json()))
+
+    def write(self, batch: Batch) -> None:
+        for stamp, topic, payload in batch.in_order():
+            if topic not in self._channels:
+                self._channels[topic] = self._channel(f"/{topic}", self._types[topic], 10)
+            self._add(self._channels[topic], stamp, payload)
+
+    def _add(self, channel: int, stamp: int, payload: bytes) -> None:
+        number = self._counts.get(channel, 0)
+        self._counts[channel] = number + 1
+        self._writer.add_message(channel, stamp, payload, stamp, number)
+
+    def finish(self, samples: int) -> None:
+        self._writer.flush()
+        self._writer.add_metadata("lie_rigid_body", {"samples": str(samples)})
+        self._writer.finish()
+
+
+COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "": CompressionType.NONE}

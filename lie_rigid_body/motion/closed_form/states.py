@@ -265,6 +265,9 @@ SAMPLES_FOR_COMPILING: Final = 5_000_000
 """Number of samples in long calls from which on compiling pays: they take a second on arrays, while numba loads in half
 a second and compiles, once, in two."""
 
+SAMPLES_FOR_LOADING: Final = 2_500_000
+"""The same where it is compiled already."""
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -292,16 +295,14 @@ class Kind:
         return self.name
 
 
-CIRCULAR: Final = Kind(
-    "CIRCULAR", general_constants, circular_sample, Work(fill_circular, SIGNATURE, SAMPLES_FOR_COMPILING)
-)
-HYPERBOLIC: Final = Kind(
-    "HYPERBOLIC", general_constants, hyperbolic_sample, Work(fill_hyperbolic, SIGNATURE, SAMPLES_FOR_COMPILING)
-)
-SEPARATRIX: Final = Kind(
-    "SEPARATRIX", general_constants, separatrix_sample, Work(fill_separatrix, SIGNATURE, SAMPLES_FOR_COMPILING)
-)
-STEADY: Final = Kind("STEADY", steady_constants, steady_sample, Work(fill_steady, SIGNATURE, SAMPLES_FOR_COMPILING))
+def _work(fill: Callable[..., None]) -> Work:
+    return Work(fill, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING)
+
+
+CIRCULAR: Final = Kind("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
+HYPERBOLIC: Final = Kind("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
+SEPARATRIX: Final = Kind("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
+STEADY: Final = Kind("STEADY", steady_constants, steady_sample, _work(fill_steady))
 KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 
 

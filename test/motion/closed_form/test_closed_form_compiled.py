@@ -105,7 +105,7 @@ def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
 
 
 def test_only_much_work_in_long_calls_loads_the_compiler(monkeypatch):
-    work, asked = Work(lambda: None, "void()", SAMPLES_FOR_COMPILING), []
+    work, asked = Work(lambda: None, "void()", SAMPLES_FOR_COMPILING, SAMPLES_FOR_COMPILING), []
     monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
     for _ in range(2 * SAMPLES_FOR_COMPILING // LONG_CALL):
         work.compiled_for(LONG_CALL - 1)

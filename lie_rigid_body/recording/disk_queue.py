@@ -1,0 +1,85 @@
+"""The queue of a disk: a thread does what takes time there, one job after the other."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Final
+
+HELPFUL_BACKLOG: Final = 8 * 1024**2
+"""Bytes that wait for the disk's thread from which on its work is done here, if this thread may take its time."""
+LARGEST_BACKLOG: Final = 32 * 1024**2
+"""Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
+
+
+class DiskQueue:
+    """Jobs for a thread of their own, in order. After one that failed none is done.
+
+    Its error is raised in this thread by the next call.
+
+    Parameters
+    ----------
+    waits : bool
+        Whether `put` waits while too much is in the queue; otherwise it refuses more.
+    """
+
+    def __init__(self, *, waits: bool) -> None:
+        self._waits = waits
+        self._thread = ThreadPoolExecutor(1)
+        self._jobs: deque[tuple[Future[None], int]] = deque()
+        self._backlog = 0
+        self._failed = False
+
+    def put(self, job: Callable[[], object], size: int = 0) -> None:
+        """Have a job done, which keeps so many bytes in memory until then.
+
+        Raises
+        ------
+        TimeoutError
+            If too much is in the queue.
+        """
+        if self._waits:
+            self._forget(lambda done: self._backlog + size > LARGEST_BACKLOG)
+        elif self.backlog + size > LARGEST_BACKLOG:
+            raise TimeoutError(f"the disk does not keep up, {self._backlog} bytes wait for it")
+        self._jobs.append((self._thread.submit(self._do, job), size))
+        self._backlog += size
+
+    @property
+    def backlog(self) -> int:
+        """Bytes of the jobs that are not done."""
+        self._forget(lambda done: done)
+        return self._backlog
+
+    def _forget(self, ready: Callable[[bool], bool]) -> None:
+        """Take jobs off the queue, oldest first, as long as they are ready; wait for those that are not done."""
+        while self._jobs and ready(self._jobs[0][0].done()):
+            future, size = self._jobs.popleft()
+            self._backlog -= size
+            future.result()
+
+    def _do(self, job: Callable[[], object]) -> None:
+        if self._failed:
+            return
+        try:
+            job()
+        except BaseException:
+            self._failed = True
+            raise
+
+    def wait(self) -> None:
+        """Wait until all is done."""
+        self._forget(lambda done: True)
+
+    def finish(self) -> None:
+        """Wait until all is done, and end the thread."""
+        self.wait()
+        self._thread.shutdown()
+
+    def end(self, last: Callable[[], object]) -> None:
+        """Leave out what is not begun, and do a last job; wait for it unless the disk is not waited for."""
+        self._failed = True
+        self._jobs.clear()
+        self._thread.submit(last)
+        self._thread.shutdown(wait=self._waits)

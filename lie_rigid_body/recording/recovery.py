@@ -1,0 +1,305 @@
+"""Recovering the whole messages of an MCAP file that was cut off, into a new file that is whole."""
+
+from __future__ import annotations
+
+import os
+import struct
+from array import array
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO, Final, TypeVar
+
+import numpy as np
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
+from mcap.writer import MCAP0_MAGIC as MAGIC
+
+from lie_rigid_body.bounded_input import open_file
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.bag_writer import CUT_OFF
+from lie_rigid_body.recording.chunk import RawChunk
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
+from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
+from lie_rigid_body.recording.output_file import OutputFile, reason
+from lie_rigid_body.wording import short_repr
+
+T = TypeVar("T")
+
+LOOSE_BYTES: Final = 256 * 1024
+"""Size of the chunks into which messages are put that are in none."""
+_RECORD: Final = struct.Struct("<BQ")
+_MESSAGE: Final = struct.Struct("<HIQQ")
+_CHUNK: Final = struct.Struct("<QQQII")
+_PIECE: Final = 65_536
+_DAMAGE: Final = (
+    ArithmeticError,
+    EOFError,
+    LookupError,
+    McapError,
+    RuntimeError,
+    ValueError,
+    struct.error,
+    zstandard.ZstdError,
+)
+"""What the parsers and decompressors raise on damaged bytes."""
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """What was recovered of a file.
+
+    Parameters
+    ----------
+    messages, topics : int
+    log_times_ns : (int, int)
+        The first and the last, ns.
+    broken_at : int or None
+        Where in the broken file the record begins that is unfinished; None if the file is whole.
+    of_the_last : int
+        How many of the messages come from that record.
+    damaged : tuple of int
+        Where records begin that are left out because their content is damaged.
+    """
+
+    messages: int
+    topics: int
+    log_times_ns: tuple[int, int]
+    broken_at: int | None
+    of_the_last: int
+    damaged: tuple[int, ...]
+
+    __repr__ = short_repr
+
+
+def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
+    """Write every whole message of a file into a new one, which is whole.
+
+    Parameters
+    ----------
+    broken : Path
+        It is only read.
+    fixed : Path
+    overwrite : bool
+        Whether a file of that name may be replaced.
+
+    Returns
+    -------
+    Recovery
+
+    Raises
+    ------
+    BagError
+        If the file cannot be read or holds no whole message, or the new one cannot be written.
+    """
+    try:
+        with open_file(broken) as stream:
+            _require_mcap(broken, stream)
+            if fixed.exists() and os.path.samefile(broken, fixed):
+                raise BagError(f"{fixed} is the broken file itself, which is never touched: give another name")
+            return _written(broken, stream, OutputFile(fixed, overwrite=overwrite))
+    except InputError as error:
+        raise BagError(str(error)) from None
+    except FileNotFoundError:
+        raise BagError(f"{broken} does not exist: give the path of an MCAP file") from None
+    except IsADirectoryError:
+        raise BagError(f"{broken} is a folder: recover the MCAP files in it one by one") from None
+    except OSError as error:
+        raise BagError(f"{broken} cannot be recovered: {reason(error)}: look after the disk, and try again") from None
+
+
+def _require_mcap(path: Path, stream: BinaryIO) -> None:
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise BagError(f"{path} does not begin as an MCAP file: it holds nothing that can be recovered")
+
+
+def _written(broken: Path, stream: BinaryIO, out: OutputFile) -> Recovery:
+    try:
+        salvage = _Salvage(stream, out.stream)
+        recovery = salvage.run()
+        if recovery is None:
+            raise BagError(f"{broken} holds no whole message: record it again")
+        out.commit()
+    except BaseException:
+        out.discard()
+        raise
+    return recovery
+
+
+class _Salvage:
+    """One file, read from its start to where it breaks off, and written anew."""
+
+    def __init__(self, stream: BinaryIO, out: BinaryIO) -> None:
+        self._stream, self._out = stream, out
+        self._size = stream.seek(0, 2)
+        self._position = len(MAGIC)
+        self._file: McapFile | None = None
+        self._loose = bytearray()
+        self._damaged: list[int] = []
+        self._data_ended = False
+
+    def run(self) -> Recovery | None:
+        """Recover what there is; None if that is nothing."""
+        unfinished = self._take_whole_records()
+        self._close_loose()
+        file = self._file
+        if file is None:
+            return None
+        before = file.message_count
+        self._take_part(file, unfinished or b"")
+        if file.log_times_ns is None:
+            return None
+        if unfinished is not None:
+            file.add_metadata(Metadata(CUT_OFF, {"broken_at": str(self._position)}))
+        file.finish()
+        return Recovery(
+            file.message_count,
+            len(file.channels),
+            file.log_times_ns,
+            None if unfinished is None else self._position,
+            file.message_count - before,
+            tuple(self._damaged),
+        )
+
+    def _take_whole_records(self) -> bytes | None:
+        """Take record after record; return what there is of an unfinished chunk, or None if the file has its end."""
+        while True:
+            self._stream.seek(self._position)
+            head = self._stream.read(_RECORD.size)
+            opcode, length = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
+            end = self._position + _RECORD.size + length
+            if opcode == 0 or end > self._size:
+                return self._stream.read() if opcode == Opcode.CHUNK else b""
+            content = self._stream.read(length)
+            if opcode == Opcode.FOOTER:
+                return None if self._stream.read() == MAGIC else b""
+            try:
+                self._take(opcode, content)
+            except _DAMAGE:
+                self._damaged.append(self._position)
+            self._position = end
+
+    def _take(self, opcode: int, content: bytes) -> None:
+        if opcode == Opcode.HEADER and self._file is None:
+            self._file = McapFile(self._out, _parse(Header.read, content))
+        self._data_ended |= opcode == Opcode.DATA_END
+        if self._file is None or self._data_ended:
+            return
+        if opcode == Opcode.MESSAGE:
+            self._loose += _RECORD.pack(opcode, len(content)) + content
+            if len(self._loose) > LOOSE_BYTES:
+                self._close_loose()
+            return
+        self._close_loose()
+        if opcode == Opcode.CHUNK:
+            self._take_chunk(self._file, _parse(Chunk.read, content))
+        elif opcode == Opcode.SCHEMA:
+            self._file.add_schema(_parse(Schema.read, content))
+        elif opcode == Opcode.CHANNEL:
+            self._file.add_channel(_parse(Channel.read, content))
+        elif opcode == Opcode.METADATA:
+            self._file.add_metadata(_parse(Metadata.read, content))
+        elif opcode == Opcode.ATTACHMENT:
+            self._file.add_attachment(_parse(Attachment.read, content))
+
+    def _close_loose(self) -> None:
+        """Write the messages that are in no chunk in one."""
+        data, self._loose = bytes(self._loose), bytearray()
+        if self._file is not None and data:
+            raw = _whole_messages(self._file, data)
+            self._file.add_chunk(compressed(raw, "zstd", compressor("zstd")), raw.indexes())
+
+    def _take_chunk(self, file: McapFile, chunk: Chunk) -> None:
+        _require_size(chunk.uncompressed_size)
+        data = inflated(chunk)
+        raw = _whole_messages(file, data)
+        if len(raw.data) < len(data):
+            raise ValueError("a record in it is not whole")
+        first_ns, last_ns = raw.log_times_ns()
+        whole = replace(chunk, message_start_time=first_ns, message_end_time=last_ns)
+        file.add_chunk(whole, raw.indexes())
+
+    def _take_part(self, file: McapFile, content: bytes) -> None:
+        """Take the whole messages of an unfinished chunk, as far as it can be unpacked."""
+        try:
+            *_, size, _, length = _CHUNK.unpack_from(content)
+            compression, begin = content[_CHUNK.size : _CHUNK.size + length].decode(), _CHUNK.size + length + 8
+            raw = _whole_messages(file, _unpacked(compression, content[begin:], size))
+        except _DAMAGE:
+            return
+        file.add_chunk(compressed(raw, compression, compressor(compression)), raw.indexes())
+
+
+def _whole_messages(file: McapFile, data: bytes) -> RawChunk:
+    """The chunk that the whole records at the start of some data make; at least one must be a message."""
+    channels, log_times, offsets, end = array("H"), array("Q"), array("q"), 0
+    for opcode, begin, stop in _records(data):
+        if opcode == Opcode.MESSAGE:
+            channel, _, log_time, _ = _MESSAGE.unpack_from(data, begin)
+            if channel not in file.channels or stop < begin + _MESSAGE.size:
+                raise ValueError("a message is on no channel")
+            channels.append(channel)
+            log_times.append(log_time)
+            offsets.append(begin - _RECORD.size)
+        elif opcode == Opcode.SCHEMA:
+            schema = _parse(Schema.read, data[begin:stop])
+            file.schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            one = _parse(Channel.read, data[begin:stop])
+            file.channels[one.id] = one
+        end = stop
+    if not channels:
+        raise ValueError("no message is whole")
+    columns = np.frombuffer(channels, "u2"), np.frombuffer(log_times, "u8"), np.frombuffer(offsets, "i8")
+    return RawChunk([data[:end]], [columns])
+
+
+def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Opcode, begin and end of the content of each whole record at the start of some data."""
+    end = 0
+    while end + _RECORD.size <= len(data):
+        opcode, length = _RECORD.unpack_from(data, end)
+        begin = end + _RECORD.size
+        end = begin + length
+        if opcode == 0 or end > len(data):
+            return
+        yield opcode, begin, end
+
+
+def _require_size(size: int) -> None:
+    """Refuse to inflate a chunk to more than that: a damaged one may claim any size."""
+    if size > LARGEST_CHUNK:
+        raise ValueError("it is too large")
+
+
+def _unpacked(compression: str, data: bytes, size: int) -> bytes:
+    """As much of a chunk as can be unpacked, at most its size."""
+    _require_size(size)
+    if compression == "zstd":
+        return b"".join(_zstd_pieces(data, size))
+    if compression == "lz4":
+        from lz4.frame import LZ4FrameDecompressor
+
+        unpacked: bytes = LZ4FrameDecompressor().decompress(data, max_length=size)
+        return unpacked
+    if compression:
+        raise ValueError("its compression is unknown")
+    return data[:size]
+
+
+def _zstd_pieces(data: bytes, size: int) -> Iterator[bytes]:
+    with zstandard.ZstdDecompressor().stream_reader(BytesIO(data)) as reader:
+        try:
+            while size > 0 and (piece := reader.read(min(size, _PIECE))):
+                size -= len(piece)
+                yield piece
+        except zstandard.ZstdError:
+            return  # what came before is whole
+
+
+def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:
+    return read(ReadDataStream(BytesIO(content)))

@@ -1,0 +1,82 @@
+"""The thread that writes, and a disk that stands still for as long as the test wants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Event
+
+import pytest
+from bags import write_samples
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording import disk_queue
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.disk_queue import LARGEST_BACKLOG, DiskQueue
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+
+@pytest.fixture
+def disk() -> Iterator[Event]:
+    """It stands still until it is set: at the end of the test at the latest, else the interpreter would wait for it."""
+    event = Event()
+    yield event
+    event.set()
+
+
+def test_jobs_are_done_in_order() -> None:
+    queue, done = DiskQueue(waits=True), list[int]()
+    for k in range(100):
+        queue.put(lambda k=k: done.append(k), LARGEST_BACKLOG // 3)  # type: ignore[misc]
+    queue.finish()
+    assert done == list(range(100))
+
+
+def test_a_live_run_does_not_wait_and_says_when_too_much_is_waiting(disk: Event) -> None:
+    queue, done = DiskQueue(waits=False), list[str]()
+    queue.put(disk.wait)
+    queue.put(lambda: done.append("written"), LARGEST_BACKLOG)
+    with pytest.raises(TimeoutError, match="the disk does not keep up"):
+        queue.put(lambda: done.append("too much"), 1)
+    assert done == []
+    disk.set()
+    queue.finish()
+    assert done == ["written"]
+
+
+def test_after_an_error_nothing_is_written_and_it_is_told_once(disk: Event) -> None:
+    queue, done = DiskQueue(waits=True), list[str]()
+
+    def full() -> None:
+        disk.wait()
+        raise OSError(28, "No space left on device")
+
+    queue.put(full)
+    queue.put(lambda: done.append("after the error"))
+    disk.set()
+    with pytest.raises(OSError, match="No space left"):
+        queue.wait()
+    queue.end(lambda: done.append("closed"))
+    assert done == ["closed"]
+
+
+def test_a_bag_whose_disk_stands_still_is_given_up_and_what_is_written_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, disk: Event
+) -> None:
+    monkeypatch.setattr(disk_queue, "LARGEST_BACKLOG", 100_000)
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation = Simulation(scenario)
+    bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True, chunk_size=10_000, wait_for_disk=False)
+    bag.begin_segment(simulation.segment)
+    write_samples(bag, scenario, simulation.take(300))
+    bag.wait()
+    written = bag.path.stat().st_size
+    monkeypatch.setattr(bag._file, "sync", disk.wait)
+    bag.flush()
+    with pytest.raises(BagError, match=r"a.mcap cannot be written: the disk does not keep up.* recover"):
+        write_samples(bag, scenario, simulation.take(1000))
+    assert bag.path.stat().st_size >= written
+    with pytest.raises(BagError, match="already finished"):
+        bag.flush()
+    disk.set()

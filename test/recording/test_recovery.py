@@ -1,0 +1,215 @@
+"""Files that were cut anywhere: each message that is whole in them is recovered, and none that is not."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zstandard
+from bags import COMPRESSIONS
+from lz4.frame import LZ4FrameDecompressor
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.recovery import recover
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+Message = tuple[str, int, int, bytes]
+COUNT = 120
+CHUNK = 9000
+RECORD = struct.Struct("<BQ")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A bag of each compression, of some chunks."""
+    folder = tmp_path_factory.mktemp("whole")
+    scenario = Scenario.from_parameters({"motion": "closed_form", "rate": 50.0, "imu_rate": 20.0})
+    for compression in COMPRESSIONS:
+        simulation = Simulation(scenario)
+        path = folder / f"{compression}.mcap"
+        with BagWriter(path, stamped_twist=True, chunk_size=CHUNK, compression=compression) as bag:
+            bag.begin_segment(simulation.segment)
+            end = simulation.clock.stamp_ns(COUNT - 1)
+            bag.write(BatchEncoder(scenario).encode(simulation.take_until(end, COUNT)))
+    return {compression: folder / f"{compression}.mcap" for compression in COMPRESSIONS}
+
+
+def messages(path: Path) -> list[Message]:
+    """All messages in file order, by the `mcap` library, with every checksum compared."""
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        found = [
+            (channel.topic, message.log_time, message.sequence, message.data)
+            for _, channel, message in reader.iter_messages(log_time_order=False)
+        ]
+    assert summary is not None
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == len(found)
+    counts: dict[str, int] = {}
+    for topic, *_ in found:
+        counts[topic] = counts.get(topic, 0) + 1
+    named = {summary.channels[key].topic: count for key, count in summary.statistics.channel_message_counts.items()}
+    assert named == counts
+    assert (summary.statistics.message_start_time, summary.statistics.message_end_time) == (
+        min(time for _, time, *_ in found),
+        max(time for _, time, *_ in found),
+    )
+    return found
+
+
+def records(content: bytes | bytearray) -> Iterator[tuple[int, int, int]]:
+    """Opcode, begin and end of each record of a file."""
+    begin = 8
+    while begin < len(content) - 8:
+        opcode, length = RECORD.unpack_from(content, begin)
+        yield opcode, begin, begin + RECORD.size + length
+        begin += RECORD.size + length
+
+
+def count_messages(data: bytes) -> int:
+    count, begin = 0, 0
+    while begin + RECORD.size <= len(data):
+        opcode, length = RECORD.unpack_from(data, begin)
+        begin += RECORD.size + length
+        count += opcode == Opcode.MESSAGE and begin <= len(data)
+    return count
+
+
+def unpacked(compression: str, data: bytes) -> bytes:
+    if compression == "zstd":
+        return zstandard.ZstdDecompressor().decompressobj().decompress(data)
+    return LZ4FrameDecompressor().decompress(data) if compression else data
+
+
+def whole_in(content: bytes, size: int, compression: str) -> int:
+    """How many messages are whole in the first bytes of a file, by another way."""
+    count = 0
+    for opcode, begin, end in records(content):
+        if opcode == Opcode.CHUNK:
+            data = begin + RECORD.size + 32 + len(compression) + 8
+            if size > data:
+                count += count_messages(unpacked(compression, content[data : min(end, size)]))
+    return count
+
+
+def cut(content: bytes, size: int, folder: Path) -> int:
+    """Recover a file of which only the first bytes are left; return how many messages that gave."""
+    broken, fixed = folder / "broken.mcap", folder / "fixed.mcap"
+    broken.write_bytes(content[:size])
+    try:
+        recovery = recover(broken, fixed, overwrite=True)
+    except BagError:
+        return 0
+    assert broken.read_bytes() == content[:size]
+    assert (recovery.broken_at is None) == (size == len(content))
+    assert recovery.broken_at is None or recovery.broken_at <= size
+    assert recovery.damaged == ()
+    return recovery.messages
+
+
+def structural(content: bytes, step: int) -> list[int]:
+    """Sizes at, before and after every boundary of the file's structure."""
+    edges = {0, 8, len(content)} | {edge for _, begin, end in records(content) for edge in (begin, begin + 9, end)}
+    sizes = sorted({edge + d for edge in edges for d in (-1, 0, 1) if 0 <= edge + d <= len(content)})
+    return [*sizes[::step], len(content)]
+
+
+def cuts_recover_what_is_whole(path: Path, compression: str, sizes: list[int], folder: Path) -> None:
+    content, everything = path.read_bytes(), messages(path)
+    for size in sizes:
+        found = cut(content, size, folder)
+        assert found == whole_in(content, size, compression), size
+        if found:
+            assert messages(folder / "fixed.mcap") == everything[:found], size
+
+
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_every_whole_message_of_a_cut_file_is_recovered(
+    whole: dict[str, Path], tmp_path: Path, compression: str
+) -> None:
+    content = whole[compression].read_bytes()
+    sizes = [*structural(content, 11), *np.random.default_rng(7).integers(0, len(content), 15).tolist()]
+    cuts_recover_what_is_whole(whole[compression], compression, sizes, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_cuts_at_every_boundary_and_at_1000_random_places(
+    whole: dict[str, Path], tmp_path: Path, compression: str
+) -> None:
+    content = whole[compression].read_bytes()
+    sizes = [*structural(content, 1), *np.random.default_rng(8).integers(0, len(content), 1000).tolist()]
+    cuts_recover_what_is_whole(whole[compression], compression, sizes, tmp_path)
+
+
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+@pytest.mark.parametrize("part", [0.3, 0.71, 0.95])
+def test_what_is_recovered_is_certified(whole: dict[str, Path], tmp_path: Path, compression: str, part: float) -> None:
+    content = whole[compression].read_bytes()
+    assert cut(content, int(part * len(content)), tmp_path) > 10
+    assert certify(read_bag(tmp_path / "fixed.mcap")).passed
+
+
+def test_a_whole_file_stays_what_it_is(whole: dict[str, Path], tmp_path: Path) -> None:
+    for compression, path in whole.items():
+        content = path.read_bytes()
+        cut(content, len(content), tmp_path)
+        assert (tmp_path / "fixed.mcap").read_bytes() == content, compression
+
+
+def test_a_damaged_chunk_is_left_out_and_told(whole: dict[str, Path], tmp_path: Path) -> None:
+    content = bytearray(whole["zstd"].read_bytes())
+    chunks = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
+    content[chunks[1] + 100] ^= 1
+    (tmp_path / "broken.mcap").write_bytes(content)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.broken_at, recovery.damaged) == (None, (chunks[1],))
+    kept = messages(tmp_path / "fixed.mcap")
+    everything = messages(whole["zstd"])
+    assert len(kept) < len(everything)
+    assert set(kept) < set(everything)
+
+
+@pytest.mark.parametrize("chunked", [True, False])
+def test_files_of_other_recorders_are_recovered(whole: dict[str, Path], tmp_path: Path, chunked: bool) -> None:
+    """Also where messages are in no chunk, and with what else a file may hold."""
+    path = tmp_path / "other.mcap"
+    with open(path, "wb") as out:
+        writer = Writer(out, use_chunking=chunked, chunk_size=2000)
+        writer.start("ros2", "another recorder")
+        writer.add_attachment(1, 2, "calibration", "text/plain", b"anything")
+        writer.add_metadata("vehicle", {"name": "sat"})
+        channel = writer.register_channel("/log", "cdr", writer.register_schema("a/msg/B", "ros2msg", b"int8 a"))
+        for k in range(200):
+            writer.add_message(channel, 1000 * k, bytes([k] * 50), 1000 * k, k)
+        writer.finish()
+    content = path.read_bytes()
+    begins = [begin for opcode, begin, _ in records(content) if opcode in (Opcode.CHUNK, Opcode.MESSAGE)]
+    assert 40 < cut(content, begins[len(begins) // 2] + 30, tmp_path) < 160
+    with open(tmp_path / "fixed.mcap", "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert [one.name for one in reader.iter_attachments()] == ["calibration"]
+        assert [one.name for one in reader.iter_metadata()] == ["vehicle", "lie_rigid_body_cut_off"]
+        assert [message.sequence for _, _, message in reader.iter_messages()][:3] == [0, 1, 2]
+
+
+def test_a_chunk_that_claims_to_be_huge_is_left_out(whole: dict[str, Path], tmp_path: Path) -> None:
+    content = bytearray(whole["zstd"].read_bytes())
+    [first, *_] = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
+    struct.pack_into("<Q", content, first + 9 + 16, 2**62)
+    (tmp_path / "broken.mcap").write_bytes(content)
+    with pytest.raises(BagError, match="holds no whole message"):  # the others lack the channels of the first
+        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert not (tmp_path / "fixed.mcap").exists()
