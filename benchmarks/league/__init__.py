@@ -1,0 +1,1 @@
+"""The league: attitude filters of other libraries over shipped cases."""

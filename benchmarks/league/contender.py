@@ -1,0 +1,65 @@
+"""A filter of the league."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from itertools import product
+from pkgutil import iter_modules
+from types import MappingProxyType
+from typing import Final
+
+from scipy.spatial.transform import Rotation
+
+Setting = Mapping[str, float]
+
+DEFAULTS: Final[Setting] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A filter, as its users would call it.
+
+    Attributes
+    ----------
+    library : str
+        Its name on PyPI.
+    name : str
+        The name that the library gives the filter.
+    estimate : callable
+        Of `Readings` and settings by name; returns N attitudes, world-from-body. Without a setting it runs at the
+        library's defaults.
+    grid : mapping of str to sequence of float
+        Values of its settings that are tried in all combinations.
+    sees_future : bool
+        Whether an attitude rests on later readings too.
+    advice : str
+        What its users should set, or beware of.
+    """
+
+    library: str
+    name: str
+    estimate: Callable[..., Rotation]
+    grid: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    sees_future: bool = False
+    advice: str = ""
+
+    @property
+    def full_name(self) -> str:
+        """Library and name."""
+        return f"{self.library} {self.name}"
+
+    def settings(self) -> Iterator[Setting]:
+        """The defaults, and every point of the grid."""
+        yield DEFAULTS
+        if self.grid:
+            for values in product(*self.grid.values()):
+                yield dict(zip(self.grid, values, strict=True))
+
+
+def filters() -> tuple[Filter, ...]:
+    """All filters: each module of `league.filters` has some."""
+    package = import_module("league.filters")
+    modules = (import_module(f"league.filters.{found.name}") for found in iter_modules(package.__path__))
+    return tuple(each for module in modules for each in module.FILTERS)
