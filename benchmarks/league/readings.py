@@ -12,6 +12,7 @@ from lie_rigid_body import Run
 
 Array = NDArray[np.float64]
 
+UP = np.array([0.0, 0.0, 1.0])
 FRD = np.diag([1.0, -1.0, -1.0])
 """Turns a body whose z points up into one whose z points down, and back."""
 
@@ -65,6 +66,15 @@ class Readings:
     def dt(self) -> float:
         """Time between two readings, s."""
         return 1.0 / self.rate
+
+    @property
+    def first_attitude(self) -> Rotation:
+        """What the first readings of gravity and field tell."""
+        return self.attitude_of(0)
+
+    def attitude_of(self, k: int) -> Rotation:
+        """What one pair of readings tells: the vertical by gravity, the azimuth by the field."""
+        return Rotation.align_vectors([UP, self.field], [self.acc[k], self.mag[k]], weights=[np.inf, 1.0])[0]
 
     @property
     def magnetic_north(self) -> float:

@@ -46,8 +46,9 @@ def _of(kind: Any, to_world: To_world, *, sign: float = 1.0, inverse: bool = Fal
 
 def angular_rate(given: Readings, **settings: float) -> Rotation:
     """The gyro alone, begun by TRIAD."""
-    first = Rotation.align_vectors([[0.0, 0.0, 1.0], given.field], [given.acc[0], given.mag[0]], weights=[np.inf, 1.0])[0]
-    return attitudes(kinds.AngularRate(given.gyro, np.roll(first.as_quat(), 1), frequency=given.rate, **settings).Q)
+    return attitudes(
+        kinds.AngularRate(given.gyro, np.roll(given.first_attitude.as_quat(), 1), frequency=given.rate, **settings).Q
+    )
 
 
 def complementary(given: Readings, **settings: float) -> Rotation:
@@ -76,7 +77,7 @@ FILTERS = (
         alpha=(0.003, 0.01, 0.03, 0.1),
         beta=(0.003, 0.01, 0.03, 0.1),
     ),
-    _filter("Complementary", complementary, "angles of Euler: wrong near pitch 90° and while turning", gain=(0.5, 0.9, 0.99)),
+    _filter("Complementary", complementary, "Euler angles, wrong while turning", gain=(0.5, 0.9, 0.99)),
     _filter(
         "EKF",
         _of(kinds.EKF, true_ned, sign=-1.0, magnetic_ref=lambda given: ned(given.field)),

@@ -1,4 +1,4 @@
-"""What ahrs has of single readings: each attitude from one accelerometer and one magnetometer reading, without a gyro."""
+"""What ahrs makes of one accelerometer and one magnetometer reading at a time, without a gyro."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from league.contender import Filter
 from league.filters.ahrs_filters import MICROTESLA, NEGATED, dip, ned, true_ned
-from league.readings import Readings, attitudes, magnetic_ned, magnetic_nwu
+from league.readings import UP, Readings, attitudes, magnetic_ned, magnetic_nwu
 
 
 def _of(
@@ -41,6 +41,10 @@ def _field(given: Readings) -> np.ndarray:
     return given.field * MICROTESLA
 
 
+def _ned_field(given: Readings) -> np.ndarray:
+    return ned(given.field)
+
+
 def _filter(name: str, estimate: Callable[..., Rotation], advice: str = "") -> Filter:
     return Filter("ahrs", name, estimate, advice=advice)
 
@@ -55,11 +59,13 @@ FILTERS = (
         '`method="eig"`: the symbolic default is off by degrees; `magnetic_dip` of a map',
     ),
     _filter(
-        "FQA", _of(kinds.FQA, true_ned, sign=1.0, mag_ref=lambda given: ned(given.field)), "frame NED, `mag_ref` of a map"
+        "FQA",
+        _of(kinds.FQA, true_ned, sign=1.0, mag_ref=_ned_field),
+        "frame NED, `mag_ref` of a map",
     ),
     _filter(
         "OLEQ",
-        _of(kinds.OLEQ, true_ned, sign=1.0, magnetic_ref=lambda given: ned(given.field)),
+        _of(kinds.OLEQ, true_ned, sign=1.0, magnetic_ref=_ned_field),
         "its iteration ends before it has converged",
     ),
     _filter("QUEST", _of(kinds.QUEST, magnetic_dip=dip), f"{NEGATED}; `magnetic_dip` of a map"),
@@ -67,7 +73,15 @@ FILTERS = (
     _filter("Tilt", _of(kinds.Tilt, magnetic_nwu, sign=1.0)),
     _filter(
         "TRIAD",
-        _of(kinds.TRIAD, _world, sign=1.0, inverse=True, v1=np.array([0.0, 0.0, 1.0]), v2=_field, representation="quaternion"),
+        _of(
+            kinds.TRIAD,
+            _world,
+            sign=1.0,
+            inverse=True,
+            v1=UP,
+            v2=_field,
+            representation="quaternion",
+        ),
         "gives earth to body: take the inverse; `v2` is the field of a map",
     ),
 )

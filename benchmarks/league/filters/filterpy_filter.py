@@ -7,16 +7,14 @@ from filterpy.kalman import KalmanFilter
 from scipy.spatial.transform import Rotation
 
 from league.contender import Filter
-from league.readings import Readings
-
-UP = np.array([0.0, 0.0, 1.0])
+from league.readings import UP, Readings
 
 
 def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-5, vectors: float = 0.02) -> Rotation:
     """Noise of gyro (rad/s/√Hz), of its bias (rad/s²/√Hz), and of the directions of gravity and field (rad)."""
     north = given.field / np.linalg.norm(given.field)
     acc, mag = (track / np.linalg.norm(track, axis=1, keepdims=True) for track in (given.acc, given.mag))
-    attitude = Rotation.align_vectors([UP, north], [acc[0], mag[0]])[0]
+    attitude = given.first_attitude
     kf = KalmanFilter(dim_x=6, dim_z=6)
     kf.P = np.diag([0.1, 0.1, 0.1, 1e-3, 1e-3, 1e-3])
     kf.Q = np.diag(np.repeat([gyro**2 * given.dt, bias**2 * given.dt], 3))
@@ -41,5 +39,5 @@ def _cross(v: np.ndarray) -> np.ndarray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-GRID = {"gyro": (1e-4, 1e-3, 1e-2), "bias": (1e-6, 1e-4), "vectors": (0.005, 0.02, 0.1)}
+GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-5, 1e-4), "vectors": (0.02, 0.1)}
 FILTERS = (Filter("filterpy", "KalmanFilter (MEKF)", estimate, GRID, advice="wired to six states here"),)

@@ -1,4 +1,4 @@
-"""A smoother of gtsam: preintegrated gyro between ten attitudes a second, gravity and field at each, one bias a second."""
+"""A smoother of gtsam: a gyro preintegrated between ten attitudes a second, gravity and field there, slow biases."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from gtsam.symbol_shorthand import B, R
 from scipy.spatial.transform import Rotation
 
 from league.contender import Filter
-from league.readings import Readings
+from league.readings import UP, Readings
 
-UP = np.array([0.0, 0.0, 1.0])
 SPAN = 10
 """Readings from one attitude to the next."""
 BIAS_SPAN = 10
@@ -25,8 +24,7 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     nodes = range(0, len(given.t_ns), SPAN)
     for i, k in enumerate(nodes):
-        guess = Rotation.align_vectors([UP, given.field], [given.acc[k], given.mag[k]], weights=[np.inf, 1.0])[0]
-        values.insert(R(i), gtsam.Rot3(guess.as_matrix()))
+        values.insert(R(i), gtsam.Rot3(given.attitude_of(k).as_matrix()))
         for reference, reading in ((UP, given.acc[k]), (given.field, given.mag[k])):
             graph.add(gtsam.AttitudeFactorRot3(R(i), gtsam.Unit3(reference), direction, gtsam.Unit3(reading)))
         if i % BIAS_SPAN == 0:
@@ -52,5 +50,5 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
     return Rotation.from_quat(out)
 
 
-GRID = {"gyro": (1e-4, 1e-3, 1e-2), "bias": (1e-5, 1e-3), "vectors": (0.005, 0.02, 0.1)}
+GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-5, 1e-3), "vectors": (0.02, 0.1)}
 FILTERS = (Filter("gtsam", "AHRSFactor (batch)", estimate, GRID, sees_future=True, advice="wired to a graph here"),)
