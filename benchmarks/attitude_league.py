@@ -1,0 +1,43 @@
+"""The league of attitude filters: ``make league``.
+
+Every filter of ``league/filters`` runs over every case of ``config/league``, at its library's defaults and at the best
+of the grid that its file declares. Settings are chosen on runs with other noise than those that are scored.
+
+    make league                   prints the table, half an hour on two cores
+    make league ARGS=--save       also writes docs/estimators.md, its picture, and benchmarks/data/league.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+from league import page
+from league.contender import filters
+from league.tournament import play
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+
+
+def main() -> None:
+    """Play, print the table, and write what was asked for."""
+    parser = argparse.ArgumentParser(description="Attitude filters of other libraries over shipped cases.")
+    parser.add_argument("--save", action="store_true", help="write the table, the picture and the numbers of docs/")
+    save = parser.parse_args().save
+    print(", ".join(f"{name} {version(name)}" for name in sorted({each.library for each in filters()})), flush=True)
+    defaults, best = play(len(os.sched_getaffinity(0)))
+    bounds = [result for result in defaults if result.filter == "unavoidable"]
+    rows = page.ranking(defaults, best)
+    print(page.table(rows, bounds), page.advice(rows), sep="\n\n")
+    if save:
+        page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
+        page.write_numbers(ROOT / "benchmarks" / "data" / "league.csv", defaults, best)
+        estimators = ROOT / "docs" / "estimators.md"
+        estimators.write_text(page.replaced(estimators.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

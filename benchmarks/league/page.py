@@ -1,0 +1,136 @@
+"""The results as tables of a page, a file of numbers, and a heat map."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from league.cases import FAULTS, GRADES, MOTIONS, Case
+from league.contender import Filter
+from league.tournament import Result, by_filter
+
+BEGIN: Final = "<!-- begin of the league -->"
+END: Final = "<!-- end of the league -->"
+BLURRED: Final = 5.0
+"""With perfect sensors a filter errs by no more than this, degrees, or its wiring is in doubt."""
+
+Ranking = Sequence[tuple[Filter, list[Result], list[Result]]]
+
+
+def ranking(defaults: Sequence[Result], best: Sequence[Result]) -> Ranking:
+    """Filters with their results at the defaults and at the best setting, the most accurate first."""
+    pairs = zip(by_filter(defaults), by_filter(best), strict=True)
+    rows = [(each, plain, tuned) for (each, plain), (_, tuned) in pairs]
+    return sorted(rows, key=lambda row: (bool(doubt(row[1])), typical(row[2], GRADES[1:])))
+
+
+def typical(results: Iterable[Result], grades: Sequence[str], fault: bool = False) -> float:
+    """Median of the total errors over the cases of some grades, degrees."""
+    found = [r.total for r in results if r.case.grade in grades and bool(r.case.fault) == fault]
+    return float(np.median(found)) if found else float("nan")
+
+
+def doubt(results: Iterable[Result]) -> str:
+    """Why a filter's conventions are not proved by perfect sensors, or nothing."""
+    slow = next(r for r in results if r.case == Case("slow_tumble", "perfect"))
+    return f"{slow.total:.2g}° with perfect sensors" if slow.total > BLURRED else ""
+
+
+def table(rows: Ranking, bounds: Sequence[Result]) -> str:
+    """One line for each filter."""
+    head = ["filter", "perfect", *GRADES[1:], *(["faults"] if FAULTS else []), "heading", "inclination", "settles [s]"]
+    head.append("µs")
+    lines = [head, ["---"] * len(head)]
+    for each, plain, tuned in rows:
+        mems = [r for r in tuned if r.case.grade == "mems" and not r.case.fault]
+        columns = [f"{each.library} `{each.name}`" + " *" * each.sees_future, angle(typical(plain, GRADES[:1]))]
+        columns += [both(typical(plain, [grade]), typical(tuned, [grade])) for grade in GRADES[1:]]
+        if FAULTS:
+            columns.append(both(typical(plain, ["mems"], True), typical(tuned, ["mems"], True)))
+        columns += [angle(float(np.median([getattr(r, axis) for r in mems]))) for axis in ("heading", "inclination")]
+        settled = float(np.median([r.converged for r in mems]))
+        columns.append(f"{settled:.2g}" if np.isfinite(settled) else "never")
+        columns.append(f"{np.nanmedian([r.cost for r in plain]):.2g}")
+        lines.append(columns)
+    floor = [angle(typical(bounds, [grade])) for grade in GRADES[1:]]
+    lines.append(["**best possible**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def angle(degrees: float) -> str:
+    """For the eye: two digits, 0 below a ten-thousandth."""
+    return "—" if np.isnan(degrees) else "0" if degrees < 5e-5 else f"{degrees:.2g}"
+
+
+def both(default: float, tuned: float) -> str:
+    """The error at the defaults, and at the best setting if it is another."""
+    return angle(default) if angle(default) == angle(tuned) else f"{angle(default)} → {angle(tuned)}"
+
+
+def advice(rows: Ranking) -> str:
+    """What the users of each filter should know, and the setting that was best for MEMS sensors."""
+    lines = []
+    for each, plain, tuned in rows:
+        setting = next(r.setting for r in tuned if r.case == Case("slow_tumble", "mems"))
+        chosen = ", ".join(f"`{name}={value:g}`" for name, value in setting.items())
+        said = [doubt(plain), each.advice, f"with MEMS sensors {chosen}" if chosen else ""]
+        if any(said):
+            lines.append(f"- {each.library} `{each.name}`: {'; '.join(filter(None, said))}.")
+    return "\n".join(lines)
+
+
+def replaced(page: str, rows: Ranking, bounds: Sequence[Result]) -> str:
+    """A page with its part on the league exchanged."""
+    before, rest = page.split(BEGIN)
+    _, after = rest.split(END)
+    return f"{before}{BEGIN}\n\n{table(rows, bounds)}\n\n{advice(rows)}\n\n{END}{after}"
+
+
+def heat_map(rows: Ranking, bounds: Sequence[Result]) -> Figure:
+    """The total error of each filter, at its best setting, in each case."""
+    shown = [Case(motion, grade) for grade in GRADES for motion in MOTIONS]
+    shown += [Case("slow_tumble", "mems", fault) for fault in FAULTS]
+    floor = {r.case: r.total for r in bounds}
+    numbers = [[{r.case: r.total for r in tuned}[case] for case in shown] for _, _, tuned in rows]
+    numbers.append([floor.get(case, np.nan) for case in shown])
+    names = [each.full_name for each, _, _ in rows] + ["best possible"]
+    figure = Figure(figsize=(0.42 * len(shown) + 4.0, 0.27 * len(names) + 2.6), dpi=110, layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(np.maximum(numbers, 1e-3), norm=LogNorm(1e-3, 180.0), cmap="viridis_r", aspect="auto")
+    for row, line in enumerate(numbers):
+        for column, value in enumerate(line):
+            text = "" if np.isnan(value) else "0" if value < 5e-4 else f"{value:.1g}" if value < 1 else f"{value:.0f}"
+            axes.text(column, row, text, ha="center", va="center", fontsize=6, color="white" if value > 5 else "black")
+    axes.set_xticks(
+        range(len(shown)), [case.fault or case.motion for case in shown], rotation=60, ha="right", fontsize=7
+    )
+    axes.set_yticks(range(len(names)), names, fontsize=7)
+    ends = [len(MOTIONS) * (i + 1) - 0.5 for i in range(len(GRADES))] + [len(shown) - 0.5]
+    for begin, end, title in zip([-0.5, *ends], ends, [*GRADES, "mems, slow tumble, with a fault"], strict=False):
+        if end > begin:
+            axes.axvline(end, color="white", lw=2)
+            axes.text((begin + end) / 2, -0.8, title, ha="center", va="bottom", fontsize=8)
+    figure.colorbar(image, ax=axes, label="RMS of the total error after 30 s [°]", pad=0.01)
+    return figure
+
+
+def write_numbers(path: Path, defaults: Iterable[Result], best: Iterable[Result]) -> None:
+    """All results as CSV, but for costs: those are of one machine."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        head = ("motion", "grade", "fault", "filter", "setting", "total_deg", "heading_deg", "inclination_deg")
+        out.writerow([*head, "converged_s", "remark"])
+        for r in dict.fromkeys(_row(r) for results in (defaults, best) for r in results):
+            out.writerow(r)
+
+
+def _row(r: Result) -> tuple[str, ...]:
+    numbers = (f"{value:.6g}" for value in (r.total, r.heading, r.inclination, r.converged))
+    return (r.case.motion, r.case.grade, r.case.fault, r.filter, json.dumps(dict(r.setting)), *numbers, r.trouble)
