@@ -74,7 +74,8 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     if not pieces:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
-    over_time, of_space = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05)
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05)
+    over_time, of_space = halves
     rate, energy, momentum = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     _draw_rate(rate, pieces)
     _draw_energy(energy, pieces)

@@ -205,7 +205,7 @@ def set_parameter(node: Node, remote: str, assignment: str, interruption: Interr
     _wait(node, answer.done, f"no answer from {remote}", interruption)
     result = answer.result().results[0]
     if not result.successful:
-        raise InputError(f"{remote} refuses --set {shortened(assignment, LONGEST_VALUE)}: {result.reason}")
+        raise InputError(f"{remote} refuses --set {shortened(name, LONGEST_VALUE)}: {result.reason}")
     console.say(f"{remote} has {name} {value}")
     return console.SUCCESS
 
