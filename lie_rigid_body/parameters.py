@@ -24,6 +24,9 @@ LONGEST_FRAME_NAME: Final = 255
 """Characters. Every message carries one."""
 
 
+_BEYOND_INT64: Final = 2.0**63
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One parameter: its type, default, limits and description.
@@ -108,9 +111,10 @@ class Parameter:
         return value
 
     def _integer(self, value: object) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
+        is_beyond = isinstance(value, float) and abs(value) >= _BEYOND_INT64  # as YAML and rcl read longer integers
+        if not is_beyond and (isinstance(value, bool) or not isinstance(value, int)):
             raise self._error(f"{shown(value)} is not an integer: give for example {self.default!r}")
-        if not self.minimum <= value <= self.maximum:
+        if not (isinstance(value, int) and self.minimum <= value <= self.maximum):
             raise self._error(
                 f"{shown(value)} is outside [{int(self.minimum)}, {int(self.maximum)}]: give {self._example()}"
             )
