@@ -18,7 +18,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.mailbox import Mailbox
-from lie_rigid_body.ros.timing.pace import BREATH_NS, STALL_NS, Halted, Pace, credit_ns, pace_of
+from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
@@ -30,8 +30,6 @@ SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
 """Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
-SELDOM_WOKEN: Final = 1.25
-"""As many times as fast as simulated time passes it then sends at least."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
@@ -299,7 +297,7 @@ class LiveRun:
         """Time whose samples may go out at once, if they are late, ns."""
         overslept = steady_ns - self._rested_ns
         if overslept < STALL_NS and self._pace.wait_ns(stamp_ns, steady_ns) < -FAR_BEHIND_NS:
-            return max(credit_ns(overslept), int(SELDOM_WOKEN * overslept))
+            return max(credit_ns(overslept), int(CATCH_UP * overslept))
         return credit_ns(overslept)
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
@@ -325,7 +323,7 @@ class LiveRun:
             return 0
         if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
             wait = SHORTEST_WAIT_NS
-        if (rest := self._rested_ns - now) > 0:
+        if (rest := self._rested_ns - now) >= 0:
             wait = max(wait, rest, BREATH_NS)
         return min(wait, LONGEST_WAIT_NS, *others)
 

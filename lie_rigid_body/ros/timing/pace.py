@@ -9,12 +9,12 @@ from typing import Final, Protocol
 
 FOREVER: Final = 2**63
 """A time longer than any wait, and later than any stamp, ns."""
-CATCH_UP: Final = 1.5
+CATCH_UP: Final = 1.25
 """A run that is late sends so many times as fast as simulated time passes: faster, it would overrun subscribers."""
 BREATH_NS: Final = 500_000
 """Shortest rest of a late run, ns: at high rates a rest after each sample would cost too much."""
-LONGEST_CREDIT_NS: Final = 3_000_000
-"""Longest oversleep that a late run makes up for at once, ns: 3 samples at 1 kHz, as many subscribers keep 10."""
+LONGEST_CREDIT_NS: Final = 2_000_000
+"""Longest oversleep that a late run makes up for at once, ns: 2 samples at 1 kHz, as many subscribers keep 10."""
 STALL_NS: Final = 25_000_000
 """Oversleep from which on it is a stall, ns: nothing of it is made up for at once."""
 
@@ -22,13 +22,13 @@ STALL_NS: Final = 25_000_000
 def credit_ns(overslept_ns: int) -> int:
     """Time whose samples may go out at once, in a late run that rested so much longer than it had to, ns.
 
-    In a breath the run gains on time. In what it overslept beyond, it only keeps up with time: a late waking brings no
-    more samples than it brings to a punctual run. One sample may go out in any case.
+    In two breaths the run gains on time. In what it overslept beyond, it only keeps up with time: a late waking brings
+    no more samples than it brings to a punctual run. One sample may go out in any case.
     """
     if overslept_ns >= STALL_NS:
         return 0
-    in_breath = min(overslept_ns, BREATH_NS)
-    return int(CATCH_UP * in_breath) + min(overslept_ns, LONGEST_CREDIT_NS) - in_breath
+    gaining = min(overslept_ns, 2 * BREATH_NS)  # half of it may be what the breath before left over
+    return int(CATCH_UP * gaining) + min(overslept_ns, LONGEST_CREDIT_NS) - gaining
 
 
 class Pace(Protocol):

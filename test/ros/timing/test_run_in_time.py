@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
-from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
@@ -23,8 +23,8 @@ from lie_rigid_body.scenario import Scenario
 
 MS = 1_000_000
 PERIOD = 10 * MS
-GAIN_NS = (CATCH_UP - 1) * BREATH_NS
-"""What a late run gains on time in a breath, ns."""
+GAIN_NS = (CATCH_UP - 1) * 2 * BREATH_NS
+"""What a late run gains on time in two breaths, ns."""
 
 
 def nothing() -> None:
@@ -182,14 +182,14 @@ def most_ahead_ns(run: ScriptedRun) -> float:
 @pytest.mark.parametrize("rate", [30.0, 400.0, 1000.0, 2e4])
 def test_a_late_run_sends_an_even_stream(rate: float, factor: float) -> None:
     """Over every time a multiple of what passes of simulated time, and no more; until it is late no longer."""
-    run, late = ScriptedRun(rate=rate, factor=factor), NS // 5
+    run, late = ScriptedRun(rate=rate, factor=factor), NS // 10
     caught_up = late + math.ceil(late / (CATCH_UP - 1)) + 100 * MS
     run.play((10 * MS, lambda: setattr(run.time, "now", run.time.now + late)), (caught_up, nothing))
     stamps, at = run.sink.stamps, np.array(run.sink.sent_at)
     assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
     assert run.sink.punctuality.worst_ns >= late - NS / rate / factor
     assert run.sink.latest[-1] <= MS
-    assert most_ahead_ns(run) <= CATCH_UP * MS
+    assert most_ahead_ns(run) <= CATCH_UP * SHORTEST_WAIT_NS
     if rate * factor * BREATH_NS * CATCH_UP <= NS:
         assert np.diff(at).min() >= NS / rate / factor / CATCH_UP - 2
 
@@ -216,7 +216,7 @@ def test_late_wakings_bring_no_burst(rate: float, factor: float) -> None:
     assert most_ahead_ns(run) <= LONGEST_CREDIT_NS + GAIN_NS + 2
     if rate * factor <= 1000.0:  # the subscribers that keep 10 samples have so long to take them
         sent_at = np.array(run.sink.sent_at)
-        assert (sent_at[10:] - sent_at[:-10]).min() >= 4 * MS
+        assert (sent_at[10:] - sent_at[:-10]).min() >= 6 * MS
 
 
 def test_the_first_sample_is_stamped_when_the_run_begins() -> None:
