@@ -13,8 +13,8 @@ CATCH_UP: Final = 1.25
 """A run that is late sends so many times as fast as simulated time passes: faster, it would overrun subscribers."""
 BREATH_NS: Final = 500_000
 """Shortest rest of a late run, ns: at high rates a rest after each sample would cost too much."""
-LONGEST_CREDIT_NS: Final = 2_000_000
-"""Longest oversleep that a late run makes up for at once, ns: 2 samples at 1 kHz, as many subscribers keep 10."""
+LONGEST_CREDIT_NS: Final = 3_000_000
+"""Longest oversleep that a late run makes up for at once, ns: 3 samples at 1 kHz, as many subscribers keep 10."""
 STALL_NS: Final = 25_000_000
 """Oversleep from which on it is a stall, ns: nothing of it is made up for at once."""
 
