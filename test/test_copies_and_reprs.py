@@ -289,4 +289,24 @@ def test_the_repr_of_states_gives_shapes_and_ends():
     )
     assert repr(START) == "State(attitude_xyzw=[0.0, 0.0, 0.0, 1.0], body_rate=[0.01, 1.0, 0.01])"
     assert repr(BODY) == "RigidBody([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]])"
-    assert repr(Scenario.from_parameters({"rate": 200.0})) == "Scenario(rate=200.0)"
+
+
+def test_the_repr_of_a_scenario_is_the_call_that_makes_it():
+    for given in ({}, {"rate": 200.0}, {"inertia": [1.0, 2.0, 2.5], "motion": "closed_form", "epoch_ns": 7}):
+        scenario = Scenario.from_parameters(given)
+        assert same(eval(repr(scenario), {"Scenario": Scenario}), scenario)
+    assert repr(Scenario.from_parameters({"rate": 200})) == "Scenario.from_parameters({'rate': 200.0})"
+
+
+def test_the_repr_of_a_certificate_is_its_verdict(tmp_path):
+    path = tmp_path / "run.mcap"
+    simulate(duration=0.5, motion="closed_form").to_bag(path)
+    found = certify(bag_reader.read_bag(path))
+    accuracy = f"{found.attitude_accuracy:.2g}"
+    assert repr(found) == f"<Certificate: certified, attitude within {accuracy} rad; 50 samples in 1 segment>"
+    assert repr(found.segments[0]) == (
+        f"<SegmentCertificate: certified, attitude within {accuracy} rad; 50 samples from 0 ns>"
+    )
+    wrong = certify(bag_reader.read_bag(path), inertia=[1.0, 2.0, 2.5])
+    assert repr(wrong).startswith("<Certificate: broken: kinetic energy")
+    assert repr(wrong).endswith("; 50 samples in 1 segment>")

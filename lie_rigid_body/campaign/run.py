@@ -86,4 +86,4 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         for _ in write_run(bag, simulation, last_ns):
             pass
     certificate = certify(read_bag(path))
-    return Row(run, campaign.varied(run), certificate.passed, certificate.attitude_accuracy, name)
+    return Row(run, campaign.varied(scenario), certificate.passed, certificate.attitude_accuracy, name)

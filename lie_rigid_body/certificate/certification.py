@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import listed
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,10 @@ class SegmentCertificate:
     laws: tuple[LawResult, ...]
     notes: tuple[str, ...] = ()
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The verdict, and of what; no call, as only `certify` makes one."""
+        verdict = _verdict(self.laws, self.law("closed form").worst + CLOSED_FORM)
+        return f"<SegmentCertificate: {verdict}; {_counted(self.samples, 'sample')} from {self.segment.start_ns} ns>"
 
     @property
     def passed(self) -> bool:
@@ -73,7 +76,12 @@ class Certificate:
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The verdict, and of what; no call, as only `certify` makes one."""
+        laws = [*(law for segment in self.segments for law in segment.laws), *self.whole]
+        samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
+        what = f"{_counted(samples, 'sample')} in {_counted(segments, 'segment')}"
+        return f"<Certificate: {_verdict(laws, self.attitude_accuracy)}; {what}>"
 
     @property
     def passed(self) -> bool:
@@ -102,6 +110,15 @@ class Certificate:
     def farthest(self) -> tuple[int, SegmentCertificate]:
         """The segment with the largest attitude error: its number from 1, and its certificate."""
         return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
+
+
+def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
+    broken = dict.fromkeys(law.name for law in laws if not law.holds)
+    return f"broken: {listed(broken)}" if broken else f"certified, attitude within {accuracy:.2g} rad"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -67,7 +68,7 @@ def _parser() -> console.Parser:
 
 def _workers(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a number of processes from 1 to 9999")
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
     return int(text)
 
 
@@ -101,7 +102,7 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
         raise BagError(
-            f"{len(failed)} of {campaign.runs} runs failed, the first of: {' '.join(reason.split())[:90]}; "
+            f"{len(failed)} of {campaign.runs} runs failed, the first of: {shortened(reason, 90)}; "
             "the others are kept: mend that, and the same command does the rest"
         )
     table = journal.write_table()

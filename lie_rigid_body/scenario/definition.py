@@ -19,7 +19,7 @@ from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_bet
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
 from lie_rigid_body.sensors import GRADE, PERFECT, SENSOR_PARAMETERS, Sensors
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.wording import shortened, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
@@ -96,9 +96,13 @@ class Scenario:
         return scenario
 
     def __repr__(self) -> str:
-        """The parameters that are not at their defaults."""
-        changed = {name: value for name, value in self.parameters().items() if value != _BY_NAME[name].default}
-        return call_repr(self, changed)
+        """The call that makes it: the parameters that are not at their defaults, which may be shortened."""
+        changed = [
+            f"{name!r}: {shown(list(value) if isinstance(value, tuple) else value)}"
+            for name, value in self.parameters().items()
+            if value != _BY_NAME[name].default
+        ]
+        return shortened(f"Scenario.from_parameters({{{', '.join(changed)}}})")
 
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""

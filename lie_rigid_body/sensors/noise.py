@@ -64,7 +64,7 @@ class WhiteNoise:
 
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
-        numbers = _uniform(self._words.random_raw(3 * count))
+        numbers = uniform(self._words.random_raw(3 * count))
         return self._normal(numbers).reshape(count, 3)
 
     def _normal(self, numbers: Array) -> Array:
@@ -75,7 +75,7 @@ class WhiteNoise:
         return np.asarray(self._sigma * ndtri(numbers))
 
 
-def _uniform(words: NDArray[np.uint64]) -> Array:
+def uniform(words: NDArray[np.uint64]) -> Array:
     """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
     odd = (words >> np.uint64(12)) * np.uint64(2) + np.uint64(1)
     return np.asarray(odd.astype(np.float64) * 2.0**-53)

@@ -170,7 +170,7 @@ def command(pid: int) -> str:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("runs: 0\nseed: 1\nduration: 1.0", "runs: '0' is not an integer from 1"),
+        ("runs: 0\nseed: 1\nduration: 1.0", "runs: 0 is not an integer from 1"),
         ("runs: 1\nseed: -1\nduration: 1.0", "seed"),
         ("runs: 1\nseed: 1\nduration: .inf", "duration"),
         ("runs: 1\nseed: 1", "has no 'duration:'"),

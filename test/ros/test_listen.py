@@ -85,6 +85,9 @@ def test_scenario_control_and_parameters_without_the_ros2_command() -> None:
         assert asked("--resume", f"{node}/resume", domain=simulator.domain) == "time goes on"
         assert asked("--set", "rate:=40", "--node", node, domain=simulator.domain) == f"{node} has rate 40"
         assert asked("--get", "rate", "--node", node, domain=simulator.domain) == "40.0"
+        long = f"inertia:=[{', '.join(['1.0'] * 100)}]"
+        refused = asked("--set", long, "--node", node, domain=simulator.domain, status=2)
+        assert f"{node} refuses --set inertia: " in refused
         for option, said in (("--set", "paused:=true"), "call ~/pause"), (("--get", "rte"), "no such parameter"):
             assert said in asked(*option, "--node", node, domain=simulator.domain, status=2)
 
