@@ -14,7 +14,7 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim quick test test-slow test-oldest lint docs bench clean
+.PHONY: help sim quick test test-slow test-oldest lint docs bench league clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
@@ -25,6 +25,7 @@ help:
 	@echo "make lint         check style and types"
 	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
 	@echo "make bench        run beside other software    ARGS=--save also writes the pictures and tables of docs/"
+	@echo "make league       score attitude filters of PyPI, half an hour    ARGS=--save also writes docs/estimators.md"
 	@echo "make clean        remove environments, caches and build folders"
 
 sim:
@@ -51,7 +52,10 @@ docs:
 bench:
 	@exec scripts/bench.sh $(ARGS)
 
+league:
+	@exec scripts/league.sh $(ARGS)
+
 clean:
-	rm -rf .venv .venv-headless .venv-oldest .venv-docs .venv-bench .cache build install log dist *.egg-info
+	rm -rf .venv .venv-headless .venv-oldest .venv-docs .venv-bench .venv-league .cache build install log dist *.egg-info
 	rm -rf .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -55,6 +55,8 @@ FLINT_WHEELS_EXIST = (
 )
 EXTRAS = {
     "bench": ["mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
+    # make league: every attitude filter of PyPI that takes gyro, accelerometer and magnetometer
+    "league": ["ahrs", "filterpy", "gtsam", "imufusion", "qmt", "scikit-kinematics", "vqf"],
     "ros": [
         f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
@@ -95,7 +97,7 @@ EXTRAS = {
 }
 
 # Folders of their own: what lies in config/ itself is a scenario.
-VIEWS_AND_POLICIES = ["foxglove", "plotjuggler", "rosbag2", "rviz", "sros2"]
+VIEWS_AND_POLICIES = ["foxglove", "league", "plotjuggler", "rosbag2", "rviz", "sros2"]
 
 setup(
     name=NAME,

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from league import page
-from league.contender import filters
+from league.contender import filters, missing
 from league.tournament import play
 
 ROOT: Final = Path(__file__).resolve().parent.parent
@@ -28,6 +28,8 @@ def main() -> None:
     parser.add_argument("--save", action="store_true", help="write the table, the picture and the numbers of docs/")
     save = parser.parse_args().save
     print(", ".join(f"{name} {version(name)}" for name in sorted({each.library for each in filters()})), flush=True)
+    for module in missing():
+        print(f"{module} is left out: its library is not installed", flush=True)
     defaults, best = play(len(os.sched_getaffinity(0)))
     bounds = [result for result in defaults if result.filter == "unavoidable"]
     rows = page.ranking(defaults, best)

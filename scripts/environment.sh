@@ -7,6 +7,7 @@
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
 #   environment.sh docs      .venv-docs      what builds the site
 #   environment.sh bench     .venv-bench     the software that the benchmark compares with; PyBullet where it is built
+#   environment.sh league    .venv-league    the attitude filters of other libraries
 #
 # Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
 # so a set-up that was interrupted is thrown away and made anew by the next one.
@@ -42,6 +43,9 @@ case $kind in
     bench)
         python=$(scripts/find-python.sh bench 2>/dev/null || scripts/find-python.sh headless) || no_python
         folder=.venv-bench extras=bench never_compiled=pybullet ;;
+    league)
+        python=$(scripts/find-python.sh headless) || no_python
+        folder=.venv-league extras=fast,league ;;
     *)
         echo "environment.sh: unknown environment '$kind'" >&2
         exit 2 ;;

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from importlib import import_module
 from itertools import product
 from pkgutil import iter_modules
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from scipy.spatial.transform import Rotation
 
@@ -58,8 +59,20 @@ class Filter:
                 yield dict(zip(self.grid, values, strict=True))
 
 
+@lru_cache
 def filters() -> tuple[Filter, ...]:
-    """All filters: each module of `league.filters` has some."""
-    package = import_module("league.filters")
-    modules = (import_module(f"league.filters.{found.name}") for found in iter_modules(package.__path__))
-    return tuple(each for module in modules for each in module.FILTERS)
+    """All filters whose libraries are installed: each module of `league.filters` has some."""
+    return tuple(each for module in _modules() if not isinstance(module, str) for each in module.FILTERS)
+
+
+def missing() -> list[str]:
+    """The modules of `league.filters` whose libraries are not installed, so that their filters are left out."""
+    return [module for module in _modules() if isinstance(module, str)]
+
+
+def _modules() -> Iterator[Any]:
+    for found in iter_modules(import_module("league.filters").__path__):
+        try:
+            yield import_module(f"league.filters.{found.name}")
+        except ModuleNotFoundError:
+            yield found.name

@@ -52,7 +52,7 @@ class Readings:
         rate = run.scenario.sensors.imu.rate
         first, last = run.imu.t_ns[0], run.imu.t_ns[-1]
         t_ns = first + np.round(np.arange(round((last - first) * rate / 1e9) + 1) * (1e9 / rate)).astype(np.int64)
-        imu, field = (_held(stamps, t_ns, rate) for stamps in (run.imu.t_ns, run.magnetometer.t_ns))
+        imu, field = (held(stamps, t_ns, rate) for stamps in (run.imu.t_ns, run.magnetometer.t_ns))
         return cls(
             t_ns,
             rate,
@@ -82,7 +82,7 @@ class Readings:
         return float(np.arctan2(-self.field[0], self.field[1]))
 
 
-def _held(stamps: NDArray[np.int64], t_ns: NDArray[np.int64], rate: float) -> NDArray[np.intp]:
+def held(stamps: NDArray[np.int64], t_ns: NDArray[np.int64], rate: float) -> NDArray[np.intp]:
     """The reading that stands at each instant: the last one, at most half a period later."""
     return np.maximum(np.searchsorted(stamps, t_ns + int(0.5e9 / rate), side="right") - 1, 0)
 

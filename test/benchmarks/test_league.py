@@ -1,0 +1,96 @@
+"""The league: its cases, its wiring, and its page."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from league import cases, page
+from league.cases import GRADES, MOTIONS, Case, best_possible, run_of
+from league.contender import DEFAULTS, Filter, filters
+from league.readings import Readings, held
+from league.tournament import Result, score
+from lie_rigid_body.evaluation import attitude_error
+
+SLOW = Case("slow_tumble", "perfect")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_runs():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cases, "DURATION", 2.0)
+        run_of.cache_clear()
+        yield
+    run_of.cache_clear()
+
+
+def test_readings_are_those_of_the_run() -> None:
+    run, given = run_of(Case("fast_tumble", "mems"), 5)
+    assert np.array_equal(given.gyro, run.imu.gyro)
+    assert np.array_equal(given.mag, run.magnetometer.field)
+    assert len(given.t_ns) == len(run.imu.t_ns) == 200
+
+
+def test_a_missing_reading_is_held() -> None:
+    stamps = np.array([0, 10, 20, 50, 60]) * 1_000_000
+    assert held(stamps, np.arange(7) * 10_000_000, 100.0).tolist() == [0, 1, 2, 2, 2, 3, 4]
+
+
+def test_the_first_readings_tell_the_attitude() -> None:
+    run, given = run_of(SLOW, 1)
+    error = attitude_error(given.first_attitude.as_quat()[None], run.truth.attitude_xyzw[:1])
+    assert error.total[0] < 1e-12
+
+
+def test_a_filter_that_knows_the_truth_is_perfect_and_one_that_fails_is_lost(monkeypatch) -> None:
+    def truth(given: Readings) -> Rotation:
+        return Rotation.from_quat(run_of(SLOW, 1)[0].truth.attitude_xyzw)
+
+    def broken(given: Readings) -> Rotation:
+        raise ZeroDivisionError
+
+    wired = (Filter("ours", "truth", truth), Filter("ours", "broken", broken))
+    monkeypatch.setattr("league.tournament.filters", lambda: wired)
+    monkeypatch.setattr("league.tournament.SETTLED", 1.0)
+    knows, fails = (score(number, SLOW, DEFAULTS) for number in (0, 1))
+    assert knows.total < 1e-6
+    assert not knows.trouble
+    assert fails.total == 180.0
+    assert "ZeroDivisionError" in fails.trouble
+
+
+@pytest.mark.parametrize("name", ["Madgwick", "EKF", "QUEST", "SAAM", "TRIAD"])
+def test_conventions_are_right(name: str) -> None:
+    run, given = run_of(SLOW, 1)
+    one = next(each for each in filters() if (each.library, each.name) == ("ahrs", name))
+    error = attitude_error(one.estimate(given).as_quat(), run.truth.attitude_xyzw)
+    assert np.degrees(error.total[-50:].max()) < 5.0
+
+
+def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
+    run, given = run_of(Case("slow_tumble", "mems"), 1)
+    found = best_possible(Case("slow_tumble", "mems"))
+    static = [given.attitude_of(k).as_quat() for k in range(len(given.t_ns))]
+    error = attitude_error(static, run.truth.attitude_xyzw).total
+    assert 0.0 < found.rms(found.filtered[100:]) < np.sqrt(np.mean(error[100:] ** 2))
+    assert best_possible(SLOW) is None
+
+
+def test_the_page_ranks_and_marks(monkeypatch) -> None:
+    def results(name: str, error: float) -> list[Result]:
+        every = [Case(motion, grade) for grade in GRADES for motion in MOTIONS]
+        return [Result(f"lib {name}", c, DEFAULTS, error, error, error, 1.0, 2.0) for c in every]
+
+    named = (Filter("lib", "bad", lambda given: None), Filter("lib", "good", lambda given: None, sees_future=True))
+    monkeypatch.setattr("league.tournament.filters", lambda: named)
+    plain = results("bad", 9.0) + results("good", 0.5)
+    rows = page.ranking(plain, plain)
+    assert [each.name for each, _, _ in rows] == ["good", "bad"]
+    text = page.replaced(f"a\n{page.BEGIN}\nold\n{page.END}\nb", rows, [])
+    assert text.startswith("a\n")
+    assert text.endswith("\nb")
+    assert "old" not in text
+    assert "| lib `good` * | 0.5 |" in text
+    assert "9° with perfect sensors" in text
+    assert page.heat_map(rows, []).axes
