@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 from lie_rigid_body.arrays import Integers
@@ -59,7 +59,7 @@ class Fault:
 
     def to_json(self) -> str:
         """Its text."""
-        return json.dumps(asdict(self))
+        return json.dumps(vars(self))
 
     @classmethod
     def from_json(cls, text: str) -> Fault:

@@ -10,6 +10,7 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 from sensor_models import MOTION, imu, times
 
+from lie_rigid_body import simulate
 from lie_rigid_body.sensors import (
     AttitudeSensor,
     AttitudeSensorModel,
@@ -96,6 +97,36 @@ def test_the_orientation_of_an_imu_errs_about_the_axes_of_the_world() -> None:
     covariance = np.broadcast_to(np.reshape(model.orientation.covariance, (3, 3)), (COUNT, 3, 3))
     assert_chi_square(nees(error, covariance))
     assert imu().measure(T[:3], STATES[:3]).orientation_xyzw is None
+
+
+def test_an_evaluation_finds_them_as_large_as_they_say() -> None:
+    """From a run to a verdict: conventions of quaternion, frame and covariance are those of the evaluation."""
+    run = simulate(
+        duration=400.0,
+        motion="closed_form",
+        rate=5.0,
+        initial_body_rate=[0.3, 0.2, -0.4],
+        attitude_sensor_boresight=BORESIGHT,
+        attitude_sensor_roll_noise=5e-3,
+        attitude_sensor_rate=5.0,
+        attitude_sensor_cross_boresight_noise=2e-4,
+        imu_rate=5.0,
+        imu_orientation=True,
+        imu_inclination_noise=0.01,
+        imu_heading_noise=0.05,
+    )
+    tracker, imu_arrays = run.attitude_sensor, run.imu
+    assert tracker is not None
+    assert imu_arrays is not None
+    assert imu_arrays.orientation_xyzw is not None
+    ahrs = np.diag([0.01**2, 0.01**2, 0.05**2])
+    for attitude, t_ns, covariance in (
+        (tracker.attitude_xyzw, tracker.t_ns, tracker.covariance),
+        (imu_arrays.orientation_xyzw, imu_arrays.t_ns, ahrs),
+    ):
+        consistency = run.score(attitude, t_ns, covariance=covariance).consistency
+        assert consistency is not None
+        assert consistency.verdict == "consistent"
 
 
 def test_the_sun_is_a_unit_vector_in_the_body() -> None:
