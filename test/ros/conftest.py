@@ -28,8 +28,9 @@ def own_signals() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def full_node(isolated_ros: None) -> Iterator[SimulatorProcess]:
-    """A node with all sensors and the clock on, in a domain of its own, for tests that leave it as they find it."""
-    given = assignments(rate=25.0, imu_rate=40.0, magnetometer_rate=10.0, publish_clock="true")
+    """A node with all sensors, a fault and the clock on, in a domain of its own, for tests that leave it as it is."""
+    sensors = {"imu_rate": 40.0, "magnetometer_rate": 10.0, "attitude_sensor_rate": 5.0, "sun_sensor_rate": 5.0}
+    given = assignments(rate=25.0, **sensors, imu_outage_interval=0.1, imu_outage_duration=0.02, publish_clock="true")
     with own_domain() as domain, SimulatorProcess(*given, domain=domain) as running:
         yield running
 
