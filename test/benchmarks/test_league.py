@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from league import cases, page
-from league.cases import GRADES, MOTIONS, Case, best_possible, run_of
+from league.cases import Case, best_possible, run_of
 from league.contender import DEFAULTS, Filter, filters
 from league.readings import Readings, held
 from league.tournament import Result, score
@@ -79,8 +79,7 @@ def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
 
 def test_the_page_ranks_and_marks(monkeypatch) -> None:
     def results(name: str, error: float) -> list[Result]:
-        every = [Case(motion, grade) for grade in GRADES for motion in MOTIONS]
-        return [Result(f"lib {name}", c, DEFAULTS, error, error, error, 1.0, 2.0) for c in every]
+        return [Result(f"lib {name}", c, DEFAULTS, error, error, error, 1.0, 2.0) for c in cases.cases()]
 
     named = (Filter("lib", "bad", lambda given: None), Filter("lib", "good", lambda given: None, sees_future=True))
     monkeypatch.setattr("league.tournament.filters", lambda: named)
