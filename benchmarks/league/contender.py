@@ -8,14 +8,13 @@ from functools import lru_cache
 from importlib import import_module
 from itertools import product
 from pkgutil import iter_modules
-from types import MappingProxyType
 from typing import Any, Final
 
 from scipy.spatial.transform import Rotation
 
 Setting = Mapping[str, float]
 
-DEFAULTS: Final[Setting] = MappingProxyType({})
+DEFAULTS: Final[Setting] = {}
 
 
 @dataclass(frozen=True)
