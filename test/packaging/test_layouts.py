@@ -145,6 +145,7 @@ def assert_colcon_test_runs_pytest(workspace: Path, *options: str) -> None:
     assert "test_linters_are_pinned_to_one_version" in result
 
 
+@SLOW  # the same command as colcon's, which the test above has in every run
 def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> None:
     """What bloom's Debian rules do."""
     root = tmp_path / "root"
