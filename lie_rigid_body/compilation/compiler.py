@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import fcntl
 import importlib
 import subprocess
 import sys
@@ -97,12 +98,17 @@ def _started(functions: Sequence[Callable[..., None]], signature: str) -> subpro
 
 
 def fill(module: str, name: str, signature: str) -> None:
-    """Compile a function into the cache; this is what the other process runs."""
+    """Compile a function into the cache; this is what the other process runs. Of runs side by side one does it."""
     function: Callable[..., None] = getattr(importlib.import_module(module), name)
     folder = cache_folder(function)
-    if _compiled(function, signature, folder) is None or folder is None:
+    if folder is None:
         raise SystemExit(1)
-    mark(folder, function).touch()
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not mark(folder, function).exists():
+            if _compiled(function, signature, folder) is None:
+                raise SystemExit(1)
+            mark(folder, function).touch()
 
 
 def _compiled(function: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:
