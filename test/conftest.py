@@ -17,7 +17,7 @@ import pytest
 from ros_domains import own_domain
 
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
-hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=60)
+hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=40)
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000)
 hypothesis.settings.register_profile("quick", derandomize=True, deadline=None, database=None, max_examples=5)
 hypothesis.settings.load_profile("repeatable")
