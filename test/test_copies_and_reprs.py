@@ -53,6 +53,9 @@ SENSORS: dict[str, Any] = {
     "magnetometer_rate": 50.0,
     "gyro_noise_density": 1e-3,
     "gyro_rate": "integrated",
+    "imu_latency": 1e-3,
+    "attitude_sensor_rate": 5.0,
+    "sun_sensor_rate": 5.0,
 }
 MOTIONS: dict[str, Callable[[], Any]] = {
     "closed form": lambda: ClosedForm(BODY, START),
@@ -94,8 +97,8 @@ def errors() -> list[Exception]:
 def of_a_run(path: Path) -> list[Any]:
     simulation: Any = Simulation(Scenario.from_parameters(SENSORS))
     scenario, first = simulation.segment.scenario, simulation.segment
-    imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
-    sensors = [simulation._imu._last._compute.args[0], simulation._magnetometer._last._compute.args[0]]
+    models = scenario.sensors.on.values()
+    sensors = [queue._last._compute.args[0] for queue in simulation._sensors.values()]
     taken = simulation.take_until(2 * 10**9, 200)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(first)
@@ -109,15 +112,16 @@ def of_a_run(path: Path) -> list[Any]:
     ]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
-    readings = [taken, taken.samples, taken.imu, taken.magnetometer, taken.imu.readings, *sensors]
+    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.imu.readings, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
-    models = [campaign, scenario, scenario.sensors, imu, magnetometer, first, simulation.clock, simulation]
     return [
         *readings,
-        *models,
+        *(campaign, scenario, scenario.sensors, *models, scenario.sensors.imu.delivery),
+        *(first, simulation.clock, simulation),
         *laws,
         *encoders,
         messages.MagneticFieldEncoder("imu_link"),
+        *(messages.AttitudeEncoder("world"), messages.VectorEncoder("base_link")),
         poses,
         recording,
         *of_arrays(Run.from_bag(path)),
@@ -126,7 +130,7 @@ def of_a_run(path: Path) -> list[Any]:
 
 
 def of_arrays(run: Run) -> list[Any]:
-    return [run, run.imu, run.magnetometer, run.attitude()]
+    return [run, run.imu, run.magnetometer, run.attitude_sensor, run.sun, run.attitude()]
 
 
 def of_a_score() -> list[Any]:

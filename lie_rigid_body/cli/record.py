@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     count = simulation.clock.count_before(duration)
     last_ns = simulation.clock.last_ns_before(duration)
     out = Path(given.out)
-    simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
+    simulation.require_stamps(last_ns)  # before a file is made
     _require_room(out, given.compression, count, _readings(scenario, duration))
     scenario.expect(float(duration))  # before there is a file: what is loaded in it heeds no signal for a second
     with Interruption() as interruption:
@@ -93,8 +93,7 @@ def _readings(scenario: Scenario, duration: Fraction) -> int:
     """The number of readings of all sensors in a time, s."""
     from lie_rigid_body.simulation import SampleClock
 
-    sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
-    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in sensors if sensor is not None)
+    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
 
 
 def _require_room(out: Path, compression: str, count: int, readings: int) -> None:

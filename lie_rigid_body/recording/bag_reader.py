@@ -14,6 +14,7 @@ import numpy as np
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.batch import FAULTS
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
@@ -23,6 +24,7 @@ from lie_rigid_body.wording import listed, short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
+_FAULTS: Final = FAULTS.removeprefix("~")
 _WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
 
 
@@ -204,8 +206,8 @@ class Bag:
                 contents.kept = 0
 
     def messages_of(self, types: Collection[str]) -> McapContents:
-        """All messages of some types, undecoded, in memory; nothing is read if there are none."""
-        return self._files.contents(types) if self._types.intersection(types) else McapContents()
+        """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
+        return self._files.contents(types) if self._types.intersection(types) - {STRING} else McapContents()
 
     def load(self) -> Recording:
         """The whole bag in memory."""
@@ -292,6 +294,7 @@ def _is_defined(path: Path, track: RawTrack) -> bool:
 def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
     """The one track of these types whose topic has the given last name, or else the only one of these types."""
     alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
+    alike = [track for track in alike if not track.topic.endswith(_FAULTS)]
     found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
     if not found and len(alike) == 1:
         found = alike  # remapped

@@ -1,4 +1,4 @@
-"""Reading the sensors of a run from a bag."""
+"""Reading the sensors of a run, and their faults, from a bag."""
 
 from __future__ import annotations
 
@@ -7,60 +7,85 @@ from pathlib import Path
 from typing import Final
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS
-from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
+from lie_rigid_body.messages.definitions import (
+    IMU,
+    MAGNETIC_FIELD,
+    POSE_WITH_COVARIANCE_STAMPED,
+    STRING,
+    VECTOR3_STAMPED,
+)
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import stamped_columns
+from lie_rigid_body.recording.track_decoding import stamped_columns, texts
+from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
-SENSOR_TYPES: Final = (IMU, MAGNETIC_FIELD)
-"""The message types of the sensors."""
-
-_VECTORS: Final = {IMU: (37, (13, 25)), MAGNETIC_FIELD: (12, (0,))}
-"""Of each type how many float64 fields it has, and where its vectors begin among them."""
+_NUMBERS: Final = {IMU: 37, MAGNETIC_FIELD: 12, POSE_WITH_COVARIANCE_STAMPED: 43, VECTOR3_STAMPED: 3}
+"""How many float64 fields each type has."""
+SENSOR_TYPES: Final = (*_NUMBERS, STRING)
+"""The message types of the sensors, and of their faults."""
 
 
 @dataclass(frozen=True)
-class VectorTrack:
+class SensorTrack:
     """The messages of a sensor's topic, in file order.
 
     Attributes
     ----------
     topic : str
-    stamps_ns : ndarray of int64, shape (N,)
-    vectors : tuple of ndarray, shape (N, 3) each
-        Of an IMU angular velocity, rad/s, and specific force, m/s²; of a magnetometer the field, T.
+    log_times_ns, stamps_ns : ndarray of int64, shape (N,)
+    numbers : ndarray, shape (N, K)
+        The float64 fields of the message type, in order.
     """
 
     topic: str
+    log_times_ns: Integers
     stamps_ns: Integers
-    vectors: tuple[Array, ...]
+    numbers: Array
 
     __repr__ = short_repr
 
-
-def imu_tracks(path: Path, contents: McapContents) -> tuple[VectorTrack | None, VectorTrack | None]:
-    """The readings of the IMU and their true biases; None for a topic that is not in the bag."""
-    return _track(path, contents, IMU_DATA), _track(path, contents, IMU_BIAS)
-
-
-def magnetometer_track(path: Path, contents: McapContents) -> VectorTrack | None:
-    """The readings of the magnetometer, or None."""
-    return _track(path, contents, MAG)
+    def columns(self, first: int, count: int) -> Array:
+        """So many fields from one on, shape (N, count)."""
+        return self.numbers[:, first : first + count].copy()
 
 
-def _track(path: Path, contents: McapContents, name: str) -> VectorTrack | None:
-    kind = SENSOR_TOPICS[name]
+def sensor_track(path: Path, contents: McapContents, name: str) -> SensorTrack | None:
+    """The messages of a sensor's topic, by its relative name; None for one that is not in the bag.
+
+    Raises
+    ------
+    BagError
+        If several topics are called so, or the messages are not of the topic's type.
+    """
+    track = _find(path, contents, name)
+    if track is None:
+        return None
+    log_times, stamps, read = stamped_columns(path, track, _NUMBERS[track.message_type])
+    return SensorTrack(track.topic, log_times, stamps, read.numbers)
+
+
+def recorded_faults(path: Path, contents: McapContents) -> tuple[Fault, ...]:
+    """The faults that a bag tells of, in file order; repeats of a text count once.
+
+    Raises
+    ------
+    BagError
+        If a message on their topic tells of none.
+    """
+    track = _find(path, contents, FAULTS.removeprefix("~/"))
+    try:
+        return () if track is None else tuple(map(Fault.from_json, dict.fromkeys(t for _, t in texts(path, track))))
+    except InputError as error:
+        raise BagError(f"{path}: {error}") from None
+
+
+def _find(path: Path, contents: McapContents, name: str) -> RawTrack | None:
+    kind = SENSOR_TOPICS.get(name, STRING)
     found = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
     found = [track for track in found if track.count]
     if len(found) > 1:
         topics = listed([track.topic for track in found])
         raise BagError(f"{path} has several topics .../{name}: {topics}: record those of one body")
-    return _vectors(path, found[0]) if found else None
-
-
-def _vectors(path: Path, track: RawTrack) -> VectorTrack:
-    count, places = _VECTORS[track.message_type]
-    stamps, read = stamped_columns(path, track, count)
-    return VectorTrack(track.topic, stamps, tuple(read.numbers[:, i : i + 3].copy() for i in places))
+    return found[0] if found else None

@@ -63,7 +63,7 @@ class KeepingSink:
             for batch in self.batches
             for messages in batch.sensors
             if messages.topic == topic
-            for stamp in messages.stamps_ns
+            for stamp in messages.times_ns
         ]
 
 

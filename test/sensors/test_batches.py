@@ -24,7 +24,7 @@ def imu_bytes(sensor: Imu, cuts: list[int]) -> list[bytes]:
 
 def field_bytes(sensor: Magnetometer, cuts: list[int]) -> bytes:
     pairs = zip([0, *cuts], [*cuts, COUNT], strict=True)
-    return np.concatenate([sensor.measure(STATES[a:b]) for a, b in pairs]).tobytes()
+    return np.concatenate([sensor.measure(T[a:b], STATES[a:b]) for a, b in pairs]).tobytes()
 
 
 @pytest.mark.parametrize("gyro_rate", ["instantaneous", "integrated"])
@@ -45,12 +45,12 @@ def test_sensors_do_not_move_each_other() -> None:
     together, field = imu(**EVERYTHING), magnetometer(**EVERYTHING)
     reads, fields = [], []
     for k in range(50):  # in turns
-        fields.append(field.measure(STATES[k : k + 1]))
+        fields.append(field.measure(T[k : k + 1], STATES[k : k + 1]))
         reads.append(together.measure(T[k : k + 1], STATES[k : k + 1]))
     alone = imu(**ALONE).measure(T[:50], STATES[:50])
     for name in FIELDS:
         assert np.concatenate([getattr(read, name) for read in reads]).tobytes() == getattr(alone, name).tobytes()
-    assert np.concatenate(fields).tobytes() == magnetometer(**EVERYTHING).measure(STATES[:50]).tobytes()
+    assert np.concatenate(fields).tobytes() == magnetometer(**EVERYTHING).measure(T[:50], STATES[:50]).tobytes()
 
 
 def test_the_noise_of_one_sensor_does_not_move_another() -> None:

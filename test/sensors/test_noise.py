@@ -56,6 +56,9 @@ def test_source_numbers_are_these_for_ever() -> None:
         "ACCELEROMETER_WALK": 5,
         "ACCELEROMETER_WHITE": 6,
         "MAGNETOMETER_WHITE": 7,
+        "ORIENTATION_WHITE": 8,
+        "ATTITUDE_SENSOR_WHITE": 9,
+        "SUN_SENSOR_WHITE": 10,
     }
 
 

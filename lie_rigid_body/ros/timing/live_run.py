@@ -266,8 +266,7 @@ class LiveRun:
         self._encoder = BatchEncoder(scenario)
         # few samples when each costs many steps, so that calls need not wait long
         self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
-        sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
-        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in sensors if sensor is not None)])
+        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in scenario.sensors.on.values())])
         self._set_deadline()
         self._rested_ns = 0
         self._latest = (segment.start_ns, scenario.start())
