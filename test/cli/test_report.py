@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from dataclasses import replace
@@ -16,7 +17,7 @@ from test_check import write_bag
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.segments import thinned_segments
-from lie_rigid_body.cli import body_figure, motion_figures
+from lie_rigid_body.cli import body_figure, html_page, motion_figures
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.overview_page import MOST_LINES, Line, certificates_page, page
 from lie_rigid_body.mechanics import State
@@ -61,6 +62,9 @@ def test_one_file_holds_everything(report: Path) -> None:
         assert wanted in text
     drawn = figures(text)
     assert {"The body", "Body rate", "Polhode", "Herpolhode", "kinetic energy", "world momentum"} <= drawn.keys()
+    own = text[: text.index("plotly.js v")]
+    assert "<img" not in own
+    assert own.count("</script>") == len(drawn)
     for content in drawn.values():
         content.pop("film", None)
         Figure(content)  # which refuses what plotly.js does not know
@@ -134,6 +138,12 @@ def test_a_page_is_kept_and_refused_before_the_work(
     capsys.readouterr()
     told = refused(capsys, bag, "--report", tmp_path / "a.html")
     assert "--report needs plotly: pip install 'lie-rigid-body[report]'" in told
+
+
+def test_the_name_of_a_file_need_not_be_unicode() -> None:
+    text = html_page.document(f"Certificate of {os.fsdecode(bytes([255]))}.mcap", [], with_figures=False).decode()
+    assert "<h1>Certificate of \\udcff.mcap</h1>" in text
+    assert "script-src 'none'" in text
 
 
 def test_a_broken_bag_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
