@@ -10,6 +10,7 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
@@ -89,6 +90,20 @@ class Certificate:
         return all(s.passed for s in self.segments) and all(law.holds for law in self.whole)
 
     @property
+    def laws(self) -> tuple[LawResult, ...]:
+        """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
+        worst: dict[str, LawResult] = {}
+        for segment in self.segments:
+            for law in segment.laws:
+                worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
+        return (*worst.values(), *self.whole)
+
+    @property
+    def residuals(self) -> dict[str, tuple[float, float]]:
+        """The worst residual of each law, and its limit, by the law's name with the unit."""
+        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in self.laws}
+
+    @property
     def messages(self) -> tuple[str, ...]:
         """One sentence for each broken law."""
         broken = []
@@ -121,7 +136,7 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
-def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
+def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch: Watch | None = None) -> Certificate:
     """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
@@ -129,6 +144,8 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
+    watch : Watch, optional
+        It is told of the residuals of all samples.
 
     Returns
     -------
@@ -144,16 +161,16 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        segments = tuple(_segments(bag, surveyed))
+        segments = tuple(_segments(bag, surveyed, watch))
     return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
 
 
-def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:
+def _segments(bag: Bag | Recording, surveyed: Survey, watch: Watch | None) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
     blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
-        held = SegmentLaws(found)
+        held = SegmentLaws(found, watch)
         while pending is not None and pending[0] == i:
             held.add(pending[1])
             pending = next(blocks, None)

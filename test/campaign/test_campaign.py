@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -107,6 +108,29 @@ def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: p
     assert main([str(written(tmp_path)), "--out", str(out)]) == 0
     assert {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()} == before
     assert "6 runs, 6 certified" in capsys.readouterr().out
+
+
+def test_a_page_shows_the_runs_and_their_residuals(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("plotly")
+    report = tmp_path / "report.html"
+    given = [str(written(tmp_path)), "--out", str(out), "--report", str(report)]
+    assert main(given) == 0
+    assert f"wrote {report}" in capsys.readouterr().out
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size <= 6_000_000
+    assert "6 of 6 runs CERTIFIED" in text
+    rows = table_of(out).to_pylist()
+    for row in rows:
+        assert f"<td>{row['run']}</td>" in text
+        assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
+    drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
+    assert {"kinetic energy [rel]", "world momentum x [rel]", "closed form [rad]"} <= counts.keys()
+    assert counts["closed form [rad]"] == 6
+    assert main(given) == 2
+    assert "--force to replace it" in capsys.readouterr().err
 
 
 @pytest.fixture
