@@ -8,8 +8,8 @@ from html import escape
 from typing import Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.cli import score_text
 from lie_rigid_body.evaluation import Limits, Score, summary
+from lie_rigid_body.report import text
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 _STYLE: Final = """
@@ -48,7 +48,7 @@ def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, pictu
             f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title><style>{_STYLE}</style></head>',
             f"<body><h1>{escape(title)}</h1>",
             *_verdict(score, limits),
-            f"<p>{escape(score_text.extent(read, score))}.</p>",
+            f"<p>{escape(text.extent(read, score))}.</p>",
             *_table(score),
             *_list("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
             *_list("Notes", map(escape, read.notes), ""),
@@ -63,7 +63,7 @@ def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, pictu
 
 def _verdict(score: Score, limits: Limits) -> Iterator[str]:
     name = "passed" if score.passed else "broken"
-    for sentence in score_text.verdict(score, limits):
+    for sentence in text.verdict(score, limits):
         yield f'<p><span class="{name}">{escape(sentence)}</span></p>'
 
 
@@ -89,5 +89,5 @@ def _list(heading: str, items: Iterable[str], empty: str) -> Iterator[str]:
 
 def _scenarios(read: RecordedEstimate) -> Iterator[str]:
     for segment in read.segments:
-        text = json.dumps(json.loads(segment.to_json()), indent=2, ensure_ascii=False)
-        yield f"<details><summary>Scenario from {segment.start_ns} ns on</summary><pre>{escape(text)}</pre></details>"
+        shown = json.dumps(json.loads(segment.to_json()), indent=2, ensure_ascii=False)
+        yield f"<details><summary>Scenario from {segment.start_ns} ns on</summary><pre>{escape(shown)}</pre></details>"
