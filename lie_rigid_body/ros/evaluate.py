@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
@@ -171,4 +172,5 @@ def _score(given: argparse.Namespace, limits: Limits, following: Following, miss
     if not live.has_truth:
         raise InputError(missing)
     read, score = live.score()
+    read = replace(read, notes=(*read.notes, *following.notes()))
     return answer(given, "", read, score, limits)

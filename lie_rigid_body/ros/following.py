@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from importlib import import_module
 from typing import Final
 
@@ -48,6 +48,7 @@ class Following:
         self.live: LiveEstimate | None = None
         self._subscriptions: dict[str, Subscription] = {}
         self._types: dict[str, str] = {}
+        self._crowd: dict[str, int] = {}
 
     def look(self) -> None:
         """Subscribe to what has appeared.
@@ -67,6 +68,13 @@ class Following:
         for topic, kind in self._true_topics(there):
             if topic not in self._subscriptions:
                 self._subscribe(topic, kind)
+            self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
+
+    def notes(self) -> Iterator[str]:
+        """What a reader of the score should know of the topics of the truth, one sentence each."""
+        for topic, count in self._crowd.items():
+            if count > 1:
+                yield f"{count} nodes published the truth on {topic} at a time: a score needs one, or one's namespace."
 
     def take(self) -> None:
         """Hand on the messages that have come: those of the truth last, which is then ahead of the estimate."""

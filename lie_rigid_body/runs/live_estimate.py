@@ -113,6 +113,8 @@ class LiveEstimate:
 
     Attributes
     ----------
+    messages : int
+        How many messages of the estimate came.
     tally : Tally
         Of all estimates that were compared so far.
     first_ns, last_ns : int or None
@@ -128,16 +130,11 @@ class LiveEstimate:
         self._recent: deque[tuple[Integers, Array]] = deque(maxlen=RECENT)
         self._waiting: list[tuple[Integers, Array]] = []
         self._pairs: dict[Frames, None] = {}
-        self._given_up = 0
+        self._given_up = self.messages = 0
         self._template: AttitudeTrack | None = None
         self._pose_template: AttitudeTrack | None = None
         self.first_ns: int | None = None
         self.last_ns: int | None = None
-
-    @property
-    def messages(self) -> int:
-        """How many messages of the estimate came, read or not."""
-        return self._kept.count + self._kept.disordered + self._given_up + len(self._heard.unread)
 
     @property
     def span_s(self) -> float:
@@ -169,6 +166,7 @@ class LiveEstimate:
 
     def hear_estimates(self, payloads: list[bytes]) -> None:
         """Take messages of the estimate."""
+        self.messages += len(payloads)
         self._heard.unread += payloads
         excess = len(self._heard.unread) - MOST_UNREAD
         if excess > 0 and not self.has_truth:
