@@ -27,8 +27,8 @@ PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait")
 """Parameters of the node: the options of the same names, over which they win."""
 TICK_S: Final = 0.05
 """Time between two looks at what has come, s."""
-GRAPH_S: Final = 0.25
-"""Time between two looks for topics, s."""
+GRAPH_S: Final = (0.25, 2.0)
+"""Time between two looks for topics, before and after the comparison has begun, s."""
 WORD_S: Final = (5.0, 30.0)
 """Time after which a word is said about what is missing, and between that and the next, s."""
 
@@ -118,7 +118,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         now = time.monotonic()
         if now >= look_at:
             following.look()
-            look_at = time.monotonic() + GRAPH_S
+            look_at = time.monotonic() + GRAPH_S[compared > 0]
         following.take()
         live = following.live
         if live is not None:

@@ -22,14 +22,14 @@ from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, 
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
-MOST_KEPT: Final = 400_000
-"""Samples of the estimate, and of the poses, that are kept: 7 minutes at 1 kHz, an hour at 100 Hz. Of more every second
-is kept, then every fourth, and so on."""
+MOST_KEPT: Final = 100_000
+"""Samples of the estimate, and of the poses, that are kept, a quarter of an hour at 100 Hz. Of more every second is
+kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
 MOST_UNREAD: Final = 50_000
 """Messages that wait for a truth; the oldest are given up."""
 LENIENCE_NS: Final = NS
 """How far beyond the last pose heard the scenario tells the truth, ns; stamps further on are of another clock."""
-RECENT: Final = 100
+RECENT: Final = 40
 """Batches of poses by which the latest estimates are judged."""
 INTERIM: Final = 2000
 """Samples of the score on the way."""
