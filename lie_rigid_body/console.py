@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
@@ -28,6 +28,8 @@ INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
+_ROS_BEGIN: Final = "--ros-args"
+_ROS_END: Final = "--"
 _STANDARD_STREAMS: Final = 3
 _PIP_NAMES: Final = {"yaml": "PyYAML"}
 
@@ -64,6 +66,22 @@ def program(verb: str) -> str:
     this = Path(sys.argv[0])
     of_ros = this.parent.name == __package__ and this.suffix != ".py"
     return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
+
+
+def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
+    """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
+    own: list[str] = []
+    ros: list[str] = []
+    target = own
+    for argument in argv:
+        if argument == _ROS_BEGIN:
+            target = ros
+        if target is ros and argument == _ROS_END:
+            target = own
+            continue
+        if argument != _ROS_BEGIN:
+            target.append(argument)
+    return own, [_ROS_BEGIN, *ros] if ros else []
 
 
 def how_to_certify(bag: str | Path) -> str:

@@ -1,9 +1,9 @@
-"""A bag that is read with a progress bar."""
+"""A progress bar for bags that are read."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,14 +22,21 @@ def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
     passes : int
         How often it will be read, once to open it.
     """
-    from tqdm import tqdm
-
     from lie_rigid_body.recording.bag_reader import Bag
 
-    files = Path(path).glob("*.mcap") if Path(path).is_dir() else [Path(path)]
+    with progress_bar(path, passes=passes) as update:
+        yield Bag(path, update)
+
+
+@contextmanager
+def progress_bar(*paths: str | Path, passes: int = 1) -> Iterator[Callable[[int], object]]:
+    """A bar on a terminal, for reading bags so often; it is to be called with the bytes read since the last call."""
+    from tqdm import tqdm
+
+    files = [file for path in paths for file in (Path(path).glob("*.mcap") if Path(path).is_dir() else [Path(path)])]
     size = sum(file.stat().st_size for file in files if file.is_file())
     # disable=None: shown on a terminal only
     with tqdm(
         total=passes * size, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5
     ) as bar:
-        yield Bag(path, bar.update)
+        yield bar.update

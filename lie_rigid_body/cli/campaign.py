@@ -35,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.campaign.journal import Journal
 
     if given.report is not None:
-        from lie_rigid_body.cli import html_page
+        from lie_rigid_body.report import html_page
 
         html_page.require_room(given.report, overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)

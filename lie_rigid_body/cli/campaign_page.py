@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.run import Row
-from lie_rigid_body.cli import html_page, overview_page
+from lie_rigid_body.cli import overview_page
 from lie_rigid_body.parameters import Value
+from lie_rigid_body.report import html_page
 
 
 def page(title: str, campaign: Campaign, rows: Sequence[Row]) -> bytes:

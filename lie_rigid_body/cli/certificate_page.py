@@ -9,8 +9,9 @@ from typing import Final
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.certificate.segments import RecordedSegment
-from lie_rigid_body.cli import body_figure, certificate_text, html_page, motion_figures, residual_figures
-from lie_rigid_body.cli.html_page import figure, grid
+from lie_rigid_body.cli import body_figure, certificate_text, motion_figures, residual_figures
+from lie_rigid_body.report import html_page
+from lie_rigid_body.report.html_page import figure, grid
 
 MOST_TABLES: Final = 30
 """Segments whose laws are listed: the first ones, those that break a law before the others."""

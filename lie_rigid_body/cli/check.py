@@ -33,7 +33,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
     from lie_rigid_body.certificate.segments import thinned_segments
-    from lie_rigid_body.cli import certificate_text, html_page, proof_text
+    from lie_rigid_body.cli import certificate_text, proof_text
+    from lie_rigid_body.report import html_page
 
     if given.prove is not None:
         require_count(given.prove)

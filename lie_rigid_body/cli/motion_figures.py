@@ -10,10 +10,10 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.cli.figure import best_view
-from lie_rigid_body.cli.html_page import Figure
 from lie_rigid_body.cli.plotly_layout import COLOURS, GREY, RED, axis, layout
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.report.html_page import Figure
 
 MOST_RESETS: Final = 12
 """Largest number of resets that are drawn as lines."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
-from lie_rigid_body.cli import html_page, residual_figures
+from lie_rigid_body.cli import residual_figures
+from lie_rigid_body.report import html_page
 
 MOST_LINES: Final = 500
 """Lines of the table; of more the worst are shown."""

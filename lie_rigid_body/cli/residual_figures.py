@@ -11,8 +11,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.certificate.residuals_over_time import LawOverTime, ResidualsOverTime
-from lie_rigid_body.cli.html_page import figure
 from lie_rigid_body.cli.plotly_layout import COLOURS, GREY, RED, axis, layout, logarithmic
+from lie_rigid_body.report.html_page import figure
 
 _BINS: Final = 30
 _ABOVE: Final = 10.0

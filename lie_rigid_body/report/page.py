@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from lie_rigid_body.cli import html_page, score_text
 from lie_rigid_body.evaluation import Limits, Score, summary
+from lie_rigid_body.report import html_page, text
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
@@ -28,8 +28,8 @@ def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, pictu
         HTML.
     """
     parts = [
-        *(html_page.badge(sentence, passed=score.passed) for sentence in score_text.verdict(score, limits)),
-        html_page.paragraph(f"{score_text.extent(read, score)}."),
+        *(html_page.badge(sentence, passed=score.passed) for sentence in text.verdict(score, limits)),
+        html_page.paragraph(f"{text.extent(read, score)}."),
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes)),
