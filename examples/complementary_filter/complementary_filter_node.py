@@ -4,6 +4,7 @@ import numpy as np
 import rclpy
 from complementary_filter import ComplementaryFilter
 from rclpy.executors import ExternalShutdownException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from sensor_msgs.msg import Imu, MagneticField
 
@@ -47,6 +48,9 @@ def main():
         rclpy.spin(ComplementaryFilterNode())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except rclpy_implementation.RCLError:  # Ctrl-C amid a callback: there is nothing left to publish to
+        if rclpy.ok():
+            raise
     finally:
         rclpy.try_shutdown()
 
