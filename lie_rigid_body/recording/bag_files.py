@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
@@ -14,8 +14,15 @@ from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.mcap_reader import McapContents, read_file
 from lie_rigid_body.recording.output_file import reason
 
+Progress: TypeAlias = Callable[[int], object]
+"""Takes notice of how many bytes more were read."""
+
 LARGEST_METADATA: Final = 2**20
 """Largest size of the metadata.yaml of a folder, bytes."""
+
+
+def unheard(count: int) -> None:
+    """Take no notice of progress."""
 
 
 class BagFiles:
@@ -34,7 +41,7 @@ class BagFiles:
         If the path or its metadata cannot be read, or name no files.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
+    def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
         self.path, self._progress = Path(path), progress
         self._metadata = self.path / "metadata.yaml"
         try:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -14,16 +15,18 @@ import numpy as np
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
+from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
-_WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
+NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
+"""No topic is called otherwise."""
 
 
 @dataclass(frozen=True)
@@ -151,12 +154,18 @@ class Bag:
         An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
+    topics : mapping of str to str, optional
+        Topics that are called otherwise, by their relative names. See `bodies`.
 
     Attributes
     ----------
+    body : str
+        Namespace of its body, which has to be the only one; `all_of` reads the others.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
         As in `Recording`.
     pose_topic, twist_topic : str
+    sensor_topics : dict of str to str
+        The topics of what the body's sensors read, by their relative names, as far as they are there.
     stamped : bool
         Whether twists have stamps of their own.
 
@@ -166,18 +175,35 @@ class Bag:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
-        self._path, self._files = Path(path), BagFiles(path, progress)
-        contents = self._files.contents((STRING,))
+    def __init__(self, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS) -> None:
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING,))
+        self._take(files, contents, the_body(files.path, contents, topics))
+
+    @classmethod
+    def all_of(
+        cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
+    ) -> tuple[Bag, ...]:
+        """A bag for each body of a file or folder, which is read once for all of them."""
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING,))
+        bags = []
+        for body in bodies(files.path, contents, topics):
+            bag = cls.__new__(cls)
+            bag._take(files, contents, body)
+            bags.append(bag)
+        return tuple(bags)
+
+    def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
+        self._path, self._files, self.body = files.path, files, body.name
         self._types = {track.message_type for track in contents.tracks.values()}
-        pose = _find(self._path, contents, "pose", POSE_STAMPED)
-        twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
-        scenario = _find(self._path, contents, "scenario", STRING)
-        own = (pose, twist, scenario)
+        own = body.tracks
         for track in own:
             require_cdr(self._path, track)
+        pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
+        self.sensor_topics = body.sensors
         self.library = contents.library
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
@@ -287,27 +313,6 @@ def _is_defined(path: Path, track: RawTrack) -> bool:
             "others read it: restore a copy, or record again"
         )
     return True
-
-
-def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
-    """The one track of these types whose topic has the given last name, or else the only one of these types."""
-    alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
-    found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
-    if not found and len(alike) == 1:
-        found = alike  # remapped
-    if not found:
-        wanted = f"topic .../{ending} ({' or '.join(types)}{_WHY.get(ending, '')})"
-        raise BagError(f"{path} has no {wanted}: record it; there are {_list(contents)}")
-    if len(found) > 1:
-        names = listed([f"{track.topic} ({track.message_type})" for track in found])
-        raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
-    if not found[0].count:
-        raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
-    return found[0]
-
-
-def _list(contents: McapContents) -> str:
-    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:
