@@ -1,35 +1,31 @@
-"""A bag that is read with a progress bar."""
+"""How far bags have been read, on a terminal."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from lie_rigid_body.recording.bag_reader import Bag
+    from tqdm import tqdm
+    from typing_extensions import Never
+
+PASSES: Final = 3
+"""How often a bag is read to be certified or drawn: to open it, to find its segments, and to take its samples."""
 
 
-@contextmanager
-def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
-    """Open a bag that shows on a terminal, while this context lasts, how far it has been read.
-
-    Parameters
-    ----------
-    path : str or Path
-    passes : int
-        How often it will be read, once to open it.
-    """
+def progress_bar(bags: Iterable[str]) -> tqdm[Never]:
+    """A bar of the bytes to be read of bags, as a context; `tqdm.update` takes notice of how many more were."""
     from tqdm import tqdm
 
-    from lie_rigid_body.recording.bag_reader import Bag
-
-    files = Path(path).glob("*.mcap") if Path(path).is_dir() else [Path(path)]
-    size = sum(file.stat().st_size for file in files if file.is_file())
+    total = PASSES * sum(map(_size, bags))
     # disable=None: shown on a terminal only
-    with tqdm(
-        total=passes * size, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5
-    ) as bar:
-        yield Bag(path, bar.update)
+    return tqdm(total=total, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5)
+
+
+def _size(bag: str) -> int:
+    """The bytes of a bag's files; 0 where there are none."""
+    path = Path(bag)
+    files = [*path.glob("*.mcap"), *path.glob("*.db3")] if path.is_dir() else [path]
+    return sum(file.stat().st_size for file in files if file.is_file())

@@ -17,8 +17,11 @@ from lie_rigid_body.recording.output_file import reason
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
 
+METADATA: Final = "metadata.yaml"
+"""The file that makes a folder a rosbag2 bag."""
+
 LARGEST_METADATA: Final = 2**20
-"""Largest size of the metadata.yaml of a folder, bytes."""
+"""Its largest size, bytes."""
 
 
 def unheard(count: int) -> None:
@@ -43,7 +46,7 @@ class BagFiles:
 
     def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
         self.path, self._progress = Path(path), progress
-        self._metadata = self.path / "metadata.yaml"
+        self._metadata = self.path / METADATA
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None
             self._files = _files(self.path, self._information)
@@ -80,7 +83,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     if not path.is_dir():
         return [path]
     files = (
-        sorted(path.glob("*.mcap"), key=_natural)
+        sorted(path.glob("*.mcap"), key=natural_order)
         if information is None
         else [path / str(name) for name in information["relative_file_paths"]]
     )
@@ -106,5 +109,6 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
     return information
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+def natural_order(path: Path) -> list[tuple[int, str]]:
+    """A key that sorts paths by their names, numbers in them by their values."""
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", str(path))]

@@ -184,13 +184,14 @@ class Bag:
     def all_of(
         cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
     ) -> tuple[Bag, ...]:
-        """A bag for each body of a file or folder, which is read once for all of them."""
+        """A bag for each body of a file or folder, which is read once to find them."""
         files = BagFiles(path, progress)
         contents = files.contents((STRING,))
-        bags = []
-        for body in bodies(files.path, contents, topics):
+        bags, found = [], bodies(files.path, contents, topics)
+        for body in found:
             bag = cls.__new__(cls)
             bag._take(files, contents, body)
+            bag.others = _others(contents, [track for each in found for track in each.tracks])
             bags.append(bag)
         return tuple(bags)
 
@@ -296,7 +297,7 @@ def _joined(tracks: Sequence[Track]) -> Track:
     return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
-def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
     topics = [f"{track.topic} ({track.count} messages)" for track in rest]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
