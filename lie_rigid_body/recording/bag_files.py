@@ -45,7 +45,7 @@ class BagFiles:
     """
 
     def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
-        self.path, self._progress = Path(path), progress
+        self.path, self.progress = Path(path), progress
         self._metadata = self.path / METADATA
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None
@@ -58,7 +58,7 @@ class BagFiles:
         for file in self._files:
             before = 0
             for position in read_file(file, wanted, contents):
-                self._progress(position - before)
+                self.progress(position - before)
                 before = position
                 yield position
 

@@ -15,16 +15,22 @@ import numpy as np
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
+NOTHING: Final = (
+    np.empty(0, dtype=np.int64),
+    Decoded(np.empty(0, dtype=np.int64), np.empty((0, messages.POSE_NUMBERS)), ()),
+)
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
 
@@ -205,6 +211,7 @@ class Bag:
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
         self.sensor_topics = body.sensors
+        self._outlines, self._count = contents.outlines, pose.count + twist.count
         self.library = contents.library
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
@@ -216,6 +223,9 @@ class Bag:
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
+        if may_read_again(self._outlines, self._count):
+            yield from self._batches_again()
+            return
         contents, decoded = McapContents(), [0, 0]
         for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
             tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
@@ -229,6 +239,21 @@ class Bag:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
+
+    def _batches_again(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        pose = TopicReader(self._path, self._pose, messages.POSE_NUMBERS, stamped=True)
+        twist = TopicReader(self._path, self._twist, messages.TWIST_NUMBERS, stamped=self.stamped)
+        poses, twists, waiting = [self._pose_track(*NOTHING)], [self._twist_track(*NOTHING)], 0
+        for outline, data in chunks(self._outlines, self._files.progress):
+            if self._pose in outline.channels:
+                poses.append(self._pose_track(*pose.take(data, outline.channels[self._pose])))
+            if self._twist in outline.channels:
+                twists.append(self._twist_track(*twist.take(data, outline.channels[self._twist])))
+            waiting += len(poses[-1].log_times_ns) + len(twists[-1].log_times_ns)
+            if waiting >= _BATCH:
+                yield _joined(poses), _joined(twists)
+                poses, twists, waiting = poses[:1], twists[:1], 0
+        yield _joined(poses), _joined(twists)
 
     def messages_of(self, types: Collection[str]) -> McapContents:
         """All messages of some types, undecoded, in memory; nothing is read if there are none."""
@@ -252,18 +277,22 @@ class Bag:
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
         with named(self._path, self._pose[0]):
-            log_times, decoded = columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
-        assert decoded.stamps_ns is not None
-        numbers = decoded.numbers
-        return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
+            return self._pose_track(*columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first))
 
     def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
         with named(self._path, self._twist[0]):
-            log_times, decoded = columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+            return self._twist_track(*columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first))
+
+    def _pose_track(self, log_times: Integers, decoded: Decoded) -> PoseTrack:
+        assert decoded.stamps_ns is not None
         numbers = decoded.numbers
-        return TwistTrack(
-            self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
+        return PoseTrack(
+            self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:7], numbers[:, :3], decoded.frame_ids
         )
+
+    def _twist_track(self, log_times: Integers, decoded: Decoded) -> TwistTrack:
+        stamps, numbers = decoded.stamps_ns if self.stamped else None, decoded.numbers
+        return TwistTrack(self._twist[0], log_times, stamps, numbers[:, 3:6], numbers[:, :3], decoded.frame_ids)
 
 
 def read_bag(path: str | Path) -> Recording:

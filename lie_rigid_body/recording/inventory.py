@@ -5,6 +5,7 @@ A reader that seeks believes them: a message that an index leaves out would not 
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from dataclasses import dataclass
 from typing import Final, TypeVar
@@ -186,6 +187,11 @@ class Inventory:
     def chunk_count(self) -> int:
         """Chunks that were read whole."""
         return len(self._chunks)
+
+    @property
+    def chunk_places(self) -> array[int]:
+        """The bytes where the records of the chunks begin."""
+        return array("q", (chunk.chunk_start_offset for chunk in self._chunks))
 
     @property
     def span(self) -> tuple[int, int, int]:
