@@ -65,6 +65,8 @@ EXTRAS = {
     "proof": [PYTHON_FLINT],
     # many runs on all cores or a cluster, and their table
     "campaign": CAMPAIGN,
+    # bags that rosbag2 wrote with SQLite
+    "sqlite": ["rosbags>=0.11"],
     "test": [
         *CAMPAIGN,
         "ahrs",

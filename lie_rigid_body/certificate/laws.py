@@ -183,6 +183,8 @@ def _neighbours(compared: Comparison) -> list[_Law]:
     The attitude follows from the twist, the twist from Euler's equations, the sign of the quaternion from continuity.
     """
     found, resolved, spans = compared.found, compared.resolved, compared.spans
+    if spans.size and spans.min() == spans.max():
+        spans = spans[:1]  # one limit for all
     changed = _relative(found.step_changed, compared.tolerance.fastest)
     return [
         _Law(

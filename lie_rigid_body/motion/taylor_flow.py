@@ -81,7 +81,7 @@ def substeps_and_terms(turn: float) -> tuple[int, int]:
 
 def _terms(turn: float) -> int:
     """The number of terms: the n-th of the rate is at most Ω turnⁿ."""
-    return 2 if turn == 0.0 else min(_MOST_TERMS, 2 + math.ceil(math.log(_REMAINDER) / math.log(turn)))
+    return 2 if turn == 0.0 else min(_MOST_TERMS, 1 + math.ceil(math.log(_REMAINDER) / math.log(turn)))
 
 
 def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tuple[Array, Array]:

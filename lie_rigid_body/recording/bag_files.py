@@ -1,4 +1,4 @@
-"""The MCAP files that a bag is made of, read one after the other."""
+"""The files that a bag is made of, read one after the other."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.mcap_reader import McapContents, read_file
 from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
 
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
@@ -34,7 +35,7 @@ class BagFiles:
     Parameters
     ----------
     path : str or Path
-        An MCAP file, or a rosbag2 folder of them.
+        An MCAP file, or an SQLite file of rosbag2, or a rosbag2 folder of either.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
 
@@ -57,7 +58,8 @@ class BagFiles:
         """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
         for file in self._files:
             before = 0
-            for position in read_file(file, wanted, contents):
+            read = read_database if file.suffix == SUFFIX else read_file
+            for position in read(file, wanted, contents):
                 self.progress(position - before)
                 before = position
                 yield position
@@ -79,11 +81,11 @@ class BagFiles:
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
-    """The MCAP files of a bag, in the order of recording."""
+    """The files of a bag, in the order of recording."""
     if not path.is_dir():
         return [path]
     files = (
-        sorted(path.glob("*.mcap"), key=natural_order)
+        sorted(path.glob("*.mcap") if any(path.glob("*.mcap")) else path.glob(f"*{SUFFIX}"), key=natural_order)
         if information is None
         else [path / str(name) for name in information["relative_file_paths"]]
     )

@@ -5,8 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
 from lie_rigid_body.recording.bag_files import METADATA, natural_order
+from lie_rigid_body.recording.sqlite_reader import SUFFIX
+
+SUFFIXES: Final = (".mcap", SUFFIX)
+"""Of the names of bags."""
 
 
 def is_one_bag(folder: Path) -> bool:
@@ -16,12 +21,15 @@ def is_one_bag(folder: Path) -> bool:
     """
     if (folder / METADATA).exists():
         return True
-    files = {path.name for path in folder.glob("*.mcap")}
-    return bool(files) and files == {f"{folder.resolve().name}_{i}.mcap" for i in range(len(files))}
+    for suffix in SUFFIXES:
+        files = {path.name for path in folder.glob(f"*{suffix}")}
+        if files:
+            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
+    return False
 
 
 def bags_in(folder: Path) -> list[Path]:
-    """The bags in a folder and the folders below it: MCAP files, and rosbag2 folders, each as one.
+    """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
 
     Folders that are hidden, or symbolic links, are left out.
 
@@ -52,5 +60,5 @@ def _bags_below(folder: Path) -> Iterator[Path]:
     for entry in inside:
         if entry.is_dir(follow_symlinks=False):
             yield from _bags_below(folder / entry.name)
-        elif entry.name.endswith(".mcap"):
+        elif entry.name.endswith(SUFFIXES):
             yield folder / entry.name

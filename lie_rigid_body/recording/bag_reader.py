@@ -27,10 +27,6 @@ from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
-NOTHING: Final = (
-    np.empty(0, dtype=np.int64),
-    Decoded(np.empty(0, dtype=np.int64), np.empty((0, messages.POSE_NUMBERS)), ()),
-)
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
 
@@ -243,17 +239,12 @@ class Bag:
     def _batches_again(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         pose = TopicReader(self._path, self._pose, messages.POSE_NUMBERS, stamped=True)
         twist = TopicReader(self._path, self._twist, messages.TWIST_NUMBERS, stamped=self.stamped)
-        poses, twists, waiting = [self._pose_track(*NOTHING)], [self._twist_track(*NOTHING)], 0
         for outline, data in chunks(self._outlines, self._files.progress):
-            if self._pose in outline.channels:
-                poses.append(self._pose_track(*pose.take(data, outline.channels[self._pose])))
-            if self._twist in outline.channels:
-                twists.append(self._twist_track(*twist.take(data, outline.channels[self._twist])))
-            waiting += len(poses[-1].log_times_ns) + len(twists[-1].log_times_ns)
-            if waiting >= _BATCH:
-                yield _joined(poses), _joined(twists)
-                poses, twists, waiting = poses[:1], twists[:1], 0
-        yield _joined(poses), _joined(twists)
+            for topic in (pose, twist):
+                topic.add(data, outline.channels.get(topic.key, ()))
+            if pose.count + twist.count >= _BATCH:
+                yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
+        yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
 
     def messages_of(self, types: Collection[str]) -> McapContents:
         """All messages of some types, undecoded, in memory; nothing is read if there are none."""

@@ -76,6 +76,8 @@ _KEPT_PER_BYTE: Final = 200
 """Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
 _PER_MESSAGE: Final = 100
 """About the bytes that a message takes beside its content."""
+_COUNTED_AT_ONCE: Final = 10_000
+"""Messages after which it is asked anew whether compiled code pays."""
 _SMALL_SHARE: Final = 4
 """Messages that take less than this part of a chunk are copied out of it, so that the rest is not kept."""
 _OTHER_FORMATS: Final = {
@@ -206,6 +208,15 @@ class McapContents:
         """Messages on all topics."""
         return sum(track.count for track in self.tracks.values())
 
+    def allow(self, size: int) -> None:
+        """Allow for the messages of a file of so many bytes."""
+        self.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * size)
+
+    def keep(self, size: int, messages: int) -> bool:
+        """Count so many bytes of messages as kept; whether that is more than allowed."""
+        self.kept += size + messages * _PER_MESSAGE
+        return self.kept > self.most_kept
+
 
 def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
     """Add a file's messages to the tracks, chunk by chunk.
@@ -264,15 +275,14 @@ class _FileReader:
     def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
-        FIND.compiled_for(self._size // _PER_MESSAGE)
-        into.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size)
+        into.allow(self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
         self._inventory = Inventory()
         self._loose = bytearray()
         self._loose_ends = [0]
         self._before = into.message_count
-        self._taken = 0
+        self._taken = self._counted = 0
         self._crc = 0  # of the data section, then of the summary
         self._data_crc = 0
         self._bare_chunks = 0
@@ -433,7 +443,9 @@ class _FileReader:
         self._messages(table)
 
     def _runs(self, data: bytes) -> MessageRuns | FoundMessages:
-        find = FIND.compiled_for(0)
+        new = self._taken - self._counted
+        find = FIND.compiled_for(new if new > _COUNTED_AT_ONCE else 0)
+        self._counted += new if new > _COUNTED_AT_ONCE else 0
         return MessageRuns(data, self._indexed_offsets()) if find is None else FoundMessages(find, data)
 
     def _indexed_offsets(self) -> Integers:
@@ -463,19 +475,24 @@ class _FileReader:
     def _messages(self, table: MessageTable) -> None:
         self._inventory.messages(table)
         self._taken += len(table.starts)
-        for channel in np.flatnonzero(np.bincount(table.channels)).tolist():
-            track, own = self._channels[channel], np.flatnonzero(table.channels == channel)
+        otherwise = table.log_times != table.publish_times
+        any_otherwise = bool(otherwise.any())
+        counts = np.bincount(table.channels)
+        for channel in np.flatnonzero(counts).tolist():
+            track = self._channels[channel]
+            track.count += int(counts[channel])
+            if not any_otherwise and track.message_type not in self._wanted:
+                continue
+            own = np.flatnonzero(table.channels == channel)
             log_times = table.log_times[own]
-            track.count += len(own)
-            track.published_otherwise += int(np.count_nonzero(log_times != table.publish_times[own]))
+            track.published_otherwise += int(np.count_nonzero(otherwise[own]))
             if track.message_type in self._wanted:
                 piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
                 track.pieces.append(piece)
-                self._keep(len(piece.data) + len(own) * _PER_MESSAGE)
+                self._keep(len(piece.data), len(own))
 
-    def _keep(self, count: int) -> None:
-        self._into.kept += count
-        if self._into.kept > self._into.most_kept:
+    def _keep(self, size: int, messages: int) -> None:
+        if self._into.keep(size, messages):
             raise self._too_large(f"messages of {self._into.kept} bytes in a file of {self._size}")
 
     def _ends_well(self) -> bool:

@@ -181,27 +181,39 @@ class Layout:
         `take_messages` compiled.
     payload : bytes
         Of a message that can be decoded, in little-endian order.
-    numbers : int
-        How many float64 fields it has.
     start : int
-        Where they begin.
+        Where its numbers begin.
     frame_end : int
         Where the frame name of its header ends; 0: it has no header.
     """
 
-    def __init__(self, take: Any, payload: bytes, numbers: int, start: int, frame_end: int) -> None:
+    def __init__(self, take: Any, payload: bytes, start: int, frame_end: int) -> None:
         self._take, self._pattern = take, np.frombuffer(payload, dtype=np.uint8)
-        self._numbers, self._start, self._same = numbers, start, frame_end
+        self._start, self._same = start, frame_end
 
-    def take(self, data: bytes, channel: int) -> tuple[Integers, Integers, Array] | None:
-        """Log times and stamps, ns, and numbers of a channel's messages; None if one is laid out otherwise."""
-        most = len(data) // (_HEAD + len(self._pattern)) + 1
-        log_times, stamps = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
-        values, place = np.empty((most, self._numbers)), np.zeros(2, dtype=np.int64)
-        self._take(
-            np.frombuffer(data, dtype=np.uint8),
-            channel, self._pattern, self._same, self._start, place, log_times, stamps,
-            values.view(np.int64),
-        )  # fmt: skip
+    def most_in(self, data: bytes) -> int:
+        """How many messages of the topic a chunk may hold."""
+        return len(data) // (_HEAD + len(self._pattern)) + 1
+
+    def take(self, data: bytes, channel: int, log_times: Integers, stamps: Integers, values: Array) -> int | None:
+        """Decode a channel's messages in a chunk; None if one is laid out otherwise.
+
+        Parameters
+        ----------
+        data : bytes
+        channel : int
+        log_times, stamps : ndarray of int64, shape (`most_in`,) or longer
+            Filled with times, ns.
+        values : ndarray, shape (`most_in`, numbers) or longer
+            Filled with the numbers.
+
+        Returns
+        -------
+        int or None
+            How many there are.
+        """
+        place = np.zeros(2, dtype=np.int64)
+        content, words = np.frombuffer(data, dtype=np.uint8), values.view(np.int64)
+        self._take(content, channel, self._pattern, self._same, self._start, place, log_times, stamps, words)
         taken, alike = place.tolist()
-        return (log_times[:taken], stamps[:taken], values[:taken]) if alike else None
+        return int(taken) if alike else None

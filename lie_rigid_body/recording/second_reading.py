@@ -48,33 +48,62 @@ class TopicReader:
         self.key = key
         self._path, self._numbers, self._stamped = path, numbers, stamped
         self._layout: Layout | None = None
-        self._frames: tuple[str, ...] = ()
-        self._count = 0
+        self._frame: tuple[str, ...] = ()
+        self._before = 0
+        self._begin(0)
 
-    def take(self, data: bytes, channels: Sequence[int]) -> tuple[Integers, Decoded]:
-        """Log times, ns, and contents of the messages in a chunk, in file order."""
-        found = self._by_layout(data, channels[0]) if len(channels) == 1 and self._layout else None
-        if found is None:
-            found = self._one_by_one(data, channels)
-        self._count += len(found[0])
-        return found
+    def _begin(self, rows: int) -> None:
+        """Begin with none, and place for so many."""
+        self.count, self._frames = 0, dict[str, None]()
+        self._log_times, self._stamps = np.empty(rows, dtype=np.int64), np.empty(rows, dtype=np.int64)
+        self._values = np.empty((rows, self._numbers))
 
-    def _by_layout(self, data: bytes, channel: int) -> tuple[Integers, Decoded] | None:
-        assert self._layout is not None
-        taken = self._layout.take(data, channel)
-        if taken is None:
-            return None
-        log_times, stamps, values = taken
-        return log_times, Decoded(stamps if self._stamped else None, values, self._frames if len(stamps) else ())
+    def add(self, data: bytes, channels: Sequence[int]) -> None:
+        """Take the messages of channels in a chunk."""
+        if len(channels) == 1 and self._layout is not None:
+            self._make_room(self._layout.most_in(data))
+            rest = slice(self.count, None)
+            arrays = self._log_times[rest], self._stamps[rest], self._values[rest]
+            taken = self._layout.take(data, channels[0], *arrays)
+            if taken is not None:
+                self.count += taken
+                self._frames.update(dict.fromkeys(self._frame if taken else ()))
+                return
+        self._add_one_by_one(data, channels)
 
-    def _one_by_one(self, data: bytes, channels: Sequence[int]) -> tuple[Integers, Decoded]:
+    def _make_room(self, rows: int) -> None:
+        if self.count + rows > len(self._stamps):
+            kept = self._log_times[: self.count], self._stamps[: self.count], self._values[: self.count]
+            size = max(2 * len(self._stamps), self.count + rows)
+            for name, old in zip(("_log_times", "_stamps", "_values"), kept, strict=True):
+                new = np.empty((size, *old.shape[1:]), dtype=old.dtype)
+                new[: len(old)] = old
+                setattr(self, name, new)
+
+    def _add_one_by_one(self, data: bytes, channels: Sequence[int]) -> None:
         """In the general way, from which the layout of those that follow is learned."""
         piece = _piece(data, channels)
         with named(self._path, self.key[0]):
-            log_times, decoded = columns([piece], self._numbers, stamped=self._stamped, first=self._count)
+            first = self._before + self.count
+            log_times, decoded = columns([piece], self._numbers, stamped=self._stamped, first=first)
         if len(decoded.numbers) and len(decoded.frame_ids) <= 1:
             self._learn(piece.data[piece.starts[0] : piece.ends[0]], decoded.frame_ids)
-        return log_times, decoded
+        self._make_room(len(log_times))
+        rows = slice(self.count, self.count + len(log_times))
+        self._log_times[rows], self._values[rows] = log_times, decoded.numbers
+        if decoded.stamps_ns is not None:
+            self._stamps[rows] = decoded.stamps_ns
+        self.count = rows.stop
+        self._frames.update(dict.fromkeys(decoded.frame_ids))
+
+    def taken(self) -> tuple[Integers, Decoded]:
+        """Log times, ns, and contents of the messages that were added, with which it begins anew."""
+        rows = slice(0, self.count)
+        stamps = self._stamps[rows] if self._stamped else None
+        found = self._log_times[rows], Decoded(stamps, self._values[rows], tuple(self._frames))
+        self._before += self.count
+        self._begin(len(self._stamps))
+        return found
 
     def _learn(self, payload: bytes, frames: tuple[str, ...]) -> None:
         take = TAKE.compiled_for(0)
@@ -82,7 +111,7 @@ class TopicReader:
             return
         frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self._stamped else 0
         start = numbers_after(frame_end) if self._stamped else 4
-        self._layout, self._frames = Layout(take, payload, self._numbers, start, frame_end), frames
+        self._layout, self._frame = Layout(take, payload, start, frame_end), frames
 
 
 def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
