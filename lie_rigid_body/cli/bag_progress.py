@@ -5,17 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from tqdm import tqdm
-    from typing_extensions import Never
 
 PASSES: Final = 3
 """How often a bag is read to be certified or drawn: to open it, to find its segments, and to take its samples."""
 
 
-def progress_bar(bags: Iterable[str]) -> tqdm[Never]:
+def progress_bar(bags: Iterable[str]) -> tqdm[Any]:
     """A bar of the bytes to be read of bags, as a context; `tqdm.update` takes notice of how many more were."""
     from tqdm import tqdm
 
