@@ -67,6 +67,19 @@ def test_the_certificate_is_that_of_python(honest, tmp_path, in_python, change):
     ]
 
 
+def test_files_that_continue_each_other_are_one_bag(honest, tmp_path, in_python):  # noqa: F811
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    for i, part in enumerate((slice(0, 900), slice(900, 901), slice(901, None))):
+        tamper(honest, folder / f"walk_{i}.mcap", lambda ms, part=part: ms[part])  # type: ignore[misc]
+    whole = tamper(honest, tmp_path / "whole.mcap", lambda ms: ms)
+    quick = certify(Bag(folder))
+    assert quick.passed
+    assert quick.segments == certify(Bag(whole)).segments
+    in_python()
+    assert certify(Bag(folder)) == quick
+
+
 def test_a_message_that_is_no_pose_is_named(honest, tmp_path):  # noqa: F811
     short = on("/pose", at(700, lambda message: message._replace(data=message.data[:-1])))
     bag = Bag(tamper(honest, tmp_path / "short.mcap", short))
