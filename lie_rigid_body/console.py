@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.scenario import Scenario
 
 SUCCESS: Final = 0
+BROKEN: Final = 1
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 
@@ -257,12 +258,12 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     except Exception as error:
         if os.environ.get(DEBUG):
             traceback.print_exc()
-        complain(prog, _explanation(error))
+        complain(prog, explanation(error))
         return UNUSABLE
 
 
-def _explanation(error: Exception) -> str:
-    """What an exception means to the user."""
+def explanation(error: Exception) -> str:
+    """What an exception means to the user, in one line."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
     if isinstance(error, MemoryError):

@@ -19,8 +19,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
-    with progress_bar(*(path for path in (given.run, given.truth) if path)) as progress:
-        read = recorded_estimate(given.run, given.estimate, given.truth, progress)
+    with progress_bar([path for path in (given.run, given.truth) if path], passes=1) as bar:
+        read = recorded_estimate(given.run, given.estimate, given.truth, bar.update)
     track = read.track
     score = evaluate(track.stamps_ns, track.attitude_xyzw, read.truth, limits=limits, covariance=read.covariance)
     return answer(given, given.run, read, score, limits)

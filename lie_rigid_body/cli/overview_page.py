@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
@@ -46,7 +47,9 @@ class Line:
         return self.certified, -math.inf if math.isnan(self.accuracy) else -self.accuracy
 
 
-def certificates_page(title: str, certificates: Sequence[tuple[str, Certificate]]) -> bytes:
+def certificates_page(
+    title: str, certificates: Sequence[tuple[str, Certificate]], unusable: Sequence[str] = ()
+) -> bytes:
     """The page of several bags.
 
     Parameters
@@ -54,13 +57,16 @@ def certificates_page(title: str, certificates: Sequence[tuple[str, Certificate]
     title : str
     certificates : sequence of (str, Certificate)
         Each with the name of its bag.
+    unusable : sequence of str, optional
+        Why other bags could not be judged.
 
     Returns
     -------
     bytes
         HTML.
     """
-    return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates])
+    more = [html_page.listing("Not judged", map(escape, unusable))]
+    return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates], more)
 
 
 def page(title: str, what: str, headings: Sequence[str], lines: Sequence[Line], more: Sequence[str] = ()) -> bytes:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -14,18 +15,20 @@ import numpy as np
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.batch import FAULTS
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.messages import Decoded
+from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
+from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
-_FAULTS: Final = FAULTS.removeprefix("~")
-_WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
+NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
+"""No topic is called otherwise."""
 
 
 @dataclass(frozen=True)
@@ -153,12 +156,18 @@ class Bag:
         An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
+    topics : mapping of str to str, optional
+        Topics that are called otherwise, by their relative names. See `bodies`.
 
     Attributes
     ----------
+    body : str
+        Namespace of its body, which has to be the only one; `all_of` reads the others.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
         As in `Recording`.
     pose_topic, twist_topic : str
+    sensor_topics : dict of str to str
+        The topics of what the body's sensors read, by their relative names, as far as they are there.
     stamped : bool
         Whether twists have stamps of their own.
 
@@ -168,18 +177,37 @@ class Bag:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
-        self._path, self._files = Path(path), BagFiles(path, progress)
-        contents = self._files.contents((STRING,))
+    def __init__(self, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS) -> None:
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING,))
+        self._take(files, contents, the_body(files.path, contents, topics))
+
+    @classmethod
+    def all_of(
+        cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
+    ) -> tuple[Bag, ...]:
+        """A bag for each body of a file or folder, which is read once to find them."""
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING,))
+        bags, found = [], bodies(files.path, contents, topics)
+        for body in found:
+            bag = cls.__new__(cls)
+            bag._take(files, contents, body)
+            bag.others = _others(contents, [track for each in found for track in each.tracks])
+            bags.append(bag)
+        return tuple(bags)
+
+    def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
+        self._path, self._files, self.body = files.path, files, body.name
         self._types = {track.message_type for track in contents.tracks.values()}
-        pose = _find(self._path, contents, "pose", POSE_STAMPED)
-        twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
-        scenario = _find(self._path, contents, "scenario", STRING)
-        own = (pose, twist, scenario)
+        own = body.tracks
         for track in own:
             require_cdr(self._path, track)
+        pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
+        self.sensor_topics = body.sensors
+        self._outlines, self._count = contents.outlines, pose.count + twist.count
         self.library = contents.library
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
@@ -191,6 +219,9 @@ class Bag:
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
+        if may_read_again(self._outlines, self._count):
+            yield from self._batches_again()
+            return
         contents, decoded = McapContents(), [0, 0]
         for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
             tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
@@ -204,6 +235,16 @@ class Bag:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
+
+    def _batches_again(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        pose = TopicReader(self._path, self._pose, messages.POSE_NUMBERS, stamped=True)
+        twist = TopicReader(self._path, self._twist, messages.TWIST_NUMBERS, stamped=self.stamped)
+        for outline, data in chunks(self._outlines, self._files.progress):
+            for topic in (pose, twist):
+                topic.add(data, outline.channels.get(topic.key, ()))
+            if pose.count + twist.count >= _BATCH:
+                yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
+        yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
 
     def messages_of(self, types: Collection[str]) -> McapContents:
         """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
@@ -227,18 +268,22 @@ class Bag:
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
         with named(self._path, self._pose[0]):
-            log_times, decoded = columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
-        assert decoded.stamps_ns is not None
-        numbers = decoded.numbers
-        return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
+            return self._pose_track(*columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first))
 
     def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
         with named(self._path, self._twist[0]):
-            log_times, decoded = columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+            return self._twist_track(*columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first))
+
+    def _pose_track(self, log_times: Integers, decoded: Decoded) -> PoseTrack:
+        assert decoded.stamps_ns is not None
         numbers = decoded.numbers
-        return TwistTrack(
-            self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
+        return PoseTrack(
+            self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:7], numbers[:, :3], decoded.frame_ids
         )
+
+    def _twist_track(self, log_times: Integers, decoded: Decoded) -> TwistTrack:
+        stamps, numbers = decoded.stamps_ns if self.stamped else None, decoded.numbers
+        return TwistTrack(self._twist[0], log_times, stamps, numbers[:, 3:6], numbers[:, :3], decoded.frame_ids)
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -272,7 +317,7 @@ def _joined(tracks: Sequence[Track]) -> Track:
     return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
-def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
     topics = [f"{track.topic} ({track.count} messages)" for track in rest]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
@@ -289,28 +334,6 @@ def _is_defined(path: Path, track: RawTrack) -> bool:
             "others read it: restore a copy, or record again"
         )
     return True
-
-
-def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
-    """The one track of these types whose topic has the given last name, or else the only one of these types."""
-    alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
-    alike = [track for track in alike if not track.topic.endswith(_FAULTS)]
-    found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
-    if not found and len(alike) == 1:
-        found = alike  # remapped
-    if not found:
-        wanted = f"topic .../{ending} ({' or '.join(types)}{_WHY.get(ending, '')})"
-        raise BagError(f"{path} has no {wanted}: record it; there are {_list(contents)}")
-    if len(found) > 1:
-        names = listed([f"{track.topic} ({track.message_type})" for track in found])
-        raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
-    if not found[0].count:
-        raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
-    return found[0]
-
-
-def _list(contents: McapContents) -> str:
-    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:

@@ -121,9 +121,9 @@ def test_progress_tells_every_byte_read(own, bag):
     recorded_estimate(bag, "/filter/Imu", own, steps.append)
     size = bag.stat().st_size + own.stat().st_size
     assert 0.3 * size < sum(steps) <= size  # all but the index at the end, which is much of a small file
-    with progress_bar(bag, own) as update:
-        assert update.__self__.total == size  # type: ignore[attr-defined]
-        assert update.__self__.disable  # type: ignore[attr-defined]  # as stderr is no terminal
+    with progress_bar([bag, own], passes=1) as bar:
+        assert bar.total == size
+        assert bar.disable  # as stderr is no terminal
 
 
 def test_limits_are_the_exit_status(bag, capsys):
