@@ -66,10 +66,12 @@ def certificates_page(
         HTML.
     """
     more = [html_page.listing("Not judged", map(escape, unusable))]
-    return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates], more)
+    return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates], more, len(unusable))
 
 
-def page(title: str, what: str, headings: Sequence[str], lines: Sequence[Line], more: Sequence[str] = ()) -> bytes:
+def page(
+    title: str, what: str, headings: Sequence[str], lines: Sequence[Line], more: Sequence[str] = (), unusable: int = 0
+) -> bytes:
     """The page of lines.
 
     Parameters
@@ -83,16 +85,19 @@ def page(title: str, what: str, headings: Sequence[str], lines: Sequence[Line], 
         At least one.
     more : sequence of str, optional
         HTML at the end.
+    unusable : int, optional
+        How many others could not be judged.
 
     Returns
     -------
     bytes
         HTML.
     """
+    count = len(lines) + unusable
     certified = sum(line.certified for line in lines)
     worst = max(line.accuracy for line in lines)
     parts = [
-        html_page.badge(f"{certified} of {len(lines)} {what} CERTIFIED", passed=certified == len(lines)),
+        html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
         html_page.paragraph(f"Attitudes are within {worst:.2g} rad of the exact motion."),
         *_distributions(what, lines),
         *_table(what, headings, lines),

@@ -258,3 +258,15 @@ def test_of_very_many_the_worst_are_listed() -> None:
     [content] = figures(text).values()
     assert sum(content["data"][0]["y"]) == 1499
     assert "0 in 1 runs" in text
+
+
+def test_check_of_several_bags_writes_their_page(bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    broken, out = tmp_path / "<i>no.mcap", tmp_path / "many.html"
+    broken.write_bytes(b"no bag")
+    assert main([str(bag), str(broken), "--report", str(out)]) == 2
+    assert f"wrote {out}" in capsys.readouterr().out
+    text = out.read_text(encoding="utf-8")
+    assert "1 of 2 bags CERTIFIED" in text
+    assert "Not judged" in text
+    assert "&lt;i&gt;no.mcap" in text
+    assert "<i>no.mcap" not in text
