@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.campaign.estimator import Scores, scores
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.simulation import Simulation
@@ -32,6 +33,8 @@ class Row:
         Bound of the error of its attitudes, rad.
     bag : str or None
         Path of its bag in the folder of the campaign.
+    scores : dict of str to float, str or None
+        Those of the estimator, by column; empty if none was asked for.
     """
 
     run: int
@@ -39,6 +42,7 @@ class Row:
     certified: bool = False
     attitude_accuracy_rad: float = 0.0
     bag: str | None = None
+    scores: Scores = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """The row as plain values."""
@@ -79,11 +83,18 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     from lie_rigid_body.recording.bag_reader import read_bag
 
     scenario = campaign.scenario_of(run)
-    scenario.expect(campaign.duration)
+    scenario.expect(campaign.duration * campaign.runs)  # so that loading compiled steps pays from the first run on
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
     with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
         for _ in write_run(bag, simulation, last_ns):
             pass
     certificate = certify(read_bag(path))
-    return Row(run, campaign.varied(scenario), certificate.passed, certificate.attitude_accuracy, name)
+    return Row(
+        run,
+        campaign.varied(scenario),
+        certificate.passed,
+        certificate.attitude_accuracy,
+        name,
+        scores(campaign, scenario),
+    )

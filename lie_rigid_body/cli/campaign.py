@@ -31,11 +31,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
 
     from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.campaign.estimator import estimator
     from lie_rigid_body.campaign.journal import Journal
 
     campaign = Campaign.from_file(given.campaign)
     for run in range(campaign.runs):
         campaign.scenario_of(run)  # refuse what no run can be before the first is begun
+    if campaign.estimator is not None:
+        estimator(campaign.estimator)
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
@@ -112,5 +115,18 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -
     lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    if campaign.estimator is not None:
+        lines.append(_of_scores(journal))
     console.say("\n".join(lines), done=f"{table} is written")
     return NOT_CERTIFIED if broken else console.SUCCESS
+
+
+def _of_scores(journal: Journal) -> str:
+    """The scores in a line."""
+    from lie_rigid_body.campaign.estimator import ERROR
+
+    rows = [journal.rows[run] for run in sorted(journal.rows)]
+    failed = [row for row in rows if row.scores[ERROR] is not None]
+    totals = sorted(float(row.scores["total_rms_deg"] or 0.0) for row in rows if row.scores[ERROR] is None)
+    said = f"{len(totals)} scored" + (f", median {totals[len(totals) // 2]:.3g}° rms" if totals else "")
+    return f"{said}; run {failed[0].run} is not: {failed[0].scores[ERROR]}" if failed else said

@@ -24,6 +24,7 @@ from lie_rigid_body.wording import listed, short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
+_OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 _FAULTS: Final = FAULTS.removeprefix("~")
 _WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
 
@@ -153,6 +154,8 @@ class Bag:
         An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
+    in_memory : bool, optional
+        Whether poses and twists are kept when it is read first, so that no later pass reads it again.
 
     Attributes
     ----------
@@ -168,9 +171,11 @@ class Bag:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
+    def __init__(
+        self, path: str | Path, progress: Callable[[int], object] = lambda count: None, *, in_memory: bool = False
+    ) -> None:
         self._path, self._files = Path(path), BagFiles(path, progress)
-        contents = self._files.contents((STRING,))
+        contents = self._files.contents((STRING, *_OF_THE_TRUTH) if in_memory else (STRING,))
         self._types = {track.message_type for track in contents.tracks.values()}
         pose = _find(self._path, contents, "pose", POSE_STAMPED)
         twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
@@ -188,9 +193,13 @@ class Bag:
         self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
+        self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
+        if self._kept is not None:
+            yield self._kept
+            return
         contents, decoded = McapContents(), [0, 0]
         for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
             tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
@@ -258,11 +267,13 @@ def read_bag(path: str | Path) -> Recording:
     BagError
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
-    return Bag(path).load()
+    return Bag(path, in_memory=True).load()
 
 
 def _joined(tracks: Sequence[Track]) -> Track:
     """Tracks that continue each other as one."""
+    if len(tracks) == 1:
+        return tracks[0]
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks])
         for name, value in vars(tracks[0]).items()
