@@ -154,7 +154,7 @@ class Campaign:
 
 @lru_cache(maxsize=1)
 def _remade(text: str) -> Campaign:
-    """The campaign of its JSON, whose order is kept; every run brings it along, and to read its scenario takes a while."""
+    """The campaign of its JSON. Every run brings it along, and to read its scenario takes a while."""
     return Campaign(*json.loads(text))
 
 

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, Final, TypeAlias
 
+import numpy as np
+
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.runs import Run, simulate
@@ -42,9 +44,7 @@ def estimator(name: str) -> Estimator:
     try:
         found = getattr(import_module(module), function, None)
     except (Exception, SystemExit) as error:
-        raise InputError(
-            f"estimator {shown(name)} cannot be imported: {_said(error)}: install it, or mend it"
-        ) from None
+        raise InputError(f"estimator {shown(name)} cannot be imported: {_said(error)}: mend it") from None
     if not callable(found):
         raise InputError(f"estimator {shown(name)}: {shown(module)} has no function {shown(function)}: define it there")
     estimate: Estimator = found
@@ -66,11 +66,15 @@ def scores(campaign: Campaign, scenario: Scenario) -> Scores:
 
 def _scored(estimate: Estimator, run: Run) -> Scores:
     result = estimate(run)
-    t_ns, attitude_xyzw = result if isinstance(result, tuple) else (None, result)
+    t_ns, given = result if isinstance(result, tuple) and len(result) == 2 else (None, result)
+    attitude_xyzw = np.asarray(given)
+    if attitude_xyzw.ndim != 2 or attitude_xyzw.shape[1] != 4:
+        shape = f"{type(result).__name__} of shape {attitude_xyzw.shape}"
+        raise InputError(f"the estimate is a {shape}: return attitudes (N, 4), or a tuple of stamps and attitudes")
     score = run.score(attitude_xyzw, t_ns, diagnosed=False)
     errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
     return dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True))
 
 
 def _said(error: BaseException) -> str:
-    return shortened(str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}", 120)
+    return shortened(str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}")

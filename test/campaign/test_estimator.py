@@ -33,6 +33,9 @@ def nothing(run):
 def lost(run):
     return np.nan * run.truth.attitude_xyzw
 
+def three(run):
+    return 1, 2, 3
+
 def leaves(run):
     raise SystemExit(3)
 """
@@ -72,8 +75,9 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
     ("function", "words"),
     [
         ("rates", "(100, 3)"),
-        ("few", "7 rows goes neither with 100 readings of the IMU"),
-        ("nothing", ""),
+        ("few", "7 rows goes neither with"),
+        ("nothing", "NoneType of shape ()"),
+        ("three", "tuple of shape (3,)"),
         ("lost", "finite"),
         ("leaves", "SystemExit: 3"),
         ("missing", "no function 'missing'"),
@@ -83,4 +87,4 @@ def test_what_is_no_estimate_costs_the_score(function: str, words: str, scored: 
     found = scored(function)
     assert [found[name] for name in SCORES] == [None] * 4
     assert words in found["estimator_error"]
-    assert 0 < len(found["estimator_error"]) <= 120
+    assert 0 < len(found["estimator_error"]) <= 200
