@@ -101,6 +101,8 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
 
 
 def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -> int:
+    from lie_rigid_body.campaign.estimator import ERROR
+
     if failed:
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
@@ -118,7 +120,11 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -
     if campaign.estimator is not None:
         lines.append(_of_scores(journal))
     console.say("\n".join(lines), done=f"{table} is written")
-    return NOT_CERTIFIED if broken else console.SUCCESS
+    if broken:
+        return NOT_CERTIFIED
+    if campaign.estimator is not None and all(row.scores[ERROR] is not None for row in rows):
+        raise InputError(f"estimator {campaign.estimator} gave no score in any run: mend it, and give a new folder")
+    return console.SUCCESS
 
 
 def _of_scores(journal: Journal) -> str:

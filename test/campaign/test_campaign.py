@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,21 @@ def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> No
         assert list(journal.rows.values()) == rows[:-1]
         journal.add(rows[-1])
     assert (copy / "runs.jsonl").read_text() == whole
+
+
+def test_an_estimator_without_any_score_is_an_error(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
+    with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
+        rows = [replace(row, scores={**scores, "estimator_error": "it is lost"}) for row in journal.rows.values()]
+    heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
+    (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
+    said = capsys.readouterr()
+    assert "0 scored; run 0 is not: it is lost" in said.out
+    assert "gave no score in any run" in said.err
+    assert table_of(copy)["estimator_error"].to_pylist() == ["it is lost"] * 6
 
 
 @pytest.fixture
