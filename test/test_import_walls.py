@@ -42,7 +42,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
-    "campaign": BAG | {"certificate"},
+    "campaign": BAG | {"certificate", "runs"},
     "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},

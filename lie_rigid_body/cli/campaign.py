@@ -32,6 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
 
     from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.campaign.estimator import estimator
     from lie_rigid_body.campaign.journal import Journal
 
     if given.report is not None:
@@ -41,6 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     campaign = Campaign.from_file(given.campaign)
     for run in range(campaign.runs):
         campaign.scenario_of(run)  # refuse what no run can be before the first is begun
+    if campaign.estimator is not None:
+        estimator(campaign.estimator)
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
@@ -109,6 +112,8 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
 
 
 def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], given: argparse.Namespace) -> int:
+    from lie_rigid_body.campaign.estimator import ERROR
+
     if failed:
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
@@ -123,6 +128,8 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], g
     lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    if campaign.estimator is not None:
+        lines.append(_of_scores(journal))
     if given.report is not None:
         from lie_rigid_body.cli.campaign_page import page
         from lie_rigid_body.recording.output_file import write_file
@@ -130,4 +137,19 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], g
         write_file(given.report, page(f"Campaign {given.campaign}", campaign, rows), overwrite=given.force)
         lines.append(f"wrote {given.report}")
     console.say("\n".join(lines), done=f"{table} is written")
-    return NOT_CERTIFIED if broken else console.SUCCESS
+    if broken:
+        return NOT_CERTIFIED
+    if campaign.estimator is not None and all(row.scores[ERROR] is not None for row in rows):
+        raise InputError(f"estimator {campaign.estimator} gave no score in any run: mend it, and give a new folder")
+    return console.SUCCESS
+
+
+def _of_scores(journal: Journal) -> str:
+    """The scores in a line."""
+    from lie_rigid_body.campaign.estimator import ERROR
+
+    rows = [journal.rows[run] for run in sorted(journal.rows)]
+    failed = [row for row in rows if row.scores[ERROR] is not None]
+    totals = sorted(float(row.scores["total_rms_deg"] or 0.0) for row in rows if row.scores[ERROR] is None)
+    said = f"{len(totals)} scored" + (f", median {totals[len(totals) // 2]:.3g}° rms" if totals else "")
+    return f"{said}; run {failed[0].run} is not: {failed[0].scores[ERROR]}" if failed else said

@@ -16,7 +16,7 @@ from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
@@ -29,6 +29,7 @@ _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
+_OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,8 @@ class Bag:
         Called with the number of bytes that were read since it was called last, in every pass.
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
+    in_memory : bool, optional
+        Whether poses and twists are kept when it is read first, so that no later pass reads it again.
 
     Attributes
     ----------
@@ -177,10 +180,17 @@ class Bag:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
 
-    def __init__(self, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        progress: Progress = unheard,
+        topics: Mapping[str, str] = NO_TOPICS,
+        *,
+        in_memory: bool = False,
+    ) -> None:
         files = BagFiles(path, progress)
-        contents = files.contents((STRING,))
-        self._take(files, contents, the_body(files.path, contents, topics))
+        contents = files.contents((STRING, *_OF_THE_TRUTH) if in_memory else (STRING,))
+        self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 
     @classmethod
     def all_of(
@@ -197,7 +207,7 @@ class Bag:
             bags.append(bag)
         return tuple(bags)
 
-    def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
+    def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         self._path, self._files, self.body = files.path, files, body.name
         self._types = {track.message_type for track in contents.tracks.values()}
         own = body.tracks
@@ -216,9 +226,13 @@ class Bag:
         self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
+        self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
+        if self._kept is not None:
+            yield self._kept
+            return
         if may_read_again(self._outlines, self._count):
             yield from self._batches_again()
             return
@@ -303,11 +317,13 @@ def read_bag(path: str | Path) -> Recording:
     BagError
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
-    return Bag(path).load()
+    return Bag(path, in_memory=True).load()
 
 
 def _joined(tracks: Sequence[Track]) -> Track:
     """Tracks that continue each other as one."""
+    if len(tracks) == 1:
+        return tracks[0]
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks])
         for name, value in vars(tracks[0]).items()
