@@ -11,6 +11,7 @@ from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.sensors import hold_sensors
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
@@ -67,11 +68,14 @@ class Certificate:
     whole : tuple of LawResult
     not_certified : tuple of str
         What of the bag no law speaks of, in words.
+    sensors : tuple of str
+        Topics of the sensors that laws of the segments speak of.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
 
     __repr__ = short_repr
 
@@ -105,7 +109,7 @@ class Certificate:
 
 
 def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
-    """Hold every law against every segment of a bag, which is read twice.
+    """Hold every law against every segment of a bag, which is read twice, and once more for the sensors.
 
     Parameters
     ----------
@@ -128,7 +132,14 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
         segments = tuple(_segments(bag, surveyed))
-    return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
+        sensors = hold_sensors(bag, surveyed)
+    surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
+    return Certificate(
+        tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
+        whole_bag.laws(bag, surveyed),
+        not_certified(bag, surveyed, sensors),
+        sensors.topics,
+    )
 
 
 def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:

@@ -199,7 +199,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     pairing = Pairing()
     for topics in stamped_values(facts.counted(bag.batches()), segments[0].clock(), logged_at_stamps=own):
         for name, topic in zip(tallies[0].stamps, topics, strict=True):
-            for i, rows in _parts(segments, topic.stamps_ns):
+            for i, rows in segment_parts(segments, topic.stamps_ns):
                 tallies[i].stamps[name].add(topic.stamps_ns[rows])
         _tally_pairs(tallies, pairing.add(*topics).stamps_ns, pairing.alone)
     _tally_pairs(tallies, pairing.finish().stamps_ns, pairing.alone)
@@ -320,13 +320,13 @@ class _SegmentTally:
 
 def _tally_pairs(tallies: list[_SegmentTally], common: Integers, alone: Integers) -> None:
     segments = [tally.segment for tally in tallies]
-    in_common, in_alone = dict(_parts(segments, common)), dict(_parts(segments, alone))
+    in_common, in_alone = dict(segment_parts(segments, common)), dict(segment_parts(segments, alone))
     for i in sorted(in_common.keys() | in_alone.keys()):
         none = slice(0, 0)
         tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
 
 
-def _parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
+def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
     """The segments that stamps belong to, and which of the stamps are theirs; those before the first are left out."""
     if not len(stamps_ns):
         return
@@ -345,7 +345,7 @@ def numbered_blocks(bag: Bag | Recording, segments: Sequence[Segment]) -> Iterat
     pairing = Pairing()
     topics = stamped_values(bag.batches(), segments[0].clock(), logged_at_stamps=as_written(bag))
     for block in itertools.chain((pairing.add(*values) for values in topics), (pairing.finish() for _ in range(1))):
-        for i, rows in _parts(segments, block.stamps_ns):
+        for i, rows in segment_parts(segments, block.stamps_ns):
             part = block[rows]
             yield i, replace(part, samples=number_samples(segments[i].clock(), part.stamps_ns))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -47,7 +47,7 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
 
 
 @dataclass(frozen=True)
-class _Fault:
+class StampFault:
     """What is wrong with the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
 
     kind: str
@@ -95,17 +95,30 @@ def stamp_law(
         first = tally.low if late_start and tally.count else segment.first_sample
         last = tally.high if open_end and tally.count else end - (cut_off and topic == "twist")
         faults += tally.faults(topic, first, last)
+    return stamp_result("stamps", clock, faults, sum(tally.count for tally in tallies.values()))
+
+
+def stamp_result(name: str, clock: SampleClock, faults: Sequence[StampFault], checked: int) -> LawResult:
+    """The result of a law of stamps with these faults; see `stamp_law`.
+
+    Parameters
+    ----------
+    name : str
+    clock : SampleClock
+    faults : sequence of StampFault
+    checked : int
+        How many stamps there were.
+    """
     unit = next(
         (kind for kind in (OFF_GRID, GAP, DUPLICATE, DISORDER) if any(f.kind == kind for f in faults)), OFF_GRID
     )
     kindred = [fault for fault in faults if fault.kind == unit]
-    checked = sum(tally.count for tally in tallies.values())
     if not kindred:
-        return LawResult("stamps", OFF_GRID, 0.0, 0.0, None, None, 0, checked)
+        return LawResult(name, OFF_GRID, 0.0, 0.0, None, None, 0, checked)
     worst = max(f.count for f in kindred) if unit == OFF_GRID else sum(f.count for f in kindred)
     at = max(kindred, key=lambda f: f.count).sample if unit == OFF_GRID else min(f.sample for f in kindred)
     text = "; ".join(fault.text for fault in faults)
-    return LawResult("stamps", unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
+    return LawResult(name, unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
 
 
 class StampTally:
@@ -114,6 +127,8 @@ class StampTally:
     Parameters
     ----------
     clock : SampleClock
+    noun : str, optional
+        What its samples are called.
 
     Attributes
     ----------
@@ -122,8 +137,8 @@ class StampTally:
         The least and the largest number of a sample so far.
     """
 
-    def __init__(self, clock: SampleClock) -> None:
-        self._clock = clock
+    def __init__(self, clock: SampleClock, noun: str = "sample") -> None:
+        self._clock, self._noun = clock, noun
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
         self._missing: list[tuple[int, int]] = []  # first and last of each run between low and high, rising
@@ -198,26 +213,26 @@ class StampTally:
             self.low = begin
         self.high = max(self.high, end)
 
-    def faults(self, topic: str, first: int, last: int) -> list[_Fault]:
+    def faults(self, topic: str, first: int, last: int) -> list[StampFault]:
         """What is wrong, of a topic that is to have all samples from one number to another."""
         found = []
         if self._displaced:
-            text = f"{topic}: out of order, sample {_some(self._pairs, self._displaced)}"
-            found.append(_Fault(DISORDER, self._displaced, self._earliest, text))
+            text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
+            found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
         if self._doubled:
             doubled = sorted(self._doubled)
-            text = f"{topic}: duplicate of sample {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
-            found.append(_Fault(DUPLICATE, len(doubled), doubled[0], text))
+            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
+            found.append(StampFault(DUPLICATE, len(doubled), doubled[0], text))
         if gaps := self._gaps(first, last):
-            text = f"{topic}: gap, {_some([_gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
-            found.append(_Fault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
+            text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
+            found.append(StampFault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
         if self._off:
             number, stamp = self._worst
             text = (
-                f"{topic}: {self._off} stamps off the grid, sample {number} stamped {stamp} ns "
+                f"{topic}: {self._off} stamps off the grid, {self._noun} {number} stamped {stamp} ns "
                 f"instead of {self._clock.stamp_ns(number)}"
             )
-            found.append(_Fault(OFF_GRID, self._farthest, number, text))
+            found.append(StampFault(OFF_GRID, self._farthest, number, text))
         return found
 
     def _gaps(self, first: int, last: int) -> list[tuple[int, int]]:
@@ -226,6 +241,11 @@ class StampTally:
         clipped = [(max(begin, first), min(end, last)) for begin, end in outer]
         return [(begin, end) for begin, end in clipped if begin <= end]
 
+    def _gap_in_words(self, begin: int, end: int) -> str:
+        if begin == end:
+            return f"{self._noun} {begin} is missing"
+        return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
+
 
 def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     """The exact stamps of samples by their numbers, ns."""
@@ -233,12 +253,6 @@ def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
         return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
-
-
-def _gap_in_words(begin: int, end: int) -> str:
-    if begin == end:
-        return f"sample {begin} is missing"
-    return f"{end - begin + 1} samples from {begin} to {end} are missing"
 
 
 def _some(items: list[str], count: int) -> str:

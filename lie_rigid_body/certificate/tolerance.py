@@ -86,6 +86,16 @@ class Tolerance:
         """Limit of the attitude error before the cap, rad, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
+    def rate(self, t: Array) -> Array:
+        """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
+        return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
+
+    def mean_rate(self, t: Array, span: float) -> Array:
+        """Limit of the error of the mean rate over ``span``, s, up to times t, rad/s, shape (N,)."""
+        turn = np.array([self.fastest * span])
+        carried = turn * self.propagation.growth(turn) * self.rate(t)
+        return np.asarray((self.attitude_step(np.array([span])) + carried) / span)
+
     def attitude_step(self, spans: Array) -> Array:
         """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans

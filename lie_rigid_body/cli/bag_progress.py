@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
+def open_bag(path: str | Path, *, passes: int, passes_for_sensors: int = 0) -> Iterator[Bag]:
     """Open a bag that shows on a terminal, while this context lasts, how far it has been read.
 
     Parameters
@@ -21,6 +21,8 @@ def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
     path : str or Path
     passes : int
         How often it will be read, once to open it.
+    passes_for_sensors : int, optional
+        How often more, if it has sensors.
     """
     from tqdm import tqdm
 
@@ -32,4 +34,7 @@ def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
     with tqdm(
         total=passes * size, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5
     ) as bar:
-        yield Bag(path, bar.update)
+        bag = Bag(path, bar.update)
+        if bag.sensors:
+            bar.total += passes_for_sensors * size
+        yield bag

@@ -10,6 +10,8 @@ from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificat
 from lie_rigid_body.parameters import Value
 
 _COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
+_UNIT: Final = 3
+"""Characters of the column of units; a longer one stands behind the name."""
 _WIDTH: Final = 80
 """Characters of a line of the table, and of the sentences."""
 
@@ -47,7 +49,13 @@ def verdict(certificate: Certificate) -> str:
         f"world momentum to {_momentum(certificate):.2g} (relative).",
         *_worst_sample(certificate),
     ]
-    return "\n  ".join(lines)
+    return "\n".join(["\n  ".join(lines), *_sensors(certificate)])
+
+
+def _sensors(certificate: Certificate) -> list[str]:
+    if not certificate.sensors:
+        return []
+    return [_wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  ")]
 
 
 def _worst_sample(certificate: Certificate) -> list[str]:
@@ -79,6 +87,7 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
         | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
         else None,
+        "certified_sensors": list(certificate.sensors) if certificate.passed else [],
         "not_certified": list(certificate.not_certified),
         "messages": list(certificate.messages),
         "segments": [_segment_json(segment) for segment in certificate.segments],
@@ -116,11 +125,12 @@ def _row(law: LawResult, time_s: float | None) -> str:
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
         sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
+    is_long = len(law.unit) > _UNIT
     return _COLUMNS.format(
-        name=law.name,
+        name=f"{law.name}, {law.unit}" if is_long else law.name,
         worst=f"{law.worst:.2g}",
         limit=f"{law.limit:.2g}",
-        unit=law.unit,
+        unit="" if is_long else law.unit,
         sample=sample,
         time=time,
         verdict="holds" if law.holds else "BROKEN",

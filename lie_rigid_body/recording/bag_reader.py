@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -18,6 +18,12 @@ from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWI
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.sensor_reader import (
+    SensorMessages,
+    SensorTopic,
+    sensor_messages,
+    sensors_of,
+)
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import listed, short_repr
 
@@ -107,6 +113,10 @@ class Recording:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
+    sensors : dict of str to SensorTopic
+        The topics of the body's sensors, by their relative names.
+    readings : dict of str to SensorMessages
+        Their messages.
     """
 
     library: str
@@ -119,6 +129,8 @@ class Recording:
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
+    sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
+    readings: Mapping[str, SensorMessages] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -141,6 +153,10 @@ class Recording:
         """All poses and twists, as `Bag.batches` reads them."""
         yield self.poses, self.twists
 
+    def sensor_batches(self) -> Iterator[Mapping[str, SensorMessages]]:
+        """All messages of the sensors, as `Bag.sensor_batches` reads them."""
+        yield self.readings
+
 
 class Bag:
     """A bag that is read in batches, as often as they are wanted: its memory does not grow with its length.
@@ -155,6 +171,7 @@ class Bag:
     Attributes
     ----------
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
+    sensors
         As in `Recording`.
     pose_topic, twist_topic : str
     stamped : bool
@@ -173,8 +190,9 @@ class Bag:
         pose = _find(self._path, contents, "pose", POSE_STAMPED)
         twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
         scenario = _find(self._path, contents, "scenario", STRING)
-        own = (pose, twist, scenario)
-        for track in own:
+        sensors = sensors_of(contents, pose.topic)
+        own, known = (pose, twist, scenario), (pose, twist, scenario, *sensors.values())
+        for track in known:
             require_cdr(self._path, track)
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
@@ -182,23 +200,41 @@ class Bag:
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
         self.published_otherwise = sum(track.published_otherwise for track in own)
-        self.others = _others(contents, own)
-        self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
+        self.others = _others(contents, known)
+        self.undefined = tuple(track.topic for track in known if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
+        self.sensors = {
+            name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
+            for name, track in sensors.items()
+        }
 
     def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists in file order, some ten thousand at a time."""
-        contents, decoded = McapContents(), [0, 0]
-        for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
-            tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
+        for (poses, before), (twists, done) in self._pieces(self._pose, self._twist):
+            yield self._poses(poses, before), self._twists(twists, done)
+
+    def sensor_batches(self) -> Iterator[Mapping[str, SensorMessages]]:
+        """All messages of the sensors in file order, some ten thousand at a time, by relative topic names."""
+        keys = {name: (sensor.topic, sensor.message_type) for name, sensor in self.sensors.items()}
+        for batch in self._pieces(*keys.values()):
+            yield {
+                name: sensor_messages(self._path, *key, pieces, before)
+                for (name, key), (pieces, before) in zip(keys.items(), batch, strict=True)
+            }
+
+    def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
+        """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
+        contents, before = McapContents(), [0] * len(keys)
+        for position in itertools.chain(self._files.read(contents, {kind for _, kind in keys}), [None]):
+            tracks = [contents.tracks.get(key) for key in keys]
             waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
             if position is None or waiting >= _BATCH:
                 pieces = [[] if track is None else track.take() for track in tracks]
-                yield self._poses(pieces[0], decoded[0]), self._twists(pieces[1], decoded[1])
-                decoded = [n + sum(len(p.starts) for p in taken) for n, taken in zip(decoded, pieces, strict=True)]
+                yield list(zip(pieces, before, strict=True))
+                before = [n + sum(len(p.starts) for p in taken) for n, taken in zip(before, pieces, strict=True)]
             for track in contents.tracks.values():
-                if (track.topic, track.message_type) not in (self._pose, self._twist):
+                if (track.topic, track.message_type) not in keys:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
@@ -210,6 +246,7 @@ class Bag:
     def load(self) -> Recording:
         """The whole bag in memory."""
         poses, twists = zip(*self.batches(), strict=True)
+        readings = list(self.sensor_batches()) if self.sensors else []
         return Recording(
             self.library,
             self.scenario_texts,
@@ -221,6 +258,8 @@ class Bag:
             self.undefined,
             self.without_checksum,
             self.was_cut_off,
+            self.sensors,
+            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in self.sensors},
         )
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
@@ -272,7 +311,7 @@ def _joined(tracks: Sequence[Track]) -> Track:
 
 def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
-    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    topics = [f"topic {track.topic} ({track.count} messages), which no scenario determines" for track in rest]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 from lie_rigid_body.arrays import Array, Integers
@@ -76,6 +76,11 @@ class ImuModel:
         )
 
     @property
+    def support(self) -> float:
+        """Specific force of what holds the mass centre, along z of the world frame, m/s²; 0 in free fall."""
+        return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
+
+    @property
     def angular_velocity_variance(self) -> float:
         """Variance of an angular velocity on each axis, (rad/s)²; 0 ("unknown") without noise and resolution."""
         return self.gyro.variance(self.rate)
@@ -128,11 +133,9 @@ class Imu:
     """
 
     def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, before: State) -> None:
-        support = model.gravity if model.accelerometer_mode == "pivot_gravity" else 0.0
-        self._rate: GyroRate = (
-            IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
-        )
-        self._force = SpecificForce(body, model.lever_arm, support)
+        self._model = model
+        self._rate = _rate(model, before_ns, before)
+        self._force = SpecificForce(body, model.lever_arm, model.support)
         self._gyro = Triad(
             model.gyro,
             model.rate,
@@ -173,6 +176,39 @@ class Imu:
         InputError
             If the rate is integrated and the stamps do not rise.
         """
-        angular_velocity, gyro_bias = self._gyro.read(self._rate.over(stamps_ns, states))
-        linear_acceleration, accelerometer_bias = self._accelerometer.read(self._force.at(states))
+        signals, model = self.signals(stamps_ns, states), self._model
+        return replace(
+            signals,
+            angular_velocity=model.gyro.converter.read(signals.angular_velocity),
+            linear_acceleration=model.accelerometer.converter.read(signals.linear_acceleration),
+        )
+
+    def signals(self, stamps_ns: Integers, states: State) -> ImuReadings:
+        """The next readings before saturation and quantisation; see `measure`."""
+        angular_velocity, gyro_bias = self._gyro.signal(self._rate.over(stamps_ns, states))
+        linear_acceleration, accelerometer_bias = self._accelerometer.signal(self._force.at(states))
         return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias)
+
+    def biases(self, count: int) -> tuple[Array, Array]:
+        """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
+        return self._gyro.bias(count), self._accelerometer.bias(count)
+
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings.
+
+        Parameters
+        ----------
+        count : int
+        before_ns : int
+            Time of the last of them, ns.
+        before : State
+            The body's state at that time.
+        """
+        self._rate = _rate(self._model, before_ns, before)
+        self._gyro.skip(count)
+        self._accelerometer.skip(count)
+
+
+def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
+    """What the gyro measures from a time, ns, and the state at it on."""
+    return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()

@@ -129,6 +129,14 @@ class Magnetometer:
         ndarray, shape (N, 3)
             T, on the body axes, which are the sensor's.
         """
+        return self._converter.read(self.signal(states))
+
+    def signal(self, states: State) -> Array:
+        """The next readings before saturation and quantisation; see `measure`."""
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._field)
         distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
-        return self._converter.read(distorted + self._noise.take(len(field)))
+        return np.asarray(distorted + self._noise.take(len(field)))
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings."""
+        self._noise.skip(count)

@@ -134,6 +134,20 @@ class Triad:
         bias : ndarray, shape (N, 3)
             What it adds to them.
         """
+        signal, bias = self.signal(truth)
+        return self._converter.read(signal), bias
+
+    def signal(self, truth: Array) -> tuple[Array, Array]:
+        """The same before saturation and quantisation."""
         bias = self._bias.take(len(truth))
-        noisy = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
-        return self._converter.read(noisy), bias
+        return apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth)), bias
+
+    def bias(self, count: int) -> Array:
+        """The biases in the next readings, which are left out, shape (count, 3)."""
+        self._noise.skip(count)
+        return self._bias.take(count)
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings."""
+        self._noise.skip(count)
+        self._bias.skip(count)

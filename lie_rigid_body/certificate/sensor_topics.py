@@ -1,0 +1,243 @@
+"""The messages of one sensor's topic in one segment, held against what the scenario determines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.law_result import Judgement, LawResult
+from lie_rigid_body.certificate.readings import (
+    BiasReadings,
+    FieldReadings,
+    ImuReadings,
+    Readings,
+    sensor_clock,
+)
+from lie_rigid_body.certificate.segments import SurveyedSegment
+from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages import decode
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, BatchEncoder
+from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.recording.sensor_reader import SensorMessages, vector_fields
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
+from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, SampleClock, Samples, Segment, Taken
+
+MOST_LEFT_OUT: Final = 200_000_000
+"""Readings that are computed though the bag lacks them: those before its first, as a bias walks. They take a minute."""
+_BLOCK: Final = 8192
+"""Readings that are computed at once."""
+_HELD_BACK: Final = 1024
+"""Readings that wait for others which stand behind them in the file, though they come first."""
+_LAWS: Final = {
+    IMU_DATA: (("gyro", "rad/s", "angular velocity"), ("accelerometer", "m/s²", "linear acceleration")),
+    IMU_BIAS: (("gyro bias", "rad/s", "angular velocity"), ("accelerometer bias", "m/s²", "linear acceleration")),
+    MAG: (("magnetometer", "T", "magnetic field"),),
+}
+"""Of each topic the laws of its vectors: name, unit, field of the message."""
+_ALIKE: Final = {
+    IMU_DATA: "IMU frame and covariances",
+    IMU_BIAS: "IMU bias frame and covariances",
+    MAG: "magnetometer frame and covariances",
+}
+"""Of each topic the law of its fields that are the same in every message."""
+_OFF: Final = "{field} is {{worst}} {unit} off what the scenario determines (limit {{limit}}) at {{where}}"
+VALUES: Final = frozenset(law for laws in _LAWS.values() for law, _, _ in laws)
+"""The laws of readings, which depend on how this software computes noise."""
+
+
+class Work:
+    """How many readings may still be computed that the bag lacks."""
+
+    def __init__(self) -> None:
+        self._left = MOST_LEFT_OUT
+
+    def allows(self, count: int) -> bool:
+        """Take so many, if there are."""
+        self._left -= count
+        return self._left >= 0
+
+
+class TopicLaws:
+    """One topic's readings of a segment as they come.
+
+    Parameters
+    ----------
+    found : SurveyedSegment
+    successors : sequence of Segment
+        Those that begin where this one ends.
+    name, topic : str
+        The topic's relative and full name.
+    work : Work
+
+    Attributes
+    ----------
+    clock : SampleClock or None
+        Of the sensor; None if the scenario has no such sensor.
+    first : int
+        Number of the first reading of the segment.
+    tally : StampTally
+    strays : int
+        Readings of a sensor that the scenario has not.
+    is_too_far : bool
+        Whether the readings were not compared, as too many are missing.
+    """
+
+    def __init__(
+        self, found: SurveyedSegment, successors: Sequence[Segment], name: str, topic: str, work: Work
+    ) -> None:
+        self.found, self.name, self.topic, self._work = found, name, topic, work
+        self._successors, segment = successors, found.segment
+        self.end_ns = successors[0].start_ns - 1 if successors else None
+        self.strays, self.is_too_far, self._is_finished = 0, False, False
+        rate = rate_of(segment.scenario, name)
+        self.clock: SampleClock | None = None
+        self.first = 0
+        if rate is not None:
+            self.clock, self.first = sensor_clock(segment, rate)
+        self.tally = StampTally(self.clock or segment.clock(), "reading")
+        self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
+        self._values = [
+            Judgement(law, unit, _OFF.format(field=field, unit=unit), "reading") for law, unit, field in _LAWS[name]
+        ]
+        self._readings: Readings | None = None
+        none = np.empty(0, dtype=np.int64)
+        self._waiting = _Recorded(none, none, np.empty((0, 3 * len(self._values))))
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the sensor is there after the segment as well."""
+        return all(rate_of(later.scenario, self.name) is not None for later in self._successors)
+
+    @property
+    def last_sample_ns(self) -> int:
+        """Stamp of the truth's last sample before the segment ends, ns."""
+        assert self.end_ns is not None
+        clock = self.found.segment.clock()
+        return clock.stamp_ns(clock.count_until(self.end_ns) - 1)
+
+    def add(self, messages: SensorMessages) -> None:
+        """Take the messages that come next."""
+        if self.clock is None:
+            self.strays += len(messages)
+            return
+        numbers = number_samples(self.clock, messages.stamps_ns)
+        self.tally.add(messages.stamps_ns)
+        self._alike.add(np.where(self._is_unlike(messages), 1.0, 0.0), 0.0, numbers, messages.stamps_ns)
+        if not self._is_finished:
+            self._waiting = self._waiting.followed_by(_Recorded(numbers, messages.stamps_ns, messages.vectors))
+            self._compare(max(0, len(self._waiting.numbers) - _HELD_BACK))
+
+    def finish(self) -> None:
+        """Compare those that wait; later ones are compared no more."""
+        if not self._is_finished:
+            self._compare(len(self._waiting.numbers))
+            self._is_finished, self._readings = True, None
+
+    def results(self) -> Iterator[LawResult]:
+        """How near the laws of the messages' content came to their limits."""
+        for law in [*([] if self.is_too_far else self._values), self._alike]:
+            yield self._named(law.result())
+
+    def _named(self, law: LawResult) -> LawResult:
+        """A law whose message, if it is broken, tells topic and time."""
+        if law.holds or law.stamp_ns is None:
+            return law
+        time_s = (law.stamp_ns - self.found.segment.start_ns) / 1e9
+        return replace(law, message=f"{self.topic:.60}: {law.message}, {time_s:.9g} s after the start")
+
+    def _is_unlike(self, messages: SensorMessages) -> Booleans:
+        """Which messages have another frame or other fixed fields than the scenario makes them have.
+
+        What was read before a reset, and sent after it, is of the scenario then in force.
+        """
+        segment, later = self.found.segment, [successor.scenario for successor in self._successors]
+        unlike = ~_are_of([segment.scenario], self.name, messages)
+        if later and unlike.any():
+            unlike &= ~(_are_of(later, self.name, messages) & (messages.stamps_ns > self.last_sample_ns))
+        return np.asarray(unlike)
+
+    def _compare(self, count: int) -> None:
+        """Compare the first of those that wait."""
+        ready, self._waiting = self._waiting[:count], self._waiting[count:]
+        if self.is_too_far or not count:
+            return
+        readings = self._readings = self._readings or _readings(self.name, self.found)
+        ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
+        while len(ready.numbers):
+            first = int(ready.numbers[0])
+            end = int(np.searchsorted(ready.numbers, first + _BLOCK))
+            block, ready = ready[:end], ready[end:]
+            count = int(block.numbers[-1]) - first + 1
+            if not self._work.allows(count - end + (first - readings.next if readings.walks else 0)):
+                self.is_too_far = True
+                return
+            for i, (law, expected) in enumerate(zip(self._values, readings.take(first, count), strict=True)):
+                own = expected if count == end else expected[block.numbers - first]
+                law.add(*own.residuals(block.vectors[:, 3 * i : 3 * i + 3]), block.numbers, block.stamps_ns)
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """Recorded readings by their numbers, rising."""
+
+    numbers: Integers
+    stamps_ns: Integers
+    vectors: Array
+
+    def followed_by(self, later: _Recorded) -> _Recorded:
+        """These and later ones, in order."""
+        both = _Recorded(
+            np.concatenate([self.numbers, later.numbers]),
+            np.concatenate([self.stamps_ns, later.stamps_ns]),
+            np.concatenate([self.vectors, later.vectors]),
+        )
+        return both if (np.diff(both.numbers) >= 0).all() else both[np.argsort(both.numbers, kind="stable")]
+
+    def __getitem__(self, rows: slice | Integers) -> _Recorded:
+        return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.vectors[rows])
+
+
+def _readings(name: str, found: SurveyedSegment) -> Readings:
+    """What a topic should hold in a segment."""
+    segment = found.segment
+    motion = ClosedForm(segment.scenario.body(), segment.scenario.start())
+    if name == IMU_BIAS:
+        return BiasReadings(segment, motion)
+    return (ImuReadings if name == IMU_DATA else FieldReadings)(segment, motion, found.duration)
+
+
+def rate_of(scenario: Scenario, name: str) -> float | None:
+    """Readings per second of a topic's sensor, or None."""
+    model = scenario.sensors.magnetometer if name == MAG else scenario.sensors.imu
+    return None if model is None else model.rate
+
+
+def _are_of(scenarios: Sequence[Scenario], name: str, messages: SensorMessages) -> Booleans:
+    """Which messages have the frame and the fixed fields that one of these scenarios makes them have."""
+    alike = [known[name] for known in map(_fixed_fields, scenarios) if name in known]
+    own = [
+        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields in alike)
+        for frame, rest in messages.kinds
+    ]
+    return np.array(own, dtype=bool)[messages.kind]
+
+
+@lru_cache(maxsize=4)
+def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array]]:
+    """Of each sensor's topic the frame, and the numbers beside the vectors, as the simulation encodes them."""
+    at, zero = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
+    truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
+    taken = Taken(truth, ImuSamples(at, ReadingsOfImu(zero, zero, zero, zero)), MagnetometerSamples(at, zero))
+    found = {}
+    for messages in BatchEncoder(scenario).encode(taken).sensors:
+        fields = vector_fields(SENSOR_TOPICS[messages.topic])
+        decoded = decode(messages.payloads, len(fields), stamped=True)
+        found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields]
+    return found

@@ -1,0 +1,222 @@
+"""The sensors of a bag, held against the readings that its scenarios determine."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body import __version__
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.segments import Survey, segment_parts
+from lie_rigid_body.certificate.sensor_topics import MOST_LEFT_OUT, VALUES, TopicLaws, Work
+from lie_rigid_body.certificate.stamps import StampFault, stamp_result
+from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, sensor_topics
+from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
+from lie_rigid_body.wording import short_repr
+
+_SENSORS: Final = {"IMU": (IMU_DATA, IMU_BIAS), "magnetometer": (MAG,)}
+_SOFTWARE: Final = f"{SOFTWARE} {__version__}"
+
+
+@dataclass(frozen=True)
+class SensorFindings:
+    """What is found of the sensors of a bag.
+
+    Parameters
+    ----------
+    laws : tuple of tuple of LawResult
+        For each surveyed segment.
+    topics : tuple of str
+        Full names of the topics whose readings the laws speak of.
+    not_certified : tuple of str
+        What else there is, or should be, in words.
+    logged_otherwise : int
+        Messages that were not logged, or not published, at their stamps.
+    """
+
+    laws: tuple[tuple[LawResult, ...], ...]
+    topics: tuple[str, ...] = ()
+    not_certified: tuple[str, ...] = ()
+    logged_otherwise: int = 0
+
+    __repr__ = short_repr
+
+
+def hold_sensors(bag: Bag | Recording, surveyed: Survey) -> SensorFindings:
+    """Hold every reading of a bag against the one that its scenario determines; the bag is read once.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    surveyed : Survey
+        Of the same bag.
+    """
+    declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
+    held = [name for name in SENSOR_TOPICS if name in declared and (name in bag.sensors or surveyed.as_written)]
+    sensors = _SensorLaws(bag, surveyed, held)
+    if any(name in bag.sensors for name in held):
+        for batch in bag.sensor_batches():
+            for name in held:
+                if name in batch:
+                    sensors.add(name, batch[name])
+    return sensors.findings(tuple(_unheld(bag, declared, held)))
+
+
+def _unheld(bag: Bag | Recording, declared: set[str], held: Sequence[str]) -> Iterator[str]:
+    for name in SENSOR_TOPICS:
+        sensor = bag.sensors.get(name)
+        if sensor is not None and name not in declared:
+            yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
+        if name in declared and name not in held:
+            yield f"{name}, which the scenario has: not in the bag"
+
+
+class _SensorLaws:
+    """The laws of all sensors, to which their messages are added in file order."""
+
+    def __init__(self, bag: Bag | Recording, surveyed: Survey, held: Sequence[str]) -> None:
+        self._bag, self._surveyed, self._held = bag, surveyed, held
+        self._work = Work()
+        places = {id(found.segment): found for found in surveyed.segments}
+        self._found = [places.get(id(segment)) for segment in surveyed.declared]
+        self._topics: dict[tuple[int, str], TopicLaws] = {}
+        self._open: dict[str, list[TopicLaws]] = {name: [] for name in held}
+        self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
+
+    def _full_name(self, name: str) -> str:
+        return self._bag.sensors[name].topic if name in self._bag.sensors else name
+
+    def add(self, name: str, messages: SensorMessages) -> None:
+        """Take the messages of a topic that come next."""
+        if not len(messages):
+            return
+        self._logged_otherwise += int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
+        self._last_ns = max(self._last_ns, int(messages.stamps_ns.max()))
+        taken = 0
+        for i, rows in segment_parts(self._surveyed.declared, messages.stamps_ns):
+            own = messages[rows]
+            taken += len(own)
+            if self._found[i] is None:
+                self._unsampled += len(own)
+            else:
+                self._laws(i, name).add(own)
+        self._early += len(messages) - taken
+
+    def _laws(self, i: int, name: str) -> TopicLaws:
+        if (i, name) not in self._topics:
+            found = self._found[i]
+            assert found is not None
+            for before in self._open[name]:
+                before.finish()
+            self._topics[i, name] = TopicLaws(found, self._successors(i), name, self._full_name(name), self._work)
+            self._open[name] = [self._topics[i, name]]
+        return self._topics[i, name]
+
+    def _successors(self, i: int) -> list[Segment]:
+        """The segments that begin where one ends: several, if it was reset more than once before the next sample."""
+        declared = self._surveyed.declared
+        end = next((later.start_ns for later in declared[i + 1 :] if later.start_ns > declared[i].start_ns), None)
+        return [segment for segment in declared[i + 1 :] if segment.start_ns == end]
+
+    def findings(self, not_certified: tuple[str, ...]) -> SensorFindings:
+        """What was found, after all messages."""
+        for still_open in self._open.values():
+            for laws_of in still_open:
+                laws_of.finish()
+        begun: set[str] = set()
+        laws = [
+            tuple(self._segment_laws(i, begun, is_last=found is self._surveyed.segments[-1]))
+            for i, found in enumerate(self._found)
+            if found is not None
+        ]
+        present = [name for name in self._held if name in self._bag.sensors]
+        foreign = self._foreign_software() if _broken_values(laws) else None
+        if foreign is not None:
+            laws = [tuple(law for law in own if law.name not in VALUES) for own in laws]
+            not_certified += (
+                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others",
+            )
+        far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
+        not_certified += tuple(f"{topic}: more than {MOST_LEFT_OUT:.0e} readings are missing" for topic in sorted(far))
+        certified = [self._full_name(name) for name in present if foreign is None]
+        return SensorFindings(
+            tuple(laws),
+            tuple(topic for topic in certified if topic not in far),
+            not_certified + tuple(self._unassigned()),
+            self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in present),
+        )
+
+    def _unassigned(self) -> Iterator[str]:
+        if self._early and not self._surveyed.as_written:
+            yield f"readings before the first scenario's start: {self._early}"
+        if self._unsampled:
+            yield f"readings under scenarios without a sample: {self._unsampled}"
+
+    def _foreign_software(self) -> str | None:
+        """The first software other than this that a scenario says it is of."""
+        found = (json.loads(text).get("software") for _, text in self._bag.scenario_texts)
+        return next((str(software) for software in found if software != _SOFTWARE), None)
+
+    def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
+        if self._early and self._surveyed.as_written and not i:
+            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
+        for sensor, names in _SENSORS.items():
+            topics = [self._laws(i, name) for name in names if name in self._held]
+            if topics:
+                yield from self._sensor_laws(f"{sensor} stamps", topics, begun, is_last=is_last)
+
+    def _sensor_laws(
+        self, name: str, topics: Sequence[TopicLaws], begun: set[str], *, is_last: bool
+    ) -> Iterator[LawResult]:
+        clock = topics[0].clock
+        if clock is None:
+            begun -= {topic.name for topic in topics}
+            for topic in topics:
+                if topic.strays:
+                    yield _stray(name, topic.strays, f"{topic.topic}: readings of a sensor that the scenario has not")
+            return
+        faults: list[StampFault] = []
+        for topic in topics:
+            whole = self._surveyed.as_written or topic.name in begun
+            first = topic.first if whole or not topic.tally.count else topic.tally.low
+            last = self._last(topic, clock, is_last=is_last)
+            if whole or topic.tally.count:
+                faults += topic.tally.faults(topic.topic, first, last)
+            if topic.tally.count:
+                begun.add(topic.name)
+        checked = sum(topic.tally.count for topic in topics)
+        if checked or faults:
+            yield stamp_result(name, clock, faults, checked)
+        for topic in topics:
+            if topic.tally.count:
+                yield from topic.results()
+
+    def _last(self, topic: TopicLaws, clock: SampleClock, *, is_last: bool) -> int:
+        """Number of the last reading that a topic is to have in a segment."""
+        own, high = self._surveyed.as_written, topic.tally.high
+        if is_last:
+            end = max(self._last_ns, topic.found.last_ns or 0)
+            if topic.end_ns is not None:
+                end = min(end, topic.end_ns)
+            cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
+            return max(high, clock.count_until(end - cut_off) - 1) if own else high
+        assert topic.end_ns is not None
+        if topic.goes_on:
+            return clock.count_until(topic.end_ns) - 1
+        # a reset that takes a sensor away leaves out what it would have read until then
+        return max(high, clock.count_until(topic.last_sample_ns) - 1) if own else high
+
+
+def _broken_values(laws: Sequence[tuple[LawResult, ...]]) -> bool:
+    return any(law.name in VALUES and not law.holds for own in laws for law in own)
+
+
+def _stray(name: str, count: int, what: str) -> LawResult:
+    """The broken law of readings that should not be there."""
+    return LawResult(name, "", float(count), 0.0, None, None, count, count, f"{what}: {count}")
