@@ -11,7 +11,7 @@ from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
-from lie_rigid_body.certificate.sensors import hold_sensors
+from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
@@ -109,7 +109,7 @@ class Certificate:
 
 
 def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
-    """Hold every law against every segment of a bag, which is read twice, and once more for the sensors.
+    """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
     ----------
@@ -131,8 +131,9 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        segments = tuple(_segments(bag, surveyed))
-        sensors = hold_sensors(bag, surveyed)
+        of_sensors = SensorLaws(bag, surveyed)
+        segments = tuple(_segments(bag, surveyed, of_sensors))
+        sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
         tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
@@ -142,9 +143,9 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     )
 
 
-def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:
+def _segments(bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors.wanted, sensors.add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
         held = SegmentLaws(found)
@@ -152,6 +153,8 @@ def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertifi
             held.add(pending[1])
             pending = next(blocks, None)
         yield _certificate(found, held, as_written=surveyed.as_written)
+    for _ in blocks:
+        pass  # displaced beyond a reset: their sensors' messages still count
 
 
 def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -16,7 +16,7 @@ from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TwistTrack
+from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import SOFTWARE, Segment
 from lie_rigid_body.wording import short_repr
 
@@ -340,10 +340,18 @@ def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[
         yield i, at == i
 
 
-def numbered_blocks(bag: Bag | Recording, segments: Sequence[Segment]) -> Iterator[tuple[int, Block]]:
-    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place."""
+def numbered_blocks(
+    bag: Bag | Recording,
+    segments: Sequence[Segment],
+    sensors: Collection[str] = (),
+    take: TakeReadings = lambda readings: None,
+) -> Iterator[tuple[int, Block]]:
+    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place.
+
+    Sensors' messages are read with them, and taken as in `Bag.batches`.
+    """
     pairing = Pairing()
-    topics = stamped_values(bag.batches(), segments[0].clock(), logged_at_stamps=as_written(bag))
+    topics = stamped_values(bag.batches(sensors, take), segments[0].clock(), logged_at_stamps=as_written(bag))
     for block in itertools.chain((pairing.add(*values) for values in topics), (pairing.finish() for _ in range(1))):
         for i, rows in segment_parts(segments, block.stamps_ns):
             part = block[rows]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -48,8 +48,8 @@ class SensorFindings:
     __repr__ = short_repr
 
 
-def hold_sensors(bag: Bag | Recording, surveyed: Survey) -> SensorFindings:
-    """Hold every reading of a bag against the one that its scenario determines; the bag is read once.
+class SensorLaws:
+    """The laws of all sensors of a bag, to which their messages are added in file order.
 
     Parameters
     ----------
@@ -57,45 +57,34 @@ def hold_sensors(bag: Bag | Recording, surveyed: Survey) -> SensorFindings:
     surveyed : Survey
         Of the same bag.
     """
-    declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-    held = [name for name in SENSOR_TOPICS if name in declared and (name in bag.sensors or surveyed.as_written)]
-    sensors = _SensorLaws(bag, surveyed, held)
-    if any(name in bag.sensors for name in held):
-        for batch in bag.sensor_batches():
-            for name in held:
-                if name in batch:
-                    sensors.add(name, batch[name])
-    return sensors.findings(tuple(_unheld(bag, declared, held)))
 
-
-def _unheld(bag: Bag | Recording, declared: set[str], held: Sequence[str]) -> Iterator[str]:
-    for name in SENSOR_TOPICS:
-        sensor = bag.sensors.get(name)
-        if sensor is not None and name not in declared:
-            yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
-        if name in declared and name not in held:
-            yield f"{name}, which the scenario has: not in the bag"
-
-
-class _SensorLaws:
-    """The laws of all sensors, to which their messages are added in file order."""
-
-    def __init__(self, bag: Bag | Recording, surveyed: Survey, held: Sequence[str]) -> None:
-        self._bag, self._surveyed, self._held = bag, surveyed, held
-        self._work = Work()
+    def __init__(self, bag: Bag | Recording, surveyed: Survey) -> None:
+        self._bag, self._surveyed, self._work = bag, surveyed, Work()
+        self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
+        self._held = [name for name in SENSOR_TOPICS if name in self._declared]
+        if not surveyed.as_written:
+            self._held = [name for name in self._held if name in bag.sensors]
         places = {id(found.segment): found for found in surveyed.segments}
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
         self._topics: dict[tuple[int, str], TopicLaws] = {}
-        self._open: dict[str, list[TopicLaws]] = {name: [] for name in held}
+        self._open: dict[str, TopicLaws] = {}
         self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
 
     def _full_name(self, name: str) -> str:
         return self._bag.sensors[name].topic if name in self._bag.sensors else name
 
-    def add(self, name: str, messages: SensorMessages) -> None:
-        """Take the messages of a topic that come next."""
-        if not len(messages):
-            return
+    @property
+    def wanted(self) -> list[str]:
+        """The topics of the bag that are to be added, by their relative names."""
+        return [name for name in self._held if name in self._bag.sensors]
+
+    def add(self, readings: Mapping[str, SensorMessages]) -> None:
+        """Take the messages that come next, by relative topic names."""
+        for name, messages in readings.items():
+            if len(messages):
+                self._add(name, messages)
+
+    def _add(self, name: str, messages: SensorMessages) -> None:
         self._logged_otherwise += int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
         self._last_ns = max(self._last_ns, int(messages.stamps_ns.max()))
         taken = 0
@@ -112,10 +101,10 @@ class _SensorLaws:
         if (i, name) not in self._topics:
             found = self._found[i]
             assert found is not None
-            for before in self._open[name]:
-                before.finish()
-            self._topics[i, name] = TopicLaws(found, self._successors(i), name, self._full_name(name), self._work)
-            self._open[name] = [self._topics[i, name]]
+            if name in self._open:
+                self._open[name].finish()
+            self._open[name] = TopicLaws(found, self._successors(i), name, self._full_name(name), self._work)
+            self._topics[i, name] = self._open[name]
         return self._topics[i, name]
 
     def _successors(self, i: int) -> list[Segment]:
@@ -124,18 +113,17 @@ class _SensorLaws:
         end = next((later.start_ns for later in declared[i + 1 :] if later.start_ns > declared[i].start_ns), None)
         return [segment for segment in declared[i + 1 :] if segment.start_ns == end]
 
-    def findings(self, not_certified: tuple[str, ...]) -> SensorFindings:
+    def findings(self) -> SensorFindings:
         """What was found, after all messages."""
         for still_open in self._open.values():
-            for laws_of in still_open:
-                laws_of.finish()
+            still_open.finish()
         begun: set[str] = set()
         laws = [
             tuple(self._segment_laws(i, begun, is_last=found is self._surveyed.segments[-1]))
             for i, found in enumerate(self._found)
             if found is not None
         ]
-        present = [name for name in self._held if name in self._bag.sensors]
+        not_certified = tuple(self._unheld())
         foreign = self._foreign_software() if _broken_values(laws) else None
         if foreign is not None:
             laws = [tuple(law for law in own if law.name not in VALUES) for own in laws]
@@ -144,13 +132,21 @@ class _SensorLaws:
             )
         far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
         not_certified += tuple(f"{topic}: more than {MOST_LEFT_OUT:.0e} readings are missing" for topic in sorted(far))
-        certified = [self._full_name(name) for name in present if foreign is None]
+        certified = [self._full_name(name) for name in self.wanted if foreign is None]
         return SensorFindings(
             tuple(laws),
             tuple(topic for topic in certified if topic not in far),
             not_certified + tuple(self._unassigned()),
-            self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in present),
+            self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
         )
+
+    def _unheld(self) -> Iterator[str]:
+        for name in SENSOR_TOPICS:
+            sensor = self._bag.sensors.get(name)
+            if sensor is not None and name not in self._declared:
+                yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
+            if name in self._declared and name not in self._held:
+                yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
         if self._early and not self._surveyed.as_written:

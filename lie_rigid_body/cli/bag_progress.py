@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def open_bag(path: str | Path, *, passes: int, passes_for_sensors: int = 0) -> Iterator[Bag]:
+def open_bag(path: str | Path, *, passes: int) -> Iterator[Bag]:
     """Open a bag that shows on a terminal, while this context lasts, how far it has been read.
 
     Parameters
@@ -21,8 +21,6 @@ def open_bag(path: str | Path, *, passes: int, passes_for_sensors: int = 0) -> I
     path : str or Path
     passes : int
         How often it will be read, once to open it.
-    passes_for_sensors : int, optional
-        How often more, if it has sensors.
     """
     from tqdm import tqdm
 
@@ -34,7 +32,4 @@ def open_bag(path: str | Path, *, passes: int, passes_for_sensors: int = 0) -> I
     with tqdm(
         total=passes * size, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5
     ) as bar:
-        bag = Bag(path, bar.update)
-        if bag.sensors:
-            bar.total += passes_for_sensors * size
-        yield bag
+        yield Bag(path, bar.update)

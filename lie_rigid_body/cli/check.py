@@ -31,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     if given.prove is not None:
         require_count(given.prove)
-    with open_bag(given.bag, passes=3, passes_for_sensors=1) as bag:
+    with open_bag(given.bag, passes=3) as bag:
         certificate = certify(bag, inertia)
     proof = None if given.prove is None else _proof(bag, certificate, given.prove, inertia)
     if given.json:

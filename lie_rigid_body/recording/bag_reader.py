@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -87,6 +87,8 @@ class TwistTrack:
 
 
 Track = TypeVar("Track", PoseTrack, TwistTrack)
+TakeReadings: TypeAlias = Callable[[Mapping[str, SensorMessages]], object]
+"""Takes messages of sensors, by relative topic names."""
 
 
 @dataclass(frozen=True)
@@ -149,13 +151,12 @@ class Recording:
         """Whether twists have stamps of their own."""
         return self.twists.stamps_ns is not None
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists, as `Bag.batches` reads them."""
+        take({name: self.readings[name] for name in sensors})
         yield self.poses, self.twists
-
-    def sensor_batches(self) -> Iterator[Mapping[str, SensorMessages]]:
-        """All messages of the sensors, as `Bag.sensor_batches` reads them."""
-        yield self.readings
 
 
 class Bag:
@@ -209,19 +210,27 @@ class Bag:
             for name, track in sensors.items()
         }
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """All poses and twists in file order, some ten thousand at a time."""
-        for (poses, before), (twists, done) in self._pieces(self._pose, self._twist):
-            yield self._poses(poses, before), self._twists(twists, done)
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists in file order, some ten thousand at a time.
 
-    def sensor_batches(self) -> Iterator[Mapping[str, SensorMessages]]:
-        """All messages of the sensors in file order, some ten thousand at a time, by relative topic names."""
-        keys = {name: (sensor.topic, sensor.message_type) for name, sensor in self.sensors.items()}
-        for batch in self._pieces(*keys.values()):
-            yield {
-                name: sensor_messages(self._path, *key, pieces, before)
-                for (name, key), (pieces, before) in zip(keys.items(), batch, strict=True)
-            }
+        Parameters
+        ----------
+        sensors : collection of str, optional
+            Those of ``self.sensors`` that are read as well.
+        take : callable, optional
+            Called with the messages of these that stand among the poses and twists of a batch, before it comes.
+        """
+        keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
+        for (poses, before), (twists, done), *others in self._pieces(self._pose, self._twist, *keys.values()):
+            take(
+                {
+                    name: sensor_messages(self._path, *key, *pieces)
+                    for (name, key), pieces in zip(keys.items(), others, strict=True)
+                }
+            )
+            yield self._poses(poses, before), self._twists(twists, done)
 
     def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
         """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
@@ -245,8 +254,8 @@ class Bag:
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        poses, twists = zip(*self.batches(), strict=True)
-        readings = list(self.sensor_batches()) if self.sensors else []
+        readings: list[Mapping[str, SensorMessages]] = []
+        poses, twists = zip(*self.batches(self.sensors, readings.append), strict=True)
         return Recording(
             self.library,
             self.scenario_texts,
