@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final, Protocol
 
 import numpy as np
@@ -26,6 +27,7 @@ from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.drift import U
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.triad import TriadModel
@@ -102,9 +104,9 @@ def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:
 class _Times:
     """The times of a sensor's readings in a segment, and its exact motion."""
 
-    def __init__(self, segment: Segment, rate: float, motion: ClosedForm) -> None:
+    def __init__(self, segment: Segment, rate: float) -> None:
         self._clock, self.first = sensor_clock(segment, rate)
-        self._start_ns, self.motion = segment.start_ns, motion
+        self._start_ns, self.motion = segment.start_ns, _motion(segment.scenario)
         self.next = self.first
 
     def before(self, number: int) -> int:
@@ -131,15 +133,13 @@ class ImuReadings:
     Parameters
     ----------
     segment : Segment
-    motion : ClosedForm
-        Of the segment.
     duration : float
         Of the segment, s.
     """
 
-    def __init__(self, segment: Segment, motion: ClosedForm, duration: float) -> None:
+    def __init__(self, segment: Segment, duration: float) -> None:
         model = _imu_of(segment)
-        self._times, self._model = _Times(segment, model.rate, motion), model
+        self._times, self._model = _Times(segment, model.rate), model
         self._imu = _imu(self._times, model, segment)
         self._tolerance = _tolerance(segment, model.rate, duration)
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
@@ -182,14 +182,12 @@ class BiasReadings:
     Parameters
     ----------
     segment : Segment
-    motion : ClosedForm
-        Of the segment.
     """
 
-    def __init__(self, segment: Segment, motion: ClosedForm) -> None:
+    def __init__(self, segment: Segment) -> None:
         model = _imu_of(segment)
         self._times, self._triads, self._rate = (
-            _Times(segment, model.rate, motion),
+            _Times(segment, model.rate),
             (model.gyro, model.accelerometer),
             model.rate,
         )
@@ -219,16 +217,14 @@ class FieldReadings:
     Parameters
     ----------
     segment : Segment
-    motion : ClosedForm
-        Of the segment.
     duration : float
         Of the segment, s.
     """
 
-    def __init__(self, segment: Segment, motion: ClosedForm, duration: float) -> None:
+    def __init__(self, segment: Segment, duration: float) -> None:
         model = segment.scenario.sensors.magnetometer
         assert model is not None
-        self._times, self._sensor = _Times(segment, model.rate, motion), Magnetometer(model)
+        self._times, self._sensor = _Times(segment, model.rate), Magnetometer(model)
         self._tolerance, self._converter = _tolerance(segment, model.rate, duration), model.converter
         self.walks = False
         field = float(so3.norm(np.array(model.field)))
@@ -249,6 +245,12 @@ class FieldReadings:
         turned = self._tolerance.attitude(_seconds(elapsed))[:, np.newaxis]
         signal = self._sensor.signal(self._times.motion.at(elapsed))
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
+
+
+@lru_cache(maxsize=2)
+def _motion(scenario: Scenario) -> ClosedForm:
+    """The exact motion of a scenario, which its sensors share."""
+    return ClosedForm(scenario.body(), scenario.start())
 
 
 def _seconds(elapsed_ns: Integers) -> Array:
@@ -272,7 +274,8 @@ def _imu(times: _Times, model: ImuModel, segment: Segment) -> Imu:
 
 def _tolerance(segment: Segment, rate: float, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
-    return tolerance(replace(segment.scenario, rate=rate), duration)
+    scenario = segment.scenario
+    return tolerance(scenario if scenario.motion == "closed_form" else replace(scenario, rate=rate), duration)
 
 
 class _Uncertainty:

@@ -23,7 +23,6 @@ from lie_rigid_body.certificate.stamps import StampTally, number_samples
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, BatchEncoder
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.sensor_reader import SensorMessages, vector_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
@@ -60,8 +59,9 @@ class Work:
 
     def allows(self, count: int) -> bool:
         """Take so many, if there are."""
-        self._left -= count
-        return self._left >= 0
+        is_allowed = count <= self._left
+        self._left -= count if is_allowed else 0
+        return is_allowed
 
 
 class TopicLaws:
@@ -206,11 +206,9 @@ class _Recorded:
 
 def _readings(name: str, found: SurveyedSegment) -> Readings:
     """What a topic should hold in a segment."""
-    segment = found.segment
-    motion = ClosedForm(segment.scenario.body(), segment.scenario.start())
     if name == IMU_BIAS:
-        return BiasReadings(segment, motion)
-    return (ImuReadings if name == IMU_DATA else FieldReadings)(segment, motion, found.duration)
+        return BiasReadings(found.segment)
+    return (ImuReadings if name == IMU_DATA else FieldReadings)(found.segment, found.duration)
 
 
 def rate_of(scenario: Scenario, name: str) -> float | None:

@@ -14,18 +14,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
+from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
+from lie_rigid_body.parameters import Vector
 from lie_rigid_body.scenario import Scenario
 
 ATTITUDE_CAP: Final = 1e-7
@@ -114,8 +117,9 @@ class Tolerance:
         return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
 
 
+@lru_cache(maxsize=4)
 def tolerance(scenario: Scenario, duration: float) -> Tolerance:
-    """The limits for a segment of a scenario.
+    """The limits for a segment of a scenario, which the truth and the sensors of one rate share.
 
     Parameters
     ----------
@@ -128,9 +132,10 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     -------
     Tolerance
     """
-    body, start = scenario.body(), scenario.start()
-    fastest = scenario.rate_bound()
-    propagation = Propagation.of(body, start, duration, fastest)
+    body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
+    propagation = _propagation(
+        scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
+    )
     conditions = ConditionNumbers.of(body, propagation.states, fastest)
     if scenario.motion == "closed_form":
         return Tolerance(fastest, conditions, NoDrift(), propagation)
@@ -143,3 +148,11 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
     steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
+
+
+@lru_cache(maxsize=2)
+def _propagation(
+    inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
+) -> Propagation:
+    """The propagation of a motion, whatever the steps and the rates of samples: most of the work."""
+    return Propagation.of(RigidBody(inertia), State(attitude_xyzw, body_rate), duration, fastest)
