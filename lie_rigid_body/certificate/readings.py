@@ -81,6 +81,11 @@ class Readings(Protocol):
     """The readings of one topic in one segment, in order."""
 
     @property
+    def motion_error(self) -> float:
+        """How far the declared motion that the readings are of may err, rad, before any cap."""
+        ...
+
+    @property
     def walks(self) -> bool:
         """Whether every reading depends on all before it, so that those that are left out have to be computed."""
         ...
@@ -142,6 +147,7 @@ class ImuReadings:
         self._times, self._model = _Times(segment, model.rate), model
         self._imu = _imu(self._times, model, segment)
         self._tolerance = _tolerance(segment, model.rate, duration)
+        self.motion_error = _motion_error(self._tolerance, duration)
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
         fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
         self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
@@ -192,7 +198,7 @@ class BiasReadings:
             model.rate,
         )
         self._imu = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
-        self.walks = _walks(model)
+        self.walks, self.motion_error = _walks(model), 0.0
 
     @property
     def next(self) -> int:
@@ -226,7 +232,7 @@ class FieldReadings:
         assert model is not None
         self._times, self._sensor = _Times(segment, model.rate), Magnetometer(model)
         self._tolerance, self._converter = _tolerance(segment, model.rate, duration), model.converter
-        self.walks = False
+        self.walks, self.motion_error = False, _motion_error(self._tolerance, duration)
         field = float(so3.norm(np.array(model.field)))
         self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
         noise = _LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
@@ -247,7 +253,7 @@ class FieldReadings:
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _motion(scenario: Scenario) -> ClosedForm:
     """The exact motion of a scenario, which its sensors share."""
     return ClosedForm(scenario.body(), scenario.start())
@@ -276,6 +282,10 @@ def _tolerance(segment: Segment, rate: float, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
     return tolerance(scenario if scenario.motion == "closed_form" else replace(scenario, rate=rate), duration)
+
+
+def _motion_error(limits: Tolerance, duration: float) -> float:
+    return float(limits.attitude_uncapped(np.array([duration]))[0])
 
 
 class _Uncertainty:

@@ -20,6 +20,7 @@ from lie_rigid_body.certificate.readings import (
 )
 from lie_rigid_body.certificate.segments import SurveyedSegment
 from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, BatchEncoder
@@ -29,7 +30,9 @@ from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
 from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, SampleClock, Samples, Segment, Taken
 
 MOST_LEFT_OUT: Final = 200_000_000
-"""Readings that are computed though the bag lacks them: those before its first, as a bias walks. They take a minute."""
+"""Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
+_MOST_IN_VAIN: Final = 1_000_000
+"""Missing readings that are computed with their neighbours, beyond one for each that is not missing."""
 _BLOCK: Final = 8192
 """Readings that are computed at once."""
 _HELD_BACK: Final = 1024
@@ -55,13 +58,25 @@ class Work:
     """How many readings may still be computed that the bag lacks."""
 
     def __init__(self) -> None:
-        self._left = MOST_LEFT_OUT
+        self._walked = self._in_vain = 0
 
-    def allows(self, count: int) -> bool:
-        """Take so many, if there are."""
-        is_allowed = count <= self._left
-        self._left -= count if is_allowed else 0
-        return is_allowed
+    def allows(self, walked: int, in_vain: int, recorded: int) -> bool:
+        """Take so many more, unless they are too many.
+
+        Parameters
+        ----------
+        walked : int
+            Left out, but for what a bias walks in them.
+        in_vain : int
+            Computed because recorded ones stand before and after them.
+        recorded : int
+            Computed, and held against recorded ones.
+        """
+        if self._walked + walked > MOST_LEFT_OUT or self._in_vain + in_vain > _MOST_IN_VAIN:
+            return False
+        self._walked += walked
+        self._in_vain = max(0, self._in_vain + in_vain - recorded)
+        return True
 
 
 class TopicLaws:
@@ -95,7 +110,7 @@ class TopicLaws:
         self.found, self.name, self.topic, self._work = found, name, topic, work
         self._successors, segment = successors, found.segment
         self.end_ns = successors[0].start_ns - 1 if successors else None
-        self.strays, self.is_too_far, self._is_finished = 0, False, False
+        self.strays, self.is_too_far, self._is_finished, self._motion_error = 0, False, False, 0.0
         rate = rate_of(segment.scenario, name)
         self.clock: SampleClock | None = None
         self.first = 0
@@ -146,11 +161,17 @@ class TopicLaws:
             yield self._named(law.result())
 
     def _named(self, law: LawResult) -> LawResult:
-        """A law whose message, if it is broken, tells topic and time."""
+        """A law whose message, if it is broken, tells topic, time, and whether the stepper is to blame."""
         if law.holds or law.stamp_ns is None:
             return law
         time_s = (law.stamp_ns - self.found.segment.start_ns) / 1e9
-        return replace(law, message=f"{self.topic:.60}: {law.message}, {time_s:.9g} s after the start")
+        message = f"{self.topic:.60}: {law.message}, {time_s:.9g} s after the start"
+        if law.name in VALUES and self._motion_error > ATTITUDE_CAP:
+            message += (
+                f": between these readings the declared stepper errs by up to {self._motion_error:.2g} rad, "
+                f"a ground truth by {ATTITUDE_CAP:g} at most"
+            )
+        return replace(law, message=message)
 
     def _is_unlike(self, messages: SensorMessages) -> Booleans:
         """Which messages have another frame or other fixed fields than the scenario makes them have.
@@ -169,13 +190,15 @@ class TopicLaws:
         if self.is_too_far or not count:
             return
         readings = self._readings = self._readings or _readings(self.name, self.found)
+        self._motion_error = readings.motion_error
         ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
         while len(ready.numbers):
             first = int(ready.numbers[0])
             end = int(np.searchsorted(ready.numbers, first + _BLOCK))
             block, ready = ready[:end], ready[end:]
             count = int(block.numbers[-1]) - first + 1
-            if not self._work.allows(count - end + (first - readings.next if readings.walks else 0)):
+            walked = first - readings.next if readings.walks else 0
+            if not self._work.allows(walked, max(0, count - end), end):
                 self.is_too_far = True
                 return
             for i, (law, expected) in enumerate(zip(self._values, readings.take(first, count), strict=True)):

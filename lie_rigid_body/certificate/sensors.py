@@ -12,7 +12,7 @@ import numpy as np
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.segments import Survey, segment_parts
-from lie_rigid_body.certificate.sensor_topics import MOST_LEFT_OUT, VALUES, TopicLaws, Work
+from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -131,7 +131,7 @@ class SensorLaws:
                 f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others",
             )
         far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
-        not_certified += tuple(f"{topic}: more than {MOST_LEFT_OUT:.0e} readings are missing" for topic in sorted(far))
+        not_certified += tuple(f"{topic}: too many readings are missing to compute the others" for topic in sorted(far))
         certified = [self._full_name(name) for name in self.wanted if foreign is None]
         return SensorFindings(
             tuple(laws),

@@ -27,7 +27,7 @@ from lie_rigid_body.simulation import Simulation
 EPOCH = 1_792_000_000_123_456_789
 BODY = {"inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9], "initial_body_rate": [0.7, -1.3, 0.4], "epoch_ns": EPOCH}
 RATES = {"rate": 59.94, "imu_rate": 333.3, "magnetometer_rate": 70.0}
-NOISY = {
+NOISY: dict[str, object] = {
     "sensor_seed": 11,
     "gyro_noise_density": 1e-3,
     "gyro_bias_random_walk": 1e-3,
@@ -37,7 +37,7 @@ NOISY = {
     "accelerometer_turn_on_bias": 0.05,
     "magnetometer_noise_density": 1e-8,
 }
-SKEWED = {
+SKEWED: dict[str, object] = {
     "gyro_scale_factor": [1.01, -0.98, 1.02],
     "gyro_misalignment": [0.01, -0.02, 0.03],
     "accelerometer_scale_factor": [1.01, 0.98, -1.02],
@@ -45,7 +45,7 @@ SKEWED = {
     "magnetometer_hard_iron": [1e-6, 2e-6, -3e-6],
     "magnetometer_soft_iron": [1.1, 0.02, 0.01, -0.03, 0.95, 0.04, 0.05, 0.02, 1.05],
 }
-COARSE = {
+COARSE: dict[str, object] = {
     "gyro_resolution": 1e-3,
     "gyro_range": 1.2,
     "accelerometer_resolution": 0.02,
@@ -53,7 +53,7 @@ COARSE = {
     "magnetometer_resolution": 1e-7,
     "magnetometer_range": 30e-6,
 }
-FORCE = {"accelerometer_mode": "pivot_gravity", "accelerometer_lever_arm": [0.1, -0.2, 0.05]}
+FORCE: dict[str, object] = {"accelerometer_mode": "pivot_gravity", "accelerometer_lever_arm": [0.1, -0.2, 0.05]}
 SENSORS: dict[str, dict[str, object]] = {
     "perfect": {},
     "lever arm": {"accelerometer_lever_arm": [0.1, -0.2, 0.05]},
@@ -126,7 +126,7 @@ def test_honest_readings_are_certified(tmp_path, motion, sensors):
         assert law.worst <= 0.5 * law.limit or law.worst == 0.0
 
 
-RESETS = {
+RESETS: dict[str, dict[str, object]] = {
     "the same": {},
     "another start": {"initial_body_rate": [0.3, 0.3, -1.0]},
     "another rate": {"imu_rate": 111.1, "rate": 80.0},
@@ -386,7 +386,7 @@ def test_a_recorder_that_came_too_late_for_a_walk_is_told(bag, tmp_path, monkeyp
     assert found.passed, found.messages
     assert found.sensors == (MAG,)
     assert not laws(found, "gyro")
-    assert any(text.startswith(f"{IMU}: more than") for text in found.not_certified)
+    assert any(text.startswith(f"{IMU}: too many readings") for text in found.not_certified)
 
 
 def test_a_scenario_of_another_version(bag, tmp_path):
@@ -455,6 +455,19 @@ def test_batches_change_no_number(bag, tmp_path, monkeypatch, change):
     monkeypatch.setattr(sensor_topics, "_HELD_BACK", 4)
     monkeypatch.setattr(sensor_topics, "_BLOCK", 7)
     assert certify(Bag(path)) == whole
+
+
+def test_readings_so_sparse_that_most_would_be_computed_in_vain_are_not(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(sensor_topics, "_MOST_IN_VAIN", 100)
+    found = certificate(bag, tmp_path, lambda ms: on(IMU, lambda own: own[::5])(recorded(0.0)(ms)))
+    assert broken(found) == {"IMU stamps"}
+    assert found.sensors == (BIAS, MAG)
+
+
+def test_a_poor_stepper_is_to_blame(tmp_path):
+    found = certify(Bag(write(tmp_path / "a.mcap", ({"method": "rkmk1", **FORCE}, 1.0))))
+    assert "gyro" in broken(found)
+    assert any(said.startswith(IMU) and "the declared stepper errs by up to" in said for said in found.messages)
 
 
 def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
