@@ -23,7 +23,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
+from lie_rigid_body.certificate.tolerance import SHARED, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.drift import U
@@ -253,7 +253,7 @@ class FieldReadings:
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=SHARED)
 def _motion(scenario: Scenario) -> ClosedForm:
     """The exact motion of a scenario, which its sensors share."""
     return ClosedForm(scenario.body(), scenario.start())
@@ -281,7 +281,9 @@ def _imu(times: _Times, model: ImuModel, segment: Segment) -> Imu:
 def _tolerance(segment: Segment, rate: float, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
-    return tolerance(scenario if scenario.motion == "closed_form" else replace(scenario, rate=rate), duration)
+    own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
+    has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
+    return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
 
 
 def _motion_error(limits: Tolerance, duration: float) -> float:

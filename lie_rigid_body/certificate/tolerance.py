@@ -48,7 +48,7 @@ READING: Final = 48 * U
 
 FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
-_SHARED: Final = 128
+SHARED: Final = 512
 """Segments whose limits are kept: those that one batch of a bag may be of."""
 
 
@@ -119,7 +119,7 @@ class Tolerance:
         return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
 
 
-@lru_cache(maxsize=_SHARED)
+@lru_cache(maxsize=SHARED)
 def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     """The limits for a segment of a scenario, which the truth and the sensors of one rate share.
 
@@ -152,7 +152,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
 
 
-@lru_cache(maxsize=_SHARED)
+@lru_cache(maxsize=SHARED)
 def _propagation(
     inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
 ) -> Propagation:
