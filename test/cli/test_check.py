@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -111,7 +112,7 @@ def test_a_bag_that_breaks_a_law(tmp_path, capsys):
     assert content["messages"]
 
 
-SENSORS = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}
+SENSORS: dict[str, Any] = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}
 
 
 def test_sensors_are_certified_and_what_no_scenario_determines_is_listed(tmp_path, capsys):
