@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import select
 import stat
+import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
@@ -15,6 +17,8 @@ from lie_rigid_body.errors import InputError
 
 LONGEST_WAIT: Final = 10.0
 """Longest time that the writers of a pipe may take, s."""
+SILENT_WAIT: Final = 1.0
+"""Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
 """Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
 
@@ -65,7 +69,7 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
     try:
         with open_file(path, pipes=pipes) as stream:
             piped = stat.S_ISFIFO(os.fstat(stream.fileno()).st_mode)
-            content = (_drained(stream, limit) if piped else stream.read(limit + 1)) or b""
+            content = (_drained(stream, limit, path) if piped else stream.read(limit + 1)) or b""
         if len(content) > limit:
             raise InputError(f"{path} is longer than the {limit} bytes that such a file may have: give another one")
         return content.decode("utf-8")
@@ -84,9 +88,12 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
         raise InputError(f"{path} cannot be read: {reason}: give another file") from None
 
 
-def _drained(pipe: BinaryIO, limit: int) -> bytes:
+def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
     """What is written into a pipe until its last writer closes it, or until there is more than the limit."""
     content, end = b"", time.monotonic() + LONGEST_WAIT
+    if not select.select([pipe], [], [], min(SILENT_WAIT, LONGEST_WAIT))[0]:
+        with suppress(OSError, ValueError):
+            print(f"waiting for whoever writes into the pipe {path}, {LONGEST_WAIT:g} s at most", file=sys.stderr)
     while len(content) <= limit:
         if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
             raise TimeoutError

@@ -71,6 +71,17 @@ def how_to_certify(bag: str | Path) -> str:
     return f"certify them with: {program('check')} {shlex.quote(str(bag))}"
 
 
+def require_suffix(option: str, path: str | None, suffix: str) -> None:
+    """Refuse a file to write whose name does not end as its kind.
+
+    Raises
+    ------
+    InputError
+    """
+    if path is not None and Path(path).suffix.lower() != suffix:
+        raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
+
+
 def complain(prog: str, message: str) -> None:
     """Print an error as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
     try:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
 from typing import Final, Literal, TypeAlias, cast
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
@@ -22,6 +25,48 @@ MAX_EPOCH_NS: Final = (2**31 - 1) * NS
 
 LONGEST_FRAME_NAME: Final = 255
 """Characters. Every message carries one."""
+
+
+SHORTEST_DURATION: Final = Decimal("1e-9")
+"""s; one nanosecond."""
+
+LONGEST_DURATION: Final = Decimal("1e10")
+"""s; more is beyond every stamp of builtin_interfaces/Time."""
+
+_NUMBER: Final = re.compile(r"[-+.0-9eE]+")
+"""Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
+
+_BEYOND_INT64: Final = 2.0**63
+
+
+def exact_duration(given: object, name: str, example: str, *, is_text: bool = False) -> Fraction:
+    """A duration as the decimal number that was written, s.
+
+    Parameters
+    ----------
+    given : object
+    name : str
+        What it was given as, for the message.
+    example : str
+        What to give instead.
+    is_text : bool, optional
+        Whether it comes from a command line; otherwise it has to be an int or a float.
+
+    Raises
+    ------
+    InputError
+        If it is not a time from 1e-9 to 1e10 seconds.
+    """
+    text = str(given) if is_text else repr(given) if type(given) in (int, float) else ""
+    try:
+        value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
+    except InvalidOperation:
+        value = Decimal("nan")
+    # compared before it becomes a fraction, which 1e999999999 would fill the memory with
+    if not (value.is_finite() and SHORTEST_DURATION <= value <= LONGEST_DURATION):
+        said = given if is_text else shown(given)
+        raise InputError(f"{name} {said} is not a time from 1e-9 to 1e10 seconds: give for example {example}")
+    return Fraction(value)
 
 
 @dataclass(frozen=True)
@@ -108,9 +153,10 @@ class Parameter:
         return value
 
     def _integer(self, value: object) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
+        is_beyond = isinstance(value, float) and abs(value) >= _BEYOND_INT64  # as YAML and rcl read longer integers
+        if not is_beyond and (isinstance(value, bool) or not isinstance(value, int)):
             raise self._error(f"{shown(value)} is not an integer: give for example {self.default!r}")
-        if not self.minimum <= value <= self.maximum:
+        if not (isinstance(value, int) and self.minimum <= value <= self.maximum):
             raise self._error(
                 f"{shown(value)} is outside [{int(self.minimum)}, {int(self.maximum)}]: give {self._example()}"
             )

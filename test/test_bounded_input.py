@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -76,6 +77,26 @@ def test_a_pipe_is_not_read_beyond_the_limit(pipe: tuple[str, int]) -> None:
     with pytest.raises(InputError, match="longer than the 999 bytes"):
         read_text(path, 999)
     os.close(writer)
+
+
+def test_a_wait_for_a_pipe_is_told_and_only_if_there_is_one(
+    pipe: tuple[str, int], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bounded_input, "SILENT_WAIT", 0.0)
+    path, writer = pipe
+    os.write(writer, PARAMETERS)
+    ahead = threading.Timer(0.05, os.close, [writer])
+    ahead.start()
+    assert gather(None, [path], []) == {"rate": 10.0}
+    ahead.join()
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(bounded_input, "LONGEST_WAIT", 0.05)
+    reader, writer = os.pipe()
+    with pytest.raises(InputError, match="is a pipe that nobody closed"):
+        read_text(f"/dev/fd/{reader}", 100)
+    os.close(reader)
+    os.close(writer)
+    assert capsys.readouterr().err == f"waiting for whoever writes into the pipe /dev/fd/{reader}, 0.05 s at most\n"
 
 
 def test_nobody_waits_for_ever_for_a_writer(

@@ -53,6 +53,9 @@ SENSORS: dict[str, Any] = {
     "magnetometer_rate": 50.0,
     "gyro_noise_density": 1e-3,
     "gyro_rate": "integrated",
+    "imu_latency": 1e-3,
+    "attitude_sensor_rate": 5.0,
+    "sun_sensor_rate": 5.0,
 }
 MOTIONS: dict[str, Callable[[], Any]] = {
     "closed form": lambda: ClosedForm(BODY, START),
@@ -94,8 +97,8 @@ def errors() -> list[Exception]:
 def of_a_run(path: Path) -> list[Any]:
     simulation: Any = Simulation(Scenario.from_parameters(SENSORS))
     scenario, first = simulation.segment.scenario, simulation.segment
-    imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
-    sensors = [simulation._imu._last._compute.args[0], simulation._magnetometer._last._compute.args[0]]
+    models = scenario.sensors.on.values()
+    sensors = [queue._last._compute.args[0] for queue in simulation._sensors.values()]
     taken = simulation.take_until(2 * 10**9, 200)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(first)
@@ -109,15 +112,16 @@ def of_a_run(path: Path) -> list[Any]:
     ]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
-    readings = [taken, taken.samples, taken.imu, taken.magnetometer, taken.imu.readings, *sensors]
+    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.imu.readings, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
-    models = [campaign, scenario, scenario.sensors, imu, magnetometer, first, simulation.clock, simulation]
     return [
         *readings,
-        *models,
+        *(campaign, scenario, scenario.sensors, *models, scenario.sensors.imu.delivery),
+        *(first, simulation.clock, simulation),
         *laws,
         *encoders,
         messages.MagneticFieldEncoder("imu_link"),
+        *(messages.AttitudeEncoder("world"), messages.VectorEncoder("base_link")),
         poses,
         recording,
         *of_arrays(Run.from_bag(path)),
@@ -126,7 +130,7 @@ def of_a_run(path: Path) -> list[Any]:
 
 
 def of_arrays(run: Run) -> list[Any]:
-    return [run, run.imu, run.magnetometer, run.attitude()]
+    return [run, run.imu, run.magnetometer, run.attitude_sensor, run.sun, run.attitude()]
 
 
 def of_a_score() -> list[Any]:
@@ -289,4 +293,24 @@ def test_the_repr_of_states_gives_shapes_and_ends():
     )
     assert repr(START) == "State(attitude_xyzw=[0.0, 0.0, 0.0, 1.0], body_rate=[0.01, 1.0, 0.01])"
     assert repr(BODY) == "RigidBody([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]])"
-    assert repr(Scenario.from_parameters({"rate": 200.0})) == "Scenario(rate=200.0)"
+
+
+def test_the_repr_of_a_scenario_is_the_call_that_makes_it():
+    for given in ({}, {"rate": 200.0}, {"inertia": [1.0, 2.0, 2.5], "motion": "closed_form", "epoch_ns": 7}):
+        scenario = Scenario.from_parameters(given)
+        assert same(eval(repr(scenario), {"Scenario": Scenario}), scenario)
+    assert repr(Scenario.from_parameters({"rate": 200})) == "Scenario.from_parameters({'rate': 200.0})"
+
+
+def test_the_repr_of_a_certificate_is_its_verdict(tmp_path):
+    path = tmp_path / "run.mcap"
+    simulate(duration=0.5, motion="closed_form").to_bag(path)
+    found = certify(bag_reader.read_bag(path))
+    accuracy = f"{found.attitude_accuracy:.2g}"
+    assert repr(found) == f"<Certificate: certified, attitude within {accuracy} rad; 50 samples in 1 segment>"
+    assert repr(found.segments[0]) == (
+        f"<SegmentCertificate: certified, attitude within {accuracy} rad; 50 samples from 0 ns>"
+    )
+    wrong = certify(bag_reader.read_bag(path), inertia=[1.0, 2.0, 2.5])
+    assert repr(wrong).startswith("<Certificate: broken: kinetic energy")
+    assert repr(wrong).endswith("; 50 samples in 1 segment>")

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
-from lie_rigid_body.sensors import SENSOR_PARAMETERS
+from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-ROS_PAGE = (ROOT / "docs" / "ros.md").read_text(encoding="utf-8")
+ROS_PAGE, SENSORS_PAGE = ((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("ros.md", "sensors.md"))
 
 
 def blocks(language: str, text: str = README) -> list[str]:
@@ -65,9 +65,11 @@ def test_every_launch_file_is_shown(text):
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():
-    rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in (README, ROS_PAGE)}
+    pages = (README, ROS_PAGE, SENSORS_PAGE)
+    rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in pages}
     for parameter in PARAMETERS:
-        rows = rows_of[ROS_PAGE if parameter in SENSOR_PARAMETERS else README]
+        own_page = parameter.name in QUIET and parameter.name != GRADE
+        rows = rows_of[SENSORS_PAGE if own_page else ROS_PAGE if parameter in SENSOR_PARAMETERS else README]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default
         if isinstance(default, tuple):

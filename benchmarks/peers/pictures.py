@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from peers.measurement import Row, unit
 from peers.table import families
@@ -43,6 +44,9 @@ FOR_A_NEW_METHOD: Final = (("#00CED1", "p", "-"), ("#3F007D", "8", "-"), ("#17BE
 MARKED_EVERY: Final = 4
 """Every so manieth point of a curve of the drift has a marker."""
 
+ALIKE: Final = 1e-15
+"""rad: curves of one kind of stepper that are nowhere farther apart are at round-off, and drawn as one."""
+
 GUIDES: Final = ((0.5, "√t"), (1.0, "t"), (2.0, "t²"))
 
 
@@ -70,15 +74,21 @@ def drift(rows: Sequence[Row]) -> Figure:
     figure = Figure(figsize=(13.0, 7.6), dpi=110, layout="constrained")
     axes = figure.subplots()
     t = np.array(LONG.judged_ns) / NS
-    styles = _styles([rows])
-    labels = {}
-    count = len(families(rows))
-    for i, (family, members) in enumerate(families(rows).items()):
-        best = min(members, key=lambda row: np.log(row.errors).mean())
-        labels[family] = f"{family}, {best.contender.setting}"
+    best = {
+        family: min(members, key=lambda row: np.log(row.errors).mean()) for family, members in families(rows).items()
+    }
+    groups = coinciding({family: row.errors for family, row in best.items() if row.contender.ours})
+    hidden = {family for group in groups for family in group[:-1]}
+    best = {family: row for family, row in best.items() if family not in hidden}
+    styles = {family: style for family, style in _styles([rows]).items() if family in best}
+    labels = {family: f"{family}, {row.contender.setting}" for family, row in best.items()}
+    for first, *_, last in groups:
+        labels[last] = f"{first} … {last.split()[-1]}, {best[last].contender.setting}"
+    count = len(best)
+    for i, (family, row) in enumerate(best.items()):
         # curves that coincide are all seen: the first drawn are the widest, and markers take turns
         look = {**_look(styles[family]), "lw": 1.2 + 4.8 * (1.0 - i / count)}
-        axes.loglog(t, best.errors, markevery=(i % MARKED_EVERY, MARKED_EVERY), **look)
+        axes.loglog(t, row.errors, markevery=(i % MARKED_EVERY, MARKED_EVERY), **look)
     for power, name in GUIDES:
         axes.loglog(t, 3e-17 * t**power, color="0.55", lw=1.0, zorder=0)
         axes.annotate(name, (t[-1], 3e-17 * t[-1] ** power), (12, -3), textcoords="offset points", color="0.35")
@@ -87,6 +97,22 @@ def drift(rows: Sequence[Row]) -> Figure:
     axes.grid(alpha=0.3)
     _legend(figure, styles, labels)
     return figure
+
+
+def coinciding(errors: Mapping[str, NDArray[np.float64]]) -> list[tuple[str, ...]]:
+    """Runs of two or more families of ours, one after the other, whose errors are `ALIKE`: all are at round-off."""
+    runs: list[list[str]] = []
+    for family, values in errors.items():
+        if runs and np.abs(values - errors[runs[-1][0]]).max() <= ALIKE and _kind(family) == _kind(runs[-1][0]):
+            runs[-1].append(family)
+        else:
+            runs.append([family])
+    return [tuple(run) for run in runs if len(run) > 1]
+
+
+def _kind(family: str) -> str:
+    """The name of a family without its order."""
+    return family.rstrip("0123456789")
 
 
 def _styles(tables: Sequence[Sequence[Row]]) -> dict[str, Style]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.wording import shortened
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -50,7 +51,8 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             with Client(scheduler, timeout=10) as client:
                 yield client
         except OSError as error:
-            raise BagError(f"no Dask scheduler answers at {scheduler}: {error}"[:160] + ": start one there") from None
+            said = shortened(str(error), 90)
+            raise BagError(f"no Dask scheduler answers at {scheduler}: {said}: start one there") from None
         return
     with tempfile.TemporaryDirectory() as own:
         with _deaf_children():

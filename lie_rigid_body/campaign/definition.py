@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -14,11 +12,11 @@ from typing import Any, Final
 
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.parameters import Value, exact_duration
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import short_repr, shown, suggestion
 
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
@@ -62,13 +60,13 @@ class Campaign:
     def __post_init__(self) -> None:
         _require_integer("runs", self.runs, 1, MOST_RUNS)
         _require_integer("seed", self.seed, 0, LARGEST_SEED)
-        _require_duration(self.duration)
+        self.exact_duration  # noqa: B018 refuses what is no duration
         for name, given in (("parameters", self.parameters), ("vary", self.vary)):
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
         unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in _NAMES), None)
         if unknown is not None:
-            raise InputError(f"there is no parameter {unknown[:40]!r}: the README lists those there are")
+            raise InputError(f"there is no parameter {shown(unknown)}: {suggestion(unknown, _NAMES, 'parameters')}")
         both = sorted(set(self.parameters) & set(self.vary))
         if both:
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
@@ -92,7 +90,7 @@ class Campaign:
             raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
         unknown = [key for key in content if key not in _KEYS]
         if unknown:
-            raise InputError(f"{path}: there is no {unknown[0][:40]!r} in a campaign: give {', '.join(_KEYS)}")
+            raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
         missing = [key for key in _KEYS[:3] if key not in content]
         if missing:
             raise InputError(f"{path} has no '{missing[0]}:': add it")
@@ -112,7 +110,7 @@ class Campaign:
     @property
     def exact_duration(self) -> Fraction:
         """The duration as the decimal number that was written, s."""
-        return Fraction(Decimal(repr(self.duration)))
+        return exact_duration(self.duration, "duration", "60.0")
 
     def drawn(self, run: int) -> dict[str, Any]:
         """The values of the parameters that vary, for one run."""
@@ -131,10 +129,9 @@ class Campaign:
         except ParameterError as error:
             raise InputError(f"run {run}: {error}") from None
 
-    def varied(self, run: int) -> dict[str, Value]:
+    def varied(self, scenario: Scenario) -> dict[str, Value]:
         """The parameters that vary as the scenario of a run has them: in their own types, quaternions normalised."""
-        values = self.scenario_of(run)
-        found = {**dict(values.sensor_parameters), **values.parameters()}
+        found = {**dict(scenario.sensor_parameters), **scenario.parameters()}
         return {name: found[name] for name in self.vary}
 
     def __reduce__(self) -> tuple[type[Campaign], tuple[Any, ...]]:
@@ -148,12 +145,4 @@ class Campaign:
 
 def _require_integer(name: str, value: object, least: int, most: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{name}: {str(value)[:40]!r} is not an integer from {least} to {most}: give one")
-
-
-def _require_duration(value: object) -> None:
-    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
-    if not 1e-9 <= number <= 1e10:
-        raise InputError(
-            f"duration: {str(value)[:40]!r} is not a time from 1e-9 to 1e10 seconds: give for example 60.0"
-        )
+        raise InputError(f"{name}: {shown(value)} is not an integer from {least} to {most}: give one")

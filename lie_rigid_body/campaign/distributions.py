@@ -14,6 +14,8 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.sensors.noise import uniform
+from lie_rigid_body.wording import shortened, shown
 
 
 class Uniforms:
@@ -35,8 +37,8 @@ class Uniforms:
         self.run = run
 
     def next(self) -> float:
-        """The next number: (2j + 1) 2⁻⁵³, the midpoint of one of 2⁵² equal cells, so neither 0 nor 1."""
-        return (2 * (int(self._words.random_raw()) >> 12) + 1) * 2.0**-53
+        """The next number, neither 0 nor 1."""
+        return float(uniform(self._words.random_raw(1))[0])
 
 
 Draw: TypeAlias = Callable[[Uniforms], Any]
@@ -67,21 +69,21 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(f"{what} is not a distribution: give for example {{distribution: uniform, low: 0, high: 1}}")
     name = given["distribution"]
     if name not in DISTRIBUTIONS:
-        raise InputError(f"{what}: there is no distribution {name[:40]!r}: give one of {', '.join(DISTRIBUTIONS)}")
+        raise InputError(f"{what}: there is no distribution {shown(name)}: give one of {', '.join(DISTRIBUTIONS)}")
     required, make = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
     allowed = [{key} if isinstance(key, str) else set(key) for key in required]
     unknown = sorted(map(str, set(values) - set().union(*allowed)))
     if unknown or any(len(keys & set(values)) != 1 for keys in allowed):
         keys = ", ".join(" or ".join(sorted(keys)) for keys in allowed) or "nothing more"
-        extra = f", not {unknown[0][:40]}" if unknown else ""
+        extra = f", not {shortened(unknown[0], 40)}" if unknown else ""
         raise InputError(f"{what}: {name} takes {keys}{extra}")
     return make(what, values)
 
 
 def _number(what: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{what}: {str(value)[:40]!r} is not a finite number: give one")
+        raise InputError(f"{what}: {shown(value)} is not a finite number: give one")
     return float(value)
 
 
@@ -99,7 +101,7 @@ def _positive(what: str, value: object) -> Draw:
     def positive(u: Uniforms) -> float:
         drawn = draw(u)
         if not (isinstance(drawn, float) and drawn > 0.0):
-            raise InputError(f"{what}: {str(drawn)[:40]} was drawn in run {u.run}, and has to be above 0")
+            raise InputError(f"{what}: {shown(drawn)} was drawn in run {u.run}, and has to be above 0")
         return drawn
 
     return positive

@@ -32,6 +32,8 @@ class Row:
         Bound of the error of its attitudes, rad.
     bag : str or None
         Path of its bag in the folder of the campaign.
+    residuals : dict of str to list of float
+        The worst residual of each law, and its limit.
     """
 
     run: int
@@ -39,6 +41,7 @@ class Row:
     certified: bool = False
     attitude_accuracy_rad: float = 0.0
     bag: str | None = None
+    residuals: dict[str, list[float]] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """The row as plain values."""
@@ -86,4 +89,5 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         for _ in write_run(bag, simulation, last_ns):
             pass
     certificate = certify(read_bag(path))
-    return Row(run, campaign.varied(run), certificate.passed, certificate.attitude_accuracy, name)
+    residuals = {law: list(pair) for law, pair in certificate.residuals.items()}
+    return Row(run, campaign.varied(scenario), certificate.passed, certificate.attitude_accuracy, name, residuals)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
@@ -19,7 +20,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import listed
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,10 @@ class SegmentCertificate:
     laws: tuple[LawResult, ...]
     notes: tuple[str, ...] = ()
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The verdict, and of what; no call, as only `certify` makes one."""
+        verdict = _verdict(self.laws, self.law("closed form").worst + CLOSED_FORM)
+        return f"<SegmentCertificate: {verdict}; {_counted(self.samples, 'sample')} from {self.segment.start_ns} ns>"
 
     @property
     def passed(self) -> bool:
@@ -77,12 +81,31 @@ class Certificate:
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The verdict, and of what; no call, as only `certify` makes one."""
+        laws = [*(law for segment in self.segments for law in segment.laws), *self.whole]
+        samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
+        what = f"{_counted(samples, 'sample')} in {_counted(segments, 'segment')}"
+        return f"<Certificate: {_verdict(laws, self.attitude_accuracy)}; {what}>"
 
     @property
     def passed(self) -> bool:
         """Whether every law holds in every segment."""
         return all(s.passed for s in self.segments) and all(law.holds for law in self.whole)
+
+    @property
+    def laws(self) -> tuple[LawResult, ...]:
+        """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
+        worst: dict[str, LawResult] = {}
+        for segment in self.segments:
+            for law in segment.laws:
+                worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
+        return (*worst.values(), *self.whole)
+
+    @property
+    def residuals(self) -> dict[str, tuple[float, float]]:
+        """The worst residual of each law, and its limit, by the law's name with the unit."""
+        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in self.laws}
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -108,7 +131,16 @@ class Certificate:
         return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
 
 
-def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
+def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
+    broken = dict.fromkeys(law.name for law in laws if not law.holds)
+    return f"broken: {listed(broken)}" if broken else f"certified, attitude within {accuracy:.2g} rad"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
+def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch: Watch | None = None) -> Certificate:
     """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
@@ -116,6 +148,8 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
+    watch : Watch, optional
+        It is told of the residuals of all samples.
 
     Returns
     -------
@@ -132,7 +166,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
         of_sensors = SensorLaws(bag, surveyed)
-        segments = tuple(_segments(bag, surveyed, of_sensors))
+        segments = tuple(_segments(bag, surveyed, of_sensors, watch))
         sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
@@ -143,12 +177,14 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     )
 
 
-def _segments(bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws) -> Iterator[SegmentCertificate]:
+def _segments(
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws, watch: Watch | None
+) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
     blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors.wanted, sensors.add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
-        held = SegmentLaws(found)
+        held = SegmentLaws(found, watch)
         while pending is not None and pending[0] == i:
             held.add(pending[1])
             pending = next(blocks, None)

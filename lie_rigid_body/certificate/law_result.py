@@ -57,6 +57,13 @@ class LawResult:
         """Whether no residual exceeds its limit."""
         return self.broken == 0
 
+    @property
+    def share(self) -> float:
+        """The largest residual as a share of its limit; above 1 where the law is broken, and infinite for NaN."""
+        if self.limit > 0.0:
+            return np.inf if np.isnan(self.worst) else self.worst / self.limit
+        return 0.0 if self.holds else np.inf
+
 
 class Judgement:
     """A law held against residuals as they come.

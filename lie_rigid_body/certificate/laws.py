@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pairing import Block
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance, tolerance
 from lie_rigid_body.lie import quaternion, so3
@@ -75,10 +76,12 @@ class SegmentLaws:
     ----------
     found : SurveyedSegment
         Of which duration and longest spans decide on limits.
+    watch : Watch, optional
+        It is told of all residuals.
     """
 
-    def __init__(self, found: SurveyedSegment) -> None:
-        self._found, scenario = found, found.segment.scenario
+    def __init__(self, found: SurveyedSegment, watch: Watch | None = None) -> None:
+        self._found, self._watch, scenario = found, watch, found.segment.scenario
         self._body, self._start = scenario.body(), scenario.start()
         self._motion = ClosedForm(self._body, self._start)
         self.tolerance = tolerance(scenario, found.duration)
@@ -98,6 +101,8 @@ class SegmentLaws:
             judgement = self._judgements.setdefault(law.name, Judgement(law.name, law.unit, law.what))
             last = slice(len(block.stamps_ns) - len(law.values), None)
             judgement.add(law.values, law.limits, block.samples[last], block.stamps_ns[last])
+            if self._watch is not None:
+                self._watch(law.name, law.unit, law.values, law.limits, block.stamps_ns[last])
         if len(block.stamps_ns):
             self._before = block[-1:]
 

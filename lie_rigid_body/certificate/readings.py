@@ -210,7 +210,7 @@ class BiasReadings:
         if left_out := self._times.advance(first, count):
             self._imu.skip(left_out, 0, self._times.motion.at(0))
         k = self._times.since_start(first, count)
-        pairs = zip(self._imu.biases(count), self._triads, strict=True)
+        pairs = zip(self._imu.biases(self._times.elapsed_ns(first, count)), self._triads, strict=True)
         return tuple(
             Expected(bias, np.broadcast_to(_bias_uncertainty(triad, self._rate, k), bias.shape))
             for bias, triad in pairs
@@ -249,7 +249,7 @@ class FieldReadings:
             self._sensor.skip(left_out)
         elapsed = self._times.elapsed_ns(first, count)
         turned = self._tolerance.attitude(_seconds(elapsed))[:, np.newaxis]
-        signal = self._sensor.signal(self._times.motion.at(elapsed))
+        signal = self._sensor.signal(elapsed, self._times.motion.at(elapsed))
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
 
 

@@ -368,13 +368,13 @@ def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = No
     return [_recorded(found, whole, found.count) for found, whole in zip(surveyed, joined, strict=True)]
 
 
-def thinned_segments(bag: Bag | Recording) -> list[RecordedSegment]:
+def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
     """The segments of a bag with so few of their samples that they can be drawn, and look as all would. See `survey`.
 
     Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
     momentum or in energy: a curve through them has the envelope of all.
     """
-    surveyed = survey(bag).segments
+    surveyed = survey(bag, inertia).segments
     size = -(-sum(found.count for found in surveyed) // _BUCKETS)
     thinning = [_Thinning(found, size) for found in surveyed]
     for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):

@@ -24,10 +24,10 @@ from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
 from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, BatchEncoder
-from lie_rigid_body.recording.sensor_reader import SensorMessages, vector_fields
+from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
-from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, SampleClock, Samples, Segment, Taken
+from lie_rigid_body.simulation import SampleClock, Samples, Segment, SensorSamples, Taken
 
 MOST_LEFT_OUT: Final = 200_000_000
 """Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
@@ -146,7 +146,7 @@ class TopicLaws:
         self.tally.add(messages.stamps_ns)
         self._alike.add(np.where(self._is_unlike(messages), 1.0, 0.0), 0.0, numbers, messages.stamps_ns)
         if not self._is_finished:
-            self._waiting = self._waiting.followed_by(_Recorded(numbers, messages.stamps_ns, messages.vectors))
+            self._waiting = self._waiting.followed_by(_Recorded(numbers, messages.stamps_ns, messages.values))
             self._compare(max(0, len(self._waiting.numbers) - _HELD_BACK))
 
     def finish(self) -> None:
@@ -203,7 +203,7 @@ class TopicLaws:
                 return
             for i, (law, expected) in enumerate(zip(self._values, readings.take(first, count), strict=True)):
                 own = expected if count == end else expected[block.numbers - first]
-                law.add(*own.residuals(block.vectors[:, 3 * i : 3 * i + 3]), block.numbers, block.stamps_ns)
+                law.add(*own.residuals(block.values[:, 3 * i : 3 * i + 3]), block.numbers, block.stamps_ns)
 
 
 @dataclass(frozen=True)
@@ -212,19 +212,19 @@ class _Recorded:
 
     numbers: Integers
     stamps_ns: Integers
-    vectors: Array
+    values: Array
 
     def followed_by(self, later: _Recorded) -> _Recorded:
         """These and later ones, in order."""
         both = _Recorded(
             np.concatenate([self.numbers, later.numbers]),
             np.concatenate([self.stamps_ns, later.stamps_ns]),
-            np.concatenate([self.vectors, later.vectors]),
+            np.concatenate([self.values, later.values]),
         )
         return both if (np.diff(both.numbers) >= 0).all() else both[np.argsort(both.numbers, kind="stable")]
 
     def __getitem__(self, rows: slice | Integers) -> _Recorded:
-        return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.vectors[rows])
+        return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
 
 
 def _readings(name: str, found: SurveyedSegment) -> Readings:
@@ -255,10 +255,11 @@ def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array]]:
     """Of each sensor's topic the frame, and the numbers beside the vectors, as the simulation encodes them."""
     at, zero = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
     truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
-    taken = Taken(truth, ImuSamples(at, ReadingsOfImu(zero, zero, zero, zero)), MagnetometerSamples(at, zero))
+    imu, none = ReadingsOfImu(zero, zero, zero, zero), np.zeros(1, dtype=np.bool_)
+    taken = Taken(truth, SensorSamples(at, at, none, imu), SensorSamples(at, at, none, zero))
     found = {}
     for messages in BatchEncoder(scenario).encode(taken).sensors:
-        fields = vector_fields(SENSOR_TOPICS[messages.topic])
+        fields = varying_fields(SENSOR_TOPICS[messages.topic])
         decoded = decode(messages.payloads, len(fields), stamped=True)
         found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields]
     return found

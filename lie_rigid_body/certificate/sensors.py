@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -62,6 +63,8 @@ class SensorLaws:
         self._bag, self._surveyed, self._work = bag, surveyed, Work()
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
         self._held = [name for name in SENSOR_TOPICS if name in self._declared]
+        self._unlawful = {name: reason for name in self._held if (reason := _why_unlawful(surveyed.declared, name))}
+        self._held = [name for name in self._held if name not in self._unlawful]
         if not surveyed.as_written:
             self._held = [name for name in self._held if name in bag.sensors]
         places = {id(found.segment): found for found in surveyed.segments}
@@ -145,7 +148,9 @@ class SensorLaws:
             sensor = self._bag.sensors.get(name)
             if sensor is not None and name not in self._declared:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
-            if name in self._declared and name not in self._held:
+            if name in self._unlawful and sensor is not None:
+                yield f"topic {sensor.topic} ({sensor.count} messages): {self._unlawful[name]}"
+            elif name in self._declared and name not in self._held:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
@@ -207,6 +212,19 @@ class SensorLaws:
             return clock.count_until(topic.end_ns) - 1
         # a reset that takes a sensor away leaves out what it would have read until then
         return max(high, clock.count_until(topic.last_sample_ns) - 1) if own else high
+
+
+def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
+    """Why no law speaks of a topic; empty if laws do."""
+    if name not in itertools.chain(*_SENSORS.values()):
+        return "no law reads it"
+    sensors = [segment.scenario.sensors for segment in segments]
+    models = [sensor.magnetometer if name == MAG else sensor.imu for sensor in sensors]
+    if any(faulty is not None for model in models if model is not None for faulty in model.faulty):
+        return "its sensor has faults"
+    if name == IMU_DATA and any(sensor.imu is not None and sensor.imu.orientation is not None for sensor in sensors):
+        return "it tells an orientation, which no law reads"
+    return ""
 
 
 def _broken_values(laws: Sequence[tuple[LawResult, ...]]) -> bool:

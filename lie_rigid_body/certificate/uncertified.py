@@ -35,8 +35,9 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     if not surveyed.as_written:
         yield "log times: a recorder's"
         yield "what came before its first sample"
-    if bag.expected_samples is None:
-        yield "what came after its last sample"
+    yield "what came after its last sample" + (
+        "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
+    )
 
 
 def _declared_only(surveyed: Survey, sensors: SensorFindings) -> Iterator[str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -25,6 +26,7 @@ _NEEDED: Final = ("dask", "distributed", "pyarrow")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
+    console.require_suffix("--report", given.report, ".html")
     missing = [name for name in _NEEDED if not find_spec(name)]
     if missing:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
@@ -32,6 +34,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.campaign.journal import Journal
 
+    if given.report is not None:
+        from lie_rigid_body.cli import html_page
+
+        html_page.require_room(given.report, overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)
     for run in range(campaign.runs):
         campaign.scenario_of(run)  # refuse what no run can be before the first is begun
@@ -46,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 f"interrupted after {done} of {campaign.runs} runs, which are kept; the same command does the rest",
             )
             return console.INTERRUPTED
-        return _report(campaign, journal, failed)
+        return _report(campaign, journal, failed, given)
 
 
 def _parser() -> console.Parser:
@@ -62,12 +68,18 @@ def _parser() -> console.Parser:
         "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
     )
     parser.add_argument("--no-bags", action="store_true", help="keep the table only")
+    parser.add_argument(
+        "--report",
+        metavar="OUT.html",
+        help="write the runs and the sizes of their residuals as one page (needs plotly)",
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
     return parser
 
 
 def _workers(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a number of processes from 1 to 9999")
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
     return int(text)
 
 
@@ -96,20 +108,26 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
     return failed
 
 
-def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -> int:
+def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], given: argparse.Namespace) -> int:
     if failed:
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
         raise BagError(
-            f"{len(failed)} of {campaign.runs} runs failed, the first of: {' '.join(reason.split())[:90]}; "
+            f"{len(failed)} of {campaign.runs} runs failed, the first of: {shortened(reason, 90)}; "
             "the others are kept: mend that, and the same command does the rest"
         )
     table = journal.write_table()
-    rows = journal.rows.values()
+    rows = [journal.rows[run] for run in sorted(journal.rows)]
     broken = sorted(row.run for row in rows if not row.certified)
     worst = max(row.attitude_accuracy_rad for row in rows)
     lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    if given.report is not None:
+        from lie_rigid_body.cli.campaign_page import page
+        from lie_rigid_body.recording.output_file import write_file
+
+        write_file(given.report, page(f"Campaign {given.campaign}", campaign, rows), overwrite=given.force)
+        lines.append(f"wrote {given.report}")
     console.say("\n".join(lines), done=f"{table} is written")
     return NOT_CERTIFIED if broken else console.SUCCESS

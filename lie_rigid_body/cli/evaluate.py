@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Limits, Score
@@ -22,8 +20,8 @@ BROKEN: Final = 1
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
-    _require_suffix("--plot", given.plot, ".png")
-    _require_suffix("--report", given.report, ".html")
+    console.require_suffix("--plot", given.plot, ".png")
+    console.require_suffix("--report", given.report, ".html")
 
     from lie_rigid_body.cli import score_text
     from lie_rigid_body.evaluation import Limits, evaluate
@@ -74,11 +72,6 @@ def _parser() -> console.Parser:
     return parser
 
 
-def _require_suffix(option: str, path: str | None, suffix: str) -> None:
-    if path is not None and Path(path).suffix.lower() != suffix:
-        raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
-
-
 def _picture(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> bytes:
     from lie_rigid_body.cli.score_figure import png
 
@@ -89,4 +82,4 @@ def _page(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> b
     from lie_rigid_body.cli.score_figure import svg
     from lie_rigid_body.cli.score_page import page
 
-    return page(title, read, score, limits, svg(title, score, limits)).encode()
+    return page(title, read, score, limits, svg(title, score, limits))

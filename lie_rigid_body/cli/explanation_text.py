@@ -253,17 +253,27 @@ def _conservation_lines(description: Description) -> Iterator[str]:
         yield from _wrapped(_NO_AXIS)
 
 
+_OF_SENSOR: Final = {
+    "imu": ("gyro", "accel", "imu_"),
+    "magnetometer": ("magnet",),
+    "attitude_sensor": ("attitude_sensor",),
+    "sun_sensor": ("sun_",),
+}
+"""How the names of the parameters begin that are of one sensor alone; imu_frame is of two."""
+
+
 def _sensor_rows(scenario: Scenario) -> Iterator[Row]:
     """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
     default = {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
-    imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
-    off = (*(("gyro", "accel") if imu is None else ()), *(("magnet",) if magnetometer is None else ()))
+    off = tuple(prefix for name, own in _OF_SENSOR.items() if name not in scenario.sensors.on for prefix in own)
     for name, value in scenario.sensor_parameters:
-        if name != GRADE and value != default[name] and not name.startswith(off):
+        if name != GRADE and value != default[name] and (name == "imu_frame" or not name.startswith(off)):
             yield name, _vector(value) if isinstance(value, tuple) else _text(value)
 
 
 def _text(value: float | str) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
     return value if isinstance(value, str) else _number(value)
 
 

@@ -11,11 +11,10 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics import RigidBody
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
     from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
@@ -44,6 +43,10 @@ _FROM_BELOW: Final = 0.8
 """Merit of a view from below, which is less usual, as a share of that from above."""
 _SEEN_POINTS: Final = 400
 """Number of points by which a view is judged."""
+_SHORT_NUMBER: Final = 3
+"""Characters of a number that keeps clear of its axis at the usual distance."""
+_TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
+"""Points: from an axis to numbers and label, and half of a digit's width."""
 _NO_RATE: Final = 1e150
 """rad/s: squares of more may overflow; a rate that was damaged does not choose the view."""
 
@@ -71,15 +74,13 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     if not pieces:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
-    grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1.0), height_ratios=(1.35, 1.0, 1.0), wspace=0.16)
-    rate = figure.add_subplot(grid[0, 0])
-    energy = figure.add_subplot(grid[1, 0], sharex=rate)
-    momentum = figure.add_subplot(grid[2, 0], sharex=rate)
-    polhode: Axes3D = figure.add_subplot(grid[:, 1], projection="3d")
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05)
+    over_time, of_space = halves
+    rate, energy, momentum = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     _draw_rate(rate, pieces)
     _draw_energy(energy, pieces)
     _draw_momentum(momentum, pieces)
-    _draw_polhode(polhode, pieces[0], "first segment: " if len(pieces) > 1 else "")
+    _draw_polhode(of_space, pieces[0], "first segment: " if len(pieces) > 1 else "")
     _finish(figure, (rate, energy, momentum), pieces)
     return figure
 
@@ -166,8 +167,9 @@ def _legend(axes: Axes) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
 
 
-def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
+def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None:
     """The path of ω in the principal frame, on the ellipsoid ½ Σ Iᵢωᵢ² = H."""
+    axes: Axes3D = figure.add_subplot(projection="3d")
     body = piece.segment.scenario.body()
     energy = float(body.kinetic_energy(piece.segment.scenario.start()))
     if energy == 0.0:
@@ -181,7 +183,12 @@ def _draw_polhode(axes: Axes3D, piece: RecordedSegment, whose: str) -> None:
     _draw_ellipsoid(axes, radii)
     _draw_on_surface(axes, path, radii, colour="#CC2222", width=2.6)
     axes.plot(*path[:1].T, marker="o", ms=6, color="#CC2222", mec="white", zorder=20)
-    _label_polhode(axes, body, radii, whose)
+    _label_axes(axes, radii)
+    # words of the figure: axes in space do not keep to their frame, as those seen from below have labels above it
+    moments = ", ".join(f"$I_{i}$ = {moment:.4g}" for i, moment in enumerate(body.principal_moments, start=1))
+    title = f"{whose}polhode on the energy ellipsoid, principal frame\n{moments} kg m²"
+    figure.suptitle(title, fontsize=10.5)
+    figure.supxlabel("dot: first sample; faint: behind", fontsize=9)
 
 
 def best_view(path: Array, radii: Array) -> tuple[float, float]:
@@ -242,23 +249,23 @@ def _draw_on_surface(axes: Axes3D, path: Array, radii: Array, *, colour: str, wi
         axes.plot(*part.T, color=colour, lw=width, alpha=alpha, zorder=10 if visible else 1, solid_capstyle="round")
 
 
-def _label_polhode(axes: Axes3D, body: RigidBody, radii: Array, whose: str) -> None:
+def _label_axes(axes: Axes3D, radii: Array) -> None:
+    """Limits, ticks and labels; of slow and fast motions in units of a power of 1000, so that numbers are short."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
     reach = 1.05 * radii
     axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), zlim=(-reach[2], reach[2]))
     axes.set_box_aspect(tuple(float(r) for r in radii / radii.max()), zoom=0.88)
-    for i, set_label in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), start=1):
-        set_label(f"$\\omega_{i}$ [rad/s]", labelpad=8)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(_few_ticks())
-    moments = ", ".join(f"$I_{i}$ = {moment:.4g}" for i, moment in enumerate(body.principal_moments, start=1))
-    axes.set_title(f"{whose}polhode on the energy ellipsoid, principal frame\n{moments} kg m²", fontsize=10.5, y=1.0)
-    axes.text2D(0.5, -0.04, "dot: first sample; faint: behind", transform=axes.transAxes, ha="center", fontsize=9)
-
-
-def _few_ticks() -> object:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(nbins=4, symmetric=True)
+    power = 3 * int(np.floor(np.log10(radii.max()) / 3.0))
+    unit = f"$10^{{{power}}}$ rad/s" if power else "rad/s"
+    for i, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis), start=1):
+        axis.set_major_locator(MaxNLocator(nbins=4, symmetric=True))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:g}".replace("-", "−")))
+        longest = max(map(len, axis.get_major_formatter().format_ticks(axis.get_majorticklocs())))
+        beyond = _HALF_DIGIT * max(0, longest - _SHORT_NUMBER)  # numbers have their middle at a distance from the axis
+        axis.set_tick_params(pad=_TICK_PAD + beyond)
+        axis.set_label_text(f"$\\omega_{i}$ [{unit}]")
+        axis.labelpad = _LABEL_PAD + 2.0 * beyond
 
 
 def _finish(figure: Figure, axes: Sequence[Axes], pieces: Sequence[RecordedSegment]) -> None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import sys
 from collections.abc import Sequence
-from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.parameters import exact_duration
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -27,10 +26,6 @@ BYTES_PER_SAMPLE: Final = {"zstd": 105, "lz4": 130, "none": 260}
 """Bytes of a pose and a twist in a bag."""
 BYTES_PER_READING: Final = {"zstd": 145, "lz4": 160, "none": 750}
 """Bytes of a reading in a bag: a little more than an IMU with noise takes, its bias included."""
-LARGEST_DURATION: Final = 10**10
-"""Longest duration, s: more is beyond every stamp of builtin_interfaces/Time."""
-_NUMBER: Final = re.compile(r"[-+.0-9eE]+")
-"""Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
 LARGEST_CHUNK: Final = 16 * 1024**2
 
 
@@ -38,7 +33,8 @@ LARGEST_CHUNK: Final = 16 * 1024**2
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
-    duration, chunk_size = _duration(given.duration), _chunk_size(given.chunk_size)
+    duration = exact_duration(given.duration, "--duration", "--duration 60", is_text=True)
+    chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -49,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     count = simulation.clock.count_before(duration)
     last_ns = simulation.clock.last_ns_before(duration)
     out = Path(given.out)
-    simulation.clock.stamps_ns(count - 1, 1)  # refuses stamps beyond the range before a file is made
+    simulation.require_stamps(last_ns)  # before a file is made
     _require_room(out, given.compression, count, _readings(scenario, duration))
     scenario.expect(float(duration))  # before there is a file: what is loaded in it heeds no signal for a second
     with Interruption() as interruption:
@@ -85,17 +81,6 @@ def _parser() -> console.Parser:
     return parser
 
 
-def _duration(text: str) -> Fraction:
-    try:
-        value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
-    except InvalidOperation:
-        value = Decimal("nan")
-    # compared before it becomes a fraction, which 1e999999999 would fill the memory with
-    if not (value.is_finite() and Decimal("1e-9") <= value <= LARGEST_DURATION):
-        raise InputError(f"--duration {text} is not a time from 1e-9 to 1e10 seconds: give for example --duration 60")
-    return Fraction(value)
-
-
 def _chunk_size(text: str) -> int:
     if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= LARGEST_CHUNK):
         raise InputError(
@@ -108,8 +93,7 @@ def _readings(scenario: Scenario, duration: Fraction) -> int:
     """The number of readings of all sensors in a time, s."""
     from lie_rigid_body.simulation import SampleClock
 
-    sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
-    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in sensors if sensor is not None)
+    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
 
 
 def _require_room(out: Path, compression: str, count: int, readings: int) -> None:

@@ -12,24 +12,30 @@ a multiple of n. Padding is written as zeros; rclpy leaves there what the memory
 
 from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
 from lie_rigid_body.messages.encoding import (
+    AttitudeEncoder,
     ImuEncoder,
     MagneticFieldEncoder,
     PoseTwistEncoder,
     TransformEncoder,
+    VectorEncoder,
     encode_string,
+    encode_strings,
 )
 from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 
 __all__ = [
     "POSE_NUMBERS",
     "TWIST_NUMBERS",
+    "AttitudeEncoder",
     "Decoded",
     "ImuEncoder",
     "MagneticFieldEncoder",
     "PoseTwistEncoder",
     "TransformEncoder",
+    "VectorEncoder",
     "decode",
     "decode_places",
     "decode_string",
     "encode_string",
+    "encode_strings",
 ]

@@ -5,15 +5,39 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import Final
+from typing import Any, Final, Protocol
 
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder, PoseTwistEncoder
-from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.messages import (
+    AttitudeEncoder,
+    ImuEncoder,
+    MagneticFieldEncoder,
+    PoseTwistEncoder,
+    VectorEncoder,
+    encode_strings,
+)
+from lie_rigid_body.messages.definitions import (
+    IMU,
+    MAGNETIC_FIELD,
+    POSE_WITH_COVARIANCE_STAMPED,
+    STRING,
+    VECTOR3_STAMPED,
+)
 from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import ImuModel, Sensors
-from lie_rigid_body.simulation import ImuSamples, Samples, Taken
+from lie_rigid_body.sensors import (
+    AttitudeSensorModel,
+    Fault,
+    ImuModel,
+    ImuReadings,
+    MagnetometerModel,
+    SensorModel,
+    Sensors,
+)
+from lie_rigid_body.sensors.fault import LONGEST_TEXT
+from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 from lie_rigid_body.wording import short_repr
 
 POSE: Final = "pose"
@@ -22,8 +46,25 @@ IMU_DATA: Final = "imu/data_raw"
 IMU_BIAS: Final = "imu/bias"
 MAG: Final = "imu/mag"
 
-SENSOR_TOPICS: Final = {IMU_DATA: IMU, IMU_BIAS: IMU, MAG: MAGNETIC_FIELD}
+ATTITUDE: Final = "attitude/pose"
+SUN: Final = "sun/direction"
+FAULTS: Final = "~/faults"
+
+SENSOR_TOPICS: Final = {
+    IMU_DATA: IMU,
+    IMU_BIAS: IMU,
+    MAG: MAGNETIC_FIELD,
+    ATTITUDE: POSE_WITH_COVARIANCE_STAMPED,
+    SUN: VECTOR3_STAMPED,
+    FAULTS: STRING,
+}
 """The topics of the sensors by their relative names, and their message types."""
+_TOPICS_OF: Final = {
+    "imu": (IMU_DATA, IMU_BIAS),
+    "magnetometer": (MAG,),
+    "attitude_sensor": (ATTITUDE,),
+    "sun_sensor": (SUN,),
+}
 
 
 @dataclass(frozen=True)
@@ -34,12 +75,13 @@ class Messages:
     ----------
     topic : str
         Its relative name.
-    stamps_ns : ndarray of int64, shape (N,)
+    times_ns : ndarray of int64, shape (N,)
+        When each is sent and logged, ns: its stamp, or later if it is delayed, or otherwise if its clock is off.
     payloads : Payloads, N of them
     """
 
     topic: str
-    stamps_ns: Integers
+    times_ns: Integers
     payloads: Payloads
 
     __repr__ = short_repr
@@ -65,12 +107,12 @@ class Batch:
 
     @property
     def topics(self) -> tuple[Messages, ...]:
-        """The messages of every topic, in the order in which those of equal stamps come: the truth before sensors."""
+        """The messages of every topic, in the order in which those of equal times come: the truth before sensors."""
         stamps_ns = self.samples.stamps_ns
         return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
 
     def in_order(self) -> Iterator[tuple[int, str, bytes]]:
-        """Stamp, topic and payload of every message; where stamps are equal: pose, twist, IMU, bias, magnetometer."""
+        """Time, topic and payload of every message; where times are equal, in the order of `topics`."""
         if not self.sensors:
             stamps: list[int] = self.samples.stamps_ns.tolist()
             for stamp, pose, twist in zip(stamps, self.poses, self.twists, strict=True):
@@ -80,7 +122,7 @@ class Batch:
         everything = [
             (stamp, messages.topic, payload)
             for messages in self.topics
-            for stamp, payload in zip(messages.stamps_ns.tolist(), messages.payloads, strict=True)
+            for stamp, payload in zip(messages.times_ns.tolist(), messages.payloads, strict=True)
         ]
         everything.sort(key=itemgetter(0))
         yield from everything
@@ -88,8 +130,8 @@ class Batch:
 
 def sensor_topics(sensors: Sensors) -> list[str]:
     """Relative names of the topics that the sensors of a scenario have."""
-    imu = [IMU_DATA, IMU_BIAS] if sensors.imu is not None else []
-    return [*imu, *([MAG] if sensors.magnetometer is not None else [])]
+    topics = [topic for name in sensors.on for topic in _TOPICS_OF[name]]
+    return [*topics, FAULTS] if sensors.have_faults else topics
 
 
 class BatchEncoder:
@@ -102,34 +144,80 @@ class BatchEncoder:
 
     def __init__(self, scenario: Scenario) -> None:
         self._truth = PoseTwistEncoder(scenario)
-        imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
-        self._imu = None if imu is None else _ImuMessages(imu)
-        self._field = None if magnetometer is None else MagneticFieldEncoder(magnetometer.frame, magnetometer.variance)
+        self._sensors = {name: _encoder(model, scenario) for name, model in scenario.sensors.on.items()}
 
     def encode(self, taken: Taken) -> Batch:
         """The messages of samples and readings that were taken at once."""
         samples = taken.samples
-        return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._sensors(taken)))
+        return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._of_sensors(taken)))
 
-    def _sensors(self, taken: Taken) -> Iterator[Messages]:
-        # readings of a sensor that a reset has taken away are left out
-        if self._imu is not None and taken.imu is not None:
-            yield from self._imu.messages(taken.imu)
-        if self._field is not None and taken.magnetometer is not None:
-            stamps_ns = taken.magnetometer.stamps_ns
-            yield Messages(MAG, stamps_ns, self._field.encode(stamps_ns, taken.magnetometer.magnetic_field))
+    def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
+        for name, samples in taken.sensors.items():
+            # readings of a sensor that a reset has taken away are left out
+            if name in self._sensors and len(samples):
+                yield from self._sensors[name].messages(samples)
+        if taken.faults:
+            yield _told(taken.faults)
+
+
+def _told(faults: tuple[Fault, ...]) -> Messages:
+    """The faults, each at its begin."""
+    times = np.array([fault.begin_ns for fault in faults], dtype=np.int64)
+    return Messages(FAULTS, times, encode_strings([fault.to_json() for fault in faults], LONGEST_TEXT))
+
+
+class _SensorMessages(Protocol):
+    """The messages of a sensor."""
+
+    def messages(self, samples: SensorSamples[Any]) -> Iterator[Messages]:
+        """Those of some readings."""
+        ...
+
+
+def _encoder(model: SensorModel, scenario: Scenario) -> _SensorMessages:
+    if isinstance(model, ImuModel):
+        return _ImuMessages(model)
+    if isinstance(model, MagnetometerModel):
+        return _VectorMessages(MAG, MagneticFieldEncoder(model.frame, model.variance))
+    if isinstance(model, AttitudeSensorModel):
+        return _AttitudeMessages(model, scenario.world_frame)
+    return _VectorMessages(SUN, VectorEncoder(scenario.body_frame))
 
 
 class _ImuMessages:
     """The messages of an IMU: its readings, and their true bias."""
 
     def __init__(self, model: ImuModel) -> None:
-        self._data = ImuEncoder(model.frame, model.angular_velocity_variance, model.linear_acceleration_variance)
+        variances = model.angular_velocity_variance, model.linear_acceleration_variance
+        oriented = () if model.orientation is None else (model.orientation.covariance,)
+        self._data = ImuEncoder(model.frame, *variances, *oriented)
         self._bias = ImuEncoder(model.frame)
 
-    def messages(self, samples: ImuSamples) -> Iterator[Messages]:
+    def messages(self, samples: SensorSamples[ImuReadings]) -> Iterator[Messages]:
         at, readings = samples.stamps_ns, samples.readings
-        data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration)
+        data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration, readings.orientation_xyzw)
         bias = self._bias.encode(at, readings.gyro_bias, readings.accelerometer_bias)
-        yield Messages(IMU_DATA, at, data)
-        yield Messages(IMU_BIAS, at, bias)
+        yield Messages(IMU_DATA, samples.times_ns, data)
+        yield Messages(IMU_BIAS, samples.times_ns, bias)
+
+
+class _AttitudeMessages:
+    """The messages of an attitude sensor."""
+
+    def __init__(self, model: AttitudeSensorModel, frame: str) -> None:
+        self._model, self._encoder = model, AttitudeEncoder(frame)
+
+    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
+        covariance = self._model.covariance(samples.readings)
+        data = self._encoder.encode(samples.stamps_ns, samples.readings, covariance)
+        yield Messages(ATTITUDE, samples.times_ns, data)
+
+
+class _VectorMessages:
+    """The messages of a sensor that reads a vector."""
+
+    def __init__(self, topic: str, encoder: MagneticFieldEncoder | VectorEncoder) -> None:
+        self._topic, self._encoder = topic, encoder
+
+    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
+        yield Messages(self._topic, samples.times_ns, self._encoder.encode(samples.stamps_ns, samples.readings))

@@ -11,8 +11,9 @@ TWIST: Final = "geometry_msgs/msg/Twist"
 STRING: Final = "std_msgs/msg/String"
 IMU: Final = "sensor_msgs/msg/Imu"
 MAGNETIC_FIELD: Final = "sensor_msgs/msg/MagneticField"
-# what only others write
 POSE_WITH_COVARIANCE_STAMPED: Final = "geometry_msgs/msg/PoseWithCovarianceStamped"
+VECTOR3_STAMPED: Final = "geometry_msgs/msg/Vector3Stamped"
+# what only others write
 QUATERNION_STAMPED: Final = "geometry_msgs/msg/QuaternionStamped"
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
 TF_MESSAGE: Final = "tf2_msgs/msg/TFMessage"
@@ -23,10 +24,13 @@ _FIELDS: Final = {
     "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z\n",
     "geometry_msgs/Pose": "Point position\nQuaternion orientation\n",
     "geometry_msgs/PoseStamped": "std_msgs/Header header\nPose pose\n",
+    "geometry_msgs/PoseWithCovariance": "Pose pose\nfloat64[36] covariance\n",
+    "geometry_msgs/PoseWithCovarianceStamped": "std_msgs/Header header\nPoseWithCovariance pose\n",
     "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
     "geometry_msgs/Twist": "Vector3 linear\nVector3 angular\n",
     "geometry_msgs/TwistStamped": "std_msgs/Header header\nTwist twist\n",
     "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+    "geometry_msgs/Vector3Stamped": "std_msgs/Header header\nVector3 vector\n",
     "sensor_msgs/Imu": (
         "std_msgs/Header header\n"
         "geometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
@@ -52,6 +56,15 @@ _PARTS: Final = {
     STRING: (),
     IMU: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Quaternion", "geometry_msgs/Vector3"),
     MAGNETIC_FIELD: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
+    POSE_WITH_COVARIANCE_STAMPED: (
+        "std_msgs/Header",
+        "builtin_interfaces/Time",
+        "geometry_msgs/PoseWithCovariance",
+        "geometry_msgs/Pose",
+        "geometry_msgs/Point",
+        "geometry_msgs/Quaternion",
+    ),
+    VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
 _SEPARATOR: Final = "=" * 80 + "\n"
 

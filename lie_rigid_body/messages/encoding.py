@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -22,8 +23,9 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples
 
 _VECTOR: Final = [0.0, 0.0, 0.0]
-_NO_ORIENTATION: Final = [0.0, 0.0, 0.0, 1.0, -1.0, *[0.0] * 8]
-"""The identity, and a covariance that begins with −1: "not given" (REP-145)."""
+_IDENTITY: Final = [0.0, 0.0, 0.0, 1.0]
+_NOT_GIVEN: Final = [-1.0, *[0.0] * 8]
+"""Covariance of what is not given (REP-145)."""
 _ONE_TRANSFORM: Final = struct.pack("<I", 1)
 _TRANSLATION: Final = 3
 
@@ -53,7 +55,7 @@ class PoseTwistEncoder:
 
 
 class ImuEncoder:
-    """Readings of an IMU, or its true bias, as sensor_msgs/Imu without an orientation (REP-145).
+    """Readings of an IMU, or its true bias, as sensor_msgs/Imu (REP-145).
 
     Parameters
     ----------
@@ -63,16 +65,29 @@ class ImuEncoder:
         On each axis, (rad/s)²; 0: unknown.
     linear_acceleration_variance : float
         On each axis, (m/s²)²; 0: unknown.
+    orientation_covariance : sequence of float, length 9
+        Row by row, rad²; by default no orientation is given.
     """
 
     def __init__(
-        self, frame: str, angular_velocity_variance: float = 0.0, linear_acceleration_variance: float = 0.0
+        self,
+        frame: str,
+        angular_velocity_variance: float = 0.0,
+        linear_acceleration_variance: float = 0.0,
+        orientation_covariance: Sequence[float] = _NOT_GIVEN,
     ) -> None:
         velocity, acceleration = _diagonal(angular_velocity_variance), _diagonal(linear_acceleration_variance)
-        numbers = [*_NO_ORIENTATION, *_VECTOR, *velocity, *_VECTOR, *acceleration]
+        numbers = [*_IDENTITY, *orientation_covariance, *_VECTOR, *velocity, *_VECTOR, *acceleration]
         self._layout = Layout(frame, numbers, [(13, 3), (25, 3)])
+        self._oriented = Layout(frame, numbers, [(13, 3), (25, 3), (0, 4)])
 
-    def encode(self, stamps_ns: Integers, angular_velocity: Array, linear_acceleration: Array) -> Payloads:
+    def encode(
+        self,
+        stamps_ns: Integers,
+        angular_velocity: Array,
+        linear_acceleration: Array,
+        orientation_xyzw: Array | None = None,
+    ) -> Payloads:
         """One sensor_msgs/Imu a sample.
 
         Parameters
@@ -82,12 +97,16 @@ class ImuEncoder:
             rad/s.
         linear_acceleration : ndarray, shape (N, 3)
             m/s².
+        orientation_xyzw : ndarray, shape (N, 4), optional
+            The identity by default.
 
         Returns
         -------
         Payloads
         """
-        return self._layout.encode(stamps_ns, angular_velocity, linear_acceleration)
+        if orientation_xyzw is None:
+            return self._layout.encode(stamps_ns, angular_velocity, linear_acceleration)
+        return self._oriented.encode(stamps_ns, angular_velocity, linear_acceleration, orientation_xyzw)
 
 
 class MagneticFieldEncoder:
@@ -118,6 +137,53 @@ class MagneticFieldEncoder:
         Payloads
         """
         return self._layout.encode(stamps_ns, magnetic_field)
+
+
+class AttitudeEncoder:
+    """Readings of an attitude sensor as geometry_msgs/PoseWithCovarianceStamped, position 0.
+
+    Parameters
+    ----------
+    frame : str
+        The world frame.
+    """
+
+    def __init__(self, frame: str) -> None:
+        self._layout = Layout(frame, [0.0] * (POSE_NUMBERS + 36), [(3, 4), (POSE_NUMBERS, 36)])
+
+    def encode(self, stamps_ns: Integers, attitude_xyzw: Array, covariance: Array) -> Payloads:
+        """One message a reading.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+        attitude_xyzw : ndarray, shape (N, 4)
+        covariance : ndarray, shape (N, 3, 3)
+            Of small rotations about the fixed axes of the frame, rad²; that of the position is 0.
+
+        Returns
+        -------
+        Payloads
+        """
+        whole = np.zeros((len(stamps_ns), 6, 6))
+        whole[:, 3:, 3:] = covariance
+        return self._layout.encode(stamps_ns, attitude_xyzw, whole.reshape(-1, 36))
+
+
+class VectorEncoder:
+    """Vectors as geometry_msgs/Vector3Stamped.
+
+    Parameters
+    ----------
+    frame : str
+    """
+
+    def __init__(self, frame: str) -> None:
+        self._layout = Layout(frame, _VECTOR, [(0, 3)])
+
+    def encode(self, stamps_ns: Integers, vectors: Array) -> Payloads:
+        """One message a vector, shape (N, 3)."""
+        return self._layout.encode(stamps_ns, vectors)
 
 
 class TransformEncoder:
@@ -166,6 +232,12 @@ class TransformEncoder:
 def encode_string(value: str) -> bytes:
     """A text as std_msgs/String."""
     return ENCAPSULATION + text(value)
+
+
+def encode_strings(values: Sequence[str], length: int) -> Payloads:
+    """Texts as std_msgs/String, with blanks behind each, so that all have one length in characters of ASCII."""
+    data = b"".join(encode_string(value.ljust(length)) for value in values)
+    return Payloads(np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1))
 
 
 def _diagonal(variance: float) -> list[float]:

@@ -92,7 +92,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     if track.message_type in _FRAMED:
         return _framed_track(path, track, frames)
     count, first = _PLACES[track.message_type]
-    stamps, read = stamped_columns(path, track, count)
+    _, stamps, read = stamped_columns(path, track, count)
     if len(read.frame_ids) > 1:
         raise BagError(f"{path}: topic {topic} is of the frames {listed(read.frame_ids)}: record those of one body")
     known = np.full(len(read.numbers), True)

@@ -14,11 +14,13 @@ import numpy as np
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.batch import FAULTS
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.sensor_reader import (
+    VALUES,
     SensorMessages,
     SensorTopic,
     sensor_messages,
@@ -29,6 +31,7 @@ from lie_rigid_body.wording import listed, short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
+_FAULTS: Final = FAULTS.removeprefix("~")
 _WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
 
 
@@ -249,13 +252,14 @@ class Bag:
                 contents.kept = 0
 
     def messages_of(self, types: Collection[str]) -> McapContents:
-        """All messages of some types, undecoded, in memory; nothing is read if there are none."""
-        return self._files.contents(types) if self._types.intersection(types) else McapContents()
+        """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
+        return self._files.contents(types) if self._types.intersection(types) - {STRING} else McapContents()
 
     def load(self) -> Recording:
         """The whole bag in memory."""
         readings: list[Mapping[str, SensorMessages]] = []
-        poses, twists = zip(*self.batches(self.sensors, readings.append), strict=True)
+        names = [name for name, sensor in self.sensors.items() if sensor.message_type in VALUES]
+        poses, twists = zip(*self.batches(names, readings.append), strict=True)
         return Recording(
             self.library,
             self.scenario_texts,
@@ -268,7 +272,7 @@ class Bag:
             self.without_checksum,
             self.was_cut_off,
             self.sensors,
-            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in self.sensors},
+            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
         )
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
@@ -340,6 +344,7 @@ def _is_defined(path: Path, track: RawTrack) -> bool:
 def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
     """The one track of these types whose topic has the given last name, or else the only one of these types."""
     alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
+    alike = [track for track in alike if not track.topic.endswith(_FAULTS)]
     found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
     if not found and len(alike) == 1:
         found = alike  # remapped

@@ -15,7 +15,7 @@ from mcap.records import Channel, Header, Metadata, Schema
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
+from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
 from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
@@ -36,6 +36,8 @@ CUT_OFF: Final = "lie_rigid_body_cut_off"
 CHUNK_BYTES: Final = 256 * 1024
 """Default size of a chunk."""
 _SCENARIO: Final = "~/scenario"
+_LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}
+"""Depth of the history of the topics that late subscribers hear as well."""
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
 _LARGEST_BATCH: Final = 8192
@@ -97,7 +99,7 @@ class BagWriter:
             partial(compressed, compression=compression, compress=compressor(compression)) for _ in range(2)
         )
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
-        sensors = {topic: f"/{topic}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
+        sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
         self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
         self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
         self._counts = dict.fromkeys(self._names, 0)
@@ -122,9 +124,9 @@ class BagWriter:
         return self._counts[POSE]
 
     def _add_channel(self, topic: str) -> None:
-        number, kind, latched = len(self._channels) + 1, self._types[topic], topic == _SCENARIO
+        number, kind = len(self._channels) + 1, self._types[topic]
         schema = Schema(number, definitions.definition(kind).encode(), "ros2msg", kind)
-        qos = definitions.offered_qos_profiles(latched=latched, depth=1 if latched else _SAMPLE_DEPTH)
+        qos = definitions.offered_qos_profiles(latched=topic in _LATCHED, depth=_LATCHED.get(topic, _SAMPLE_DEPTH))
         channel = Channel(number, self._names[topic], "cdr", {"offered_qos_profiles": qos}, number)
         self._mcap.schemas[number], self._mcap.channels[number] = schema, channel
         self._channels[topic] = number
@@ -146,7 +148,7 @@ class BagWriter:
             self._add([Messages(_SCENARIO, np.array([segment.start_ns]), Payloads(text[np.newaxis]))])
 
     def write(self, batch: Batch) -> None:
-        """Write messages in the order of their stamps, each logged at its own.
+        """Write messages in the order of their times, each logged at its own.
 
         Parameters
         ----------
@@ -174,7 +176,7 @@ class BagWriter:
     def _new(self, topics: list[Messages]) -> list[str]:
         """Those of the topics that are not in the bag yet, in the order of their first messages."""
         new = [messages for messages in topics if messages.topic not in self._channels]
-        return [messages.topic for messages in sorted(new, key=lambda messages: int(messages.stamps_ns[0]))]
+        return [messages.topic for messages in sorted(new, key=lambda messages: int(messages.times_ns[0]))]
 
     def _put(self, raw: RawChunk) -> None:
         if self._wait_for_disk and self._queue.backlog > HELPFUL_BACKLOG:

@@ -70,9 +70,9 @@ class MessageRecords:
 
     @classmethod
     def of(cls, topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]) -> MessageRecords:
-        """The messages of several topics in the order of their stamps, each logged and published at its own.
+        """The messages of several topics in the order of their times, each logged and published at its own.
 
-        Where stamps are equal they come in the order of the topics.
+        Where times are equal they come in the order of the topics.
 
         Parameters
         ----------
@@ -82,8 +82,8 @@ class MessageRecords:
         """
         lengths = [len(messages.payloads) for messages in topics]
         sizes = [HEAD.itemsize + messages.payloads.rows.shape[1] for messages in topics]
-        stamps_ns = np.concatenate([messages.stamps_ns for messages in topics])
-        order = np.argsort(stamps_ns, kind="stable")
+        times_ns = np.concatenate([messages.times_ns for messages in topics])
+        order = np.argsort(times_ns, kind="stable")
         bounds = np.zeros(len(order) + 1, dtype=np.int64)
         np.cumsum(np.repeat(sizes, lengths)[order], out=bounds[1:])
         places = np.empty_like(order)
@@ -97,11 +97,11 @@ class MessageRecords:
             heads["opcode"], heads["length"] = Opcode.MESSAGE, size - OPCODE_AND_LENGTH
             heads["channel"] = channels[messages.topic]
             heads["sequence"] = np.arange(counts[messages.topic], counts[messages.topic] + count) % _SEQUENCE_NUMBERS
-            heads["log_time"] = heads["publish_time"] = messages.stamps_ns
+            heads["log_time"] = heads["publish_time"] = messages.times_ns
             _put(data, places[mine], heads.view(np.uint8).reshape(-1, HEAD.itemsize))
             _put(data, places[mine] + HEAD.itemsize, messages.payloads.rows)
             begin += count
-        return cls(data, bounds, numbers[order], stamps_ns[order])
+        return cls(data, bounds, numbers[order], times_ns[order])
 
 
 def _put(data: NDArray[np.uint8], places: Integers, rows: NDArray[np.uint8]) -> None:

@@ -1,4 +1,4 @@
-"""Reading the sensors of a run from a bag."""
+"""Reading the sensors of a run, and their faults, from a bag."""
 
 from __future__ import annotations
 
@@ -10,19 +10,33 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS
-from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, POSE_STAMPED
+from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
+from lie_rigid_body.messages.definitions import (
+    IMU,
+    MAGNETIC_FIELD,
+    POSE_STAMPED,
+    POSE_WITH_COVARIANCE_STAMPED,
+    STRING,
+    VECTOR3_STAMPED,
+)
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
-from lie_rigid_body.recording.track_decoding import columns, named, stamped_columns
+from lie_rigid_body.recording.track_decoding import columns, named, stamped_columns, texts
+from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
-SENSOR_TYPES: Final = (IMU, MAGNETIC_FIELD)
-"""The message types of the sensors."""
-
-_VECTORS: Final = {IMU: (37, (13, 25)), MAGNETIC_FIELD: (12, (0,))}
-"""Of each type how many float64 fields it has, and where its vectors begin among them."""
+_NUMBERS: Final = {IMU: 37, MAGNETIC_FIELD: 12, POSE_WITH_COVARIANCE_STAMPED: 43, VECTOR3_STAMPED: 3}
+"""How many float64 fields each type has."""
+VALUES: Final = {
+    IMU: ((13, 3), (25, 3)),
+    MAGNETIC_FIELD: ((0, 3),),
+    POSE_WITH_COVARIANCE_STAMPED: ((3, 4), (7, 36)),
+    VECTOR3_STAMPED: ((0, 3),),
+}
+"""Of each type the fields that differ from message to message: where each begins, and how many numbers it has."""
+SENSOR_TYPES: Final = (*_NUMBERS, STRING)
+"""The message types of the sensors, and of their faults."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +67,10 @@ class SensorMessages:
     Attributes
     ----------
     log_times_ns, stamps_ns : ndarray of int64, shape (N,)
-    vectors : ndarray, shape (N, 3 K)
-        The vectors one after the other: of an IMU angular velocity, rad/s, and specific force, m/s²; of a magnetometer
-        the field, T.
+    values : ndarray, shape (N, K)
+        The fields of `VALUES` one after the other: of an IMU angular velocity, rad/s, and specific force, m/s²; of a
+        magnetometer the field, T; of an attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun
+        sensor the direction.
     kinds : tuple of (str, bytes)
         What most messages have alike, once for each kind: name of the frame, and all other float64 fields in order.
     kind : ndarray of int64, shape (N,)
@@ -64,7 +79,7 @@ class SensorMessages:
 
     log_times_ns: Integers
     stamps_ns: Integers
-    vectors: Array
+    values: Array
     kinds: tuple[tuple[str, bytes], ...]
     kind: Integers
 
@@ -75,7 +90,7 @@ class SensorMessages:
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> SensorMessages:
         return SensorMessages(
-            self.log_times_ns[rows], self.stamps_ns[rows], self.vectors[rows], self.kinds, self.kind[rows]
+            self.log_times_ns[rows], self.stamps_ns[rows], self.values[rows], self.kinds, self.kind[rows]
         )
 
     @classmethod
@@ -86,29 +101,34 @@ class SensorMessages:
         return cls(
             np.concatenate([part.log_times_ns for part in parts]),
             np.concatenate([part.stamps_ns for part in parts]),
-            np.concatenate([part.vectors for part in parts]),
+            np.concatenate([part.values for part in parts]),
             tuple(kinds),
             np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)]),
         )
 
 
 @dataclass(frozen=True)
-class VectorTrack:
+class SensorTrack:
     """The messages of a sensor's topic, in file order.
 
     Attributes
     ----------
     topic : str
-    stamps_ns : ndarray of int64, shape (N,)
-    vectors : tuple of ndarray, shape (N, 3) each
-        Of an IMU angular velocity, rad/s, and specific force, m/s²; of a magnetometer the field, T.
+    log_times_ns, stamps_ns : ndarray of int64, shape (N,)
+    numbers : ndarray, shape (N, K)
+        The float64 fields of the message type, in order.
     """
 
     topic: str
+    log_times_ns: Integers
     stamps_ns: Integers
-    vectors: tuple[Array, ...]
+    numbers: Array
 
     __repr__ = short_repr
+
+    def columns(self, first: int, count: int) -> Array:
+        """So many fields from one on, shape (N, count)."""
+        return self.numbers[:, first : first + count].copy()
 
 
 def sensors_of(contents: McapContents, pose_topic: str) -> dict[str, RawTrack]:
@@ -120,9 +140,10 @@ def sensors_of(contents: McapContents, pose_topic: str) -> dict[str, RawTrack]:
     poses = {topic for topic, kind in contents.tracks if kind == POSE_STAMPED and topic != pose_topic}
     found = {}
     for name, kind in SENSOR_TOPICS.items():
-        alike = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
-        alike = [t for t in alike if t.count and t.topic.removesuffix(name) + "pose" not in poses]
-        own = [t for t in alike if t.topic == f"{beside}/{name}"] or alike
+        last = name.removeprefix("~/")
+        alike = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{last}")]
+        alike = [t for t in alike if t.count and t.topic.removesuffix(last) + "pose" not in poses]
+        own = [t for t in alike if t.topic == f"{beside}/{last}"] or alike
         if len(own) == 1:
             found[name] = own[0]
     return found
@@ -133,26 +154,23 @@ def sensor_messages(
 ) -> SensorMessages:
     """Decode messages of a sensor's topic, the first of which has a number."""
     with named(path, topic):
-        log_times, decoded = columns(pieces, _VECTORS[message_type][0], stamped=True, first=first)
+        log_times, decoded = columns(pieces, _NUMBERS[message_type], stamped=True, first=first)
     assert decoded.stamps_ns is not None
-    in_vectors = vector_fields(message_type)
-    vectors = np.ascontiguousarray(decoded.numbers[:, in_vectors])
-    return SensorMessages(
-        log_times, decoded.stamps_ns, vectors, *_kinds(decoded, np.ascontiguousarray(decoded.numbers[:, ~in_vectors]))
-    )
+    varying = varying_fields(message_type)
+    values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
+    return SensorMessages(log_times, decoded.stamps_ns, values, *_kinds(decoded, rest))
 
 
-def vector_fields(message_type: str) -> Booleans:
-    """Which float64 fields of a type are those of its vectors."""
-    count, places = _VECTORS[message_type]
-    fields = np.full(count, fill_value=False)
-    for first in places:
-        fields[first : first + 3] = True
+def varying_fields(message_type: str) -> Booleans:
+    """Which float64 fields of a type are those of `VALUES`."""
+    fields = np.full(_NUMBERS[message_type], fill_value=False)
+    for first, width in VALUES[message_type]:
+        fields[first : first + width] = True
     return fields
 
 
 def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[tuple[str, bytes], ...], Integers]:
-    """The kinds of messages, and which of them each is, by frame and the fields that are not of vectors."""
+    """The kinds of messages, and which of them each is, by frame and the fields that are not of `VALUES`."""
     keys = np.column_stack([decoded.frames, rest.view(np.int64)])
     if not len(keys) or (keys == keys[0]).all():
         distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
@@ -163,27 +181,41 @@ def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[tuple[str, bytes], ...]
     return tuple((decoded.frame_ids[int(key[0])], key[1:].tobytes()) for key in distinct), kind
 
 
-def imu_tracks(path: Path, contents: McapContents) -> tuple[VectorTrack | None, VectorTrack | None]:
-    """The readings of the IMU and their true biases; None for a topic that is not in the bag."""
-    return _track(path, contents, IMU_DATA), _track(path, contents, IMU_BIAS)
+def sensor_track(path: Path, contents: McapContents, name: str) -> SensorTrack | None:
+    """The messages of a sensor's topic, by its relative name; None for one that is not in the bag.
+
+    Raises
+    ------
+    BagError
+        If several topics are called so, or the messages are not of the topic's type.
+    """
+    track = _find(path, contents, name)
+    if track is None:
+        return None
+    log_times, stamps, read = stamped_columns(path, track, _NUMBERS[track.message_type])
+    return SensorTrack(track.topic, log_times, stamps, read.numbers)
 
 
-def magnetometer_track(path: Path, contents: McapContents) -> VectorTrack | None:
-    """The readings of the magnetometer, or None."""
-    return _track(path, contents, MAG)
+def recorded_faults(path: Path, contents: McapContents) -> tuple[Fault, ...]:
+    """The faults that a bag tells of, in file order; repeats of a text count once.
+
+    Raises
+    ------
+    BagError
+        If a message on their topic tells of none.
+    """
+    track = _find(path, contents, FAULTS.removeprefix("~/"))
+    try:
+        return () if track is None else tuple(map(Fault.from_json, dict.fromkeys(t for _, t in texts(path, track))))
+    except InputError as error:
+        raise BagError(f"{path}: {error}") from None
 
 
-def _track(path: Path, contents: McapContents, name: str) -> VectorTrack | None:
-    kind = SENSOR_TOPICS[name]
+def _find(path: Path, contents: McapContents, name: str) -> RawTrack | None:
+    kind = SENSOR_TOPICS.get(name, STRING)
     found = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
     found = [track for track in found if track.count]
     if len(found) > 1:
         topics = listed([track.topic for track in found])
         raise BagError(f"{path} has several topics .../{name}: {topics}: record those of one body")
-    return _vectors(path, found[0]) if found else None
-
-
-def _vectors(path: Path, track: RawTrack) -> VectorTrack:
-    count, places = _VECTORS[track.message_type]
-    stamps, read = stamped_columns(path, track, count)
-    return VectorTrack(track.topic, stamps, tuple(read.numbers[:, i : i + 3].copy() for i in places))
+    return found[0] if found else None

@@ -74,10 +74,10 @@ def columns(pieces: Sequence[RawMessages], numbers: int, *, stamped: bool, first
     return log_times, messages.decode_places(data, starts, ends, numbers, stamped=stamped, first=first)
 
 
-def stamped_columns(path: Path, track: RawTrack, numbers: int) -> tuple[Integers, Decoded]:
-    """Stamps, ns, and contents of all messages of a topic that have a header and so many numbers."""
+def stamped_columns(path: Path, track: RawTrack, numbers: int) -> tuple[Integers, Integers, Decoded]:
+    """Log times and stamps, ns, and contents of all messages of a topic that have a header and so many numbers."""
     pieces = taken(path, track)
     with named(path, track.topic):
-        _, decoded = columns(pieces, numbers, stamped=True)
+        log_times, decoded = columns(pieces, numbers, stamped=True)
     assert decoded.stamps_ns is not None
-    return decoded.stamps_ns, decoded
+    return log_times, decoded.stamps_ns, decoded

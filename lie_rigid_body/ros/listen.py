@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 
 if TYPE_CHECKING:
     from geometry_msgs.msg import PoseStamped
@@ -197,14 +198,14 @@ def set_parameter(node: Node, remote: str, assignment: str, interruption: Interr
     from lie_rigid_body.ros.session import translated_errors
     from lie_rigid_body.scenario.parameter_file import parse_assignment
 
-    name, value = parse_assignment(assignment)
-    with translated_errors(f"--set {assignment!r}"):
+    name, value = parse_assignment(assignment, "--set")
+    with translated_errors(f"--set {shown(assignment)}"):
         change = Parameter(name, value=value)
     answer = _parameters(node, remote, interruption).set_parameters([change])
     _wait(node, answer.done, f"no answer from {remote}", interruption)
     result = answer.result().results[0]
     if not result.successful:
-        raise InputError(f"{remote} refuses --set {assignment}: {result.reason}")
+        raise InputError(f"{remote} refuses --set {shortened(name, LONGEST_VALUE)}: {result.reason}")
     console.say(f"{remote} has {name} {value}")
     return console.SUCCESS
 

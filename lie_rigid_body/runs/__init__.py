@@ -6,7 +6,15 @@
 """
 
 from lie_rigid_body.runs.ensemble import simulate
-from lie_rigid_body.runs.run import ImuArrays, MagnetometerArrays, Run
+from lie_rigid_body.runs.run import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, Run, SunSensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 
-__all__ = ["ImuArrays", "MagnetometerArrays", "Run", "ScenarioTruth", "simulate"]
+__all__ = [
+    "AttitudeSensorArrays",
+    "ImuArrays",
+    "MagnetometerArrays",
+    "Run",
+    "ScenarioTruth",
+    "SunSensorArrays",
+    "simulate",
+]

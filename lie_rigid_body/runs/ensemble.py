@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from itertools import count
 from pathlib import Path
-from typing import Final, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,13 +15,11 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
+from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.simulation import Simulation, motions_of
-
-LONGEST_DURATION_S: Final = 1e10
-"""More is beyond every stamp of builtin_interfaces/Time."""
 
 
 @overload
@@ -67,7 +64,7 @@ def simulate(
     InputError
         If the duration is not a time, a name is unknown, or the parameters make no scenario.
     """
-    length = _duration(duration)
+    length = exact_duration(_plain(duration), "duration", "duration=60.0")
     given = {**_parameters(scenario), **{name: _plain(value) for name, value in parameters.items()}}
     if seeds is None:
         return _run(Scenario.from_parameters(given), length, motions_of)
@@ -81,15 +78,6 @@ def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], C
     simulation = Simulation(scenario, motions=motions)
     taken = simulation.take_until(simulation.clock.last_ns_before(duration), sys.maxsize)
     return Run.of(taken, simulation.segment)
-
-
-def _duration(duration: float) -> Fraction:
-    if isinstance(duration, bool) or not isinstance(duration, int | float | np.integer | np.floating):
-        raise InputError(f"duration {duration!r} is not a number: give seconds, for example duration=60.0")
-    value = float(duration)
-    if not (math.isfinite(value) and 1e-9 <= value <= LONGEST_DURATION_S):
-        raise InputError(f"duration {value:g} is not a time from 1e-9 to 1e10 seconds: give for example duration=60.0")
-    return Fraction(repr(value))
 
 
 def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -18,14 +18,14 @@ from lie_rigid_body.evaluation import Score, bias_error, evaluate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import ImuReadings
-from lie_rigid_body.simulation import ImuSamples, MagnetometerSamples, Samples, Segment, Taken
+from lie_rigid_body.sensors import Fault, ImuReadings
+from lie_rigid_body.simulation import Samples, Segment, SensorSamples, Taken
 from lie_rigid_body.wording import call_repr, short_repr
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.recording.bag_reader import Recording
-    from lie_rigid_body.recording.sensor_reader import VectorTrack
+    from lie_rigid_body.recording.sensor_reader import SensorTrack
 
 END_OF_TIME: Final = np.iinfo(np.int64).max
 
@@ -46,6 +46,10 @@ class ImuArrays:
         The true bias in each angular velocity, rad/s. None if a bag does not tell it.
     accelerometer_bias : ndarray, shape (M, 3), or None
         The true bias in each specific force, m/s². None if a bag does not tell it.
+    arrival_ns : ndarray of int64, shape (M,)
+        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder the stamps.
+    orientation_xyzw : ndarray, shape (M, 4), or None
+        World-from-body, scalar last; None unless the parameter ``imu_orientation`` is true.
     """
 
     t_ns: Integers
@@ -53,6 +57,8 @@ class ImuArrays:
     specific_force: Array
     gyro_bias: Array | None
     accelerometer_bias: Array | None
+    arrival_ns: Integers
+    orientation_xyzw: Array | None = None
 
     __repr__ = short_repr
 
@@ -67,10 +73,58 @@ class MagnetometerArrays:
         Stamps, ns.
     field : ndarray, shape (L, 3)
         Magnetic field, T.
+    arrival_ns : ndarray of int64, shape (L,)
+        As of `ImuArrays`.
     """
 
     t_ns: Integers
     field: Array
+    arrival_ns: Integers
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True, eq=False)
+class AttitudeSensorArrays:
+    """What an attitude sensor read.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (K,)
+        Stamps, ns.
+    attitude_xyzw : ndarray, shape (K, 4)
+        World-from-body, scalar last.
+    covariance : ndarray, shape (K, 3, 3)
+        Of small rotations about the fixed axes of the world, rad².
+    arrival_ns : ndarray of int64, shape (K,)
+        As of `ImuArrays`.
+    """
+
+    t_ns: Integers
+    attitude_xyzw: Array
+    covariance: Array
+    arrival_ns: Integers
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True, eq=False)
+class SunSensorArrays:
+    """What a sun sensor read.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (J,)
+        Stamps, ns.
+    direction : ndarray, shape (J, 3)
+        Unit vectors to the sun in the body frame.
+    arrival_ns : ndarray of int64, shape (J,)
+        As of `ImuArrays`.
+    """
+
+    t_ns: Integers
+    direction: Array
+    arrival_ns: Integers
 
     __repr__ = short_repr
 
@@ -90,6 +144,11 @@ class Run:
         None where there is no such sensor.
     segments : tuple of Segment
         The scenario in force from the start, and after each reset.
+    attitude_sensor : AttitudeSensorArrays or None
+    sun : SunSensorArrays or None
+        None where there is no such sensor.
+    faults : tuple of Fault
+        What went wrong with the sensors, in the order in which it began.
     """
 
     t_ns: Integers
@@ -97,6 +156,9 @@ class Run:
     imu: ImuArrays | None
     magnetometer: MagnetometerArrays | None
     segments: tuple[Segment, ...]
+    attitude_sensor: AttitudeSensorArrays | None = None
+    sun: SunSensorArrays | None = None
+    faults: tuple[Fault, ...] = ()
     _recording: Recording | None = None
 
     def __repr__(self) -> str:
@@ -106,13 +168,16 @@ class Run:
     @classmethod
     def of(cls, taken: Taken, segment: Segment) -> Run:
         """The run of what was taken from a simulation in one segment."""
-        imu, magnetometer = taken.imu, taken.magnetometer
+        imu, field, attitude, sun = taken.imu, taken.magnetometer, taken.attitude_sensor, taken.sun_sensor
         return cls(
             taken.samples.stamps_ns,
             taken.samples.states,
             None if imu is None else _imu(imu),
-            None if magnetometer is None else MagnetometerArrays(magnetometer.stamps_ns, magnetometer.magnetic_field),
+            None if field is None else MagnetometerArrays(field.stamps_ns, field.readings, field.times_ns),
             (segment,),
+            None if attitude is None else _attitude(attitude, segment.scenario),
+            None if sun is None else SunSensorArrays(sun.stamps_ns, sun.readings, sun.times_ns),
+            taken.faults,
         )
 
     @classmethod
@@ -130,14 +195,16 @@ class Run:
         ParameterError
             If it declares a scenario that cannot be.
         """
-        from lie_rigid_body.certificate.segments import recorded_segments
+        from lie_rigid_body.certificate.segments import as_written, recorded_segments
+        from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SUN
         from lie_rigid_body.recording.bag_reader import Bag
-        from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, imu_tracks, magnetometer_track
+        from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, recorded_faults, sensor_track
 
         path, bag = Path(path), Bag(path)
-        contents = bag.messages_of(SENSOR_TYPES)
-        data, bias = imu_tracks(path, contents)
-        field = magnetometer_track(path, contents)
+        contents, own = bag.messages_of(SENSOR_TYPES), as_written(bag)
+        faults = recorded_faults(path, contents)
+        names = (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)
+        data, bias, field, attitude, sun = (sensor_track(path, contents, name) for name in names)
         recording = bag.load()
         pieces = recorded_segments(recording)
         return cls(
@@ -146,9 +213,12 @@ class Run:
                 np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
                 np.concatenate([piece.states.body_rate for piece in pieces]),
             ),
-            None if data is None else _recorded_imu(data, bias),
-            None if field is None else MagnetometerArrays(field.stamps_ns, field.vectors[0]),
+            None if data is None else _recorded_imu(data, bias, own=own),
+            None if field is None else MagnetometerArrays(field.stamps_ns, field.columns(0, 3), _arrival(field, own)),
             tuple(piece.segment for piece in pieces),
+            None if attitude is None else _recorded_attitude(attitude, own=own),
+            None if sun is None else SunSensorArrays(sun.stamps_ns, sun.columns(0, 3), _arrival(sun, own)),
+            faults,
             recording,
         )
 
@@ -304,16 +374,18 @@ class Run:
 
         kept = inside(self.t_ns)
         states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
-        imu = magnetometer = None
-        if self.imu is not None:
-            imu = _samples(self.imu, inside(self.imu.t_ns))
-        if self.magnetometer is not None:
-            read = inside(self.magnetometer.t_ns)
-            magnetometer = MagnetometerSamples(self.magnetometer.t_ns[read], self.magnetometer.field[read])
-        return Taken(Samples(self.t_ns[kept], states), imu, magnetometer)
+        imu, field, attitude, sun = self.imu, self.magnetometer, self.attitude_sensor, self.sun
+        return Taken(
+            Samples(self.t_ns[kept], states),
+            None if imu is None else _kept(imu, inside, _readings(imu)),
+            None if field is None else _kept(field, inside, field.field),
+            None if attitude is None else _kept(attitude, inside, attitude.attitude_xyzw),
+            None if sun is None else _kept(sun, inside, sun.direction),
+            tuple(fault for fault in self.faults if begin <= fault.begin_ns < end),
+        )
 
 
-def _imu(samples: ImuSamples) -> ImuArrays:
+def _imu(samples: SensorSamples[ImuReadings]) -> ImuArrays:
     readings = samples.readings
     return ImuArrays(
         samples.stamps_ns,
@@ -321,7 +393,16 @@ def _imu(samples: ImuSamples) -> ImuArrays:
         readings.linear_acceleration,
         readings.gyro_bias,
         readings.accelerometer_bias,
+        samples.times_ns,
+        readings.orientation_xyzw,
     )
+
+
+def _attitude(samples: SensorSamples[Array], scenario: Scenario) -> AttitudeSensorArrays:
+    model = scenario.sensors.attitude_sensor
+    assert model is not None
+    covariance = model.covariance(samples.readings)
+    return AttitudeSensorArrays(samples.stamps_ns, samples.readings, covariance, samples.times_ns)
 
 
 def _first_after(stamps: Integers, after_s: float) -> int:
@@ -332,27 +413,53 @@ def _first_after(stamps: Integers, after_s: float) -> int:
     return int(late[0])
 
 
-def _recorded_imu(data: VectorTrack, bias: VectorTrack | None) -> ImuArrays:
-    gyro, specific_force = data.vectors
-    return ImuArrays(data.stamps_ns, gyro, specific_force, *_biases(data.stamps_ns, bias))
+def _arrival(track: SensorTrack, own: bool) -> Integers:
+    """When the messages of a track arrived, ns; another recorder's log times are of another clock."""
+    return track.log_times_ns if own else track.stamps_ns
 
 
-def _biases(t_ns: Integers, bias: VectorTrack | None) -> tuple[Array | None, Array | None]:
+def _recorded_imu(data: SensorTrack, bias: SensorTrack | None, *, own: bool) -> ImuArrays:
+    oriented = len(data.numbers) > 0 and data.numbers[0, 4] != -1.0
+    return ImuArrays(
+        data.stamps_ns,
+        data.columns(13, 3),
+        data.columns(25, 3),
+        *_biases(data.stamps_ns, bias),
+        _arrival(data, own),
+        data.columns(0, 4) if oriented else None,
+    )
+
+
+def _recorded_attitude(track: SensorTrack, *, own: bool) -> AttitudeSensorArrays:
+    covariance = track.numbers[:, 7:].reshape(-1, 6, 6)[:, 3:, 3:].copy()
+    return AttitudeSensorArrays(track.stamps_ns, track.columns(3, 4), covariance, _arrival(track, own))
+
+
+def _biases(t_ns: Integers, bias: SensorTrack | None) -> tuple[Array | None, Array | None]:
     """Biases of gyro and accelerometer at the stamps of readings."""
     if bias is None:
         return None, None
+    vectors = bias.columns(13, 3), bias.columns(25, 3)
     if np.array_equal(bias.stamps_ns, t_ns):
-        gyro, accelerometer = bias.vectors
-        return gyro, accelerometer
+        return vectors
     order = np.argsort(bias.stamps_ns, kind="stable")
     place = order[np.minimum(np.searchsorted(bias.stamps_ns[order], t_ns), len(order) - 1)]
     told = (bias.stamps_ns[place] == t_ns)[:, np.newaxis]
-    gyro, accelerometer = (np.where(told, vectors[place], np.nan) for vectors in bias.vectors)
+    gyro, accelerometer = (np.where(told, values[place], np.nan) for values in vectors)
     return gyro, accelerometer
 
 
-def _samples(imu: ImuArrays, kept: Booleans) -> ImuSamples:
+def _readings(imu: ImuArrays) -> ImuReadings:
     if imu.gyro_bias is None or imu.accelerometer_bias is None:
         raise InputError("the run does not tell the biases of its IMU, which a bag holds: record imu/bias as well")
-    columns = (imu.gyro, imu.specific_force, imu.gyro_bias, imu.accelerometer_bias)
-    return ImuSamples(imu.t_ns[kept], ImuReadings(*(column[kept] for column in columns)))
+    return ImuReadings(imu.gyro, imu.specific_force, imu.gyro_bias, imu.accelerometer_bias, imu.orientation_xyzw)
+
+
+def _kept(
+    arrays: ImuArrays | MagnetometerArrays | AttitudeSensorArrays | SunSensorArrays,
+    inside: Callable[[Integers], Booleans],
+    readings: Any,
+) -> SensorSamples[Any]:
+    """The readings that arrive in a time."""
+    whole = SensorSamples(arrays.arrival_ns, arrays.t_ns, np.zeros(len(arrays.t_ns), dtype=np.bool_), readings)
+    return whole[inside(arrays.arrival_ns)]

@@ -18,8 +18,8 @@ from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
-from lie_rigid_body.sensors import GRADE, PERFECT, SENSOR_PARAMETERS, Sensors
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.wording import shortened, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
@@ -96,21 +96,29 @@ class Scenario:
         return scenario
 
     def __repr__(self) -> str:
-        """The parameters that are not at their defaults."""
-        changed = {name: value for name, value in self.parameters().items() if value != _BY_NAME[name].default}
-        return call_repr(self, changed)
+        """The call that makes it: the parameters that are not at their defaults, which may be shortened."""
+        changed = [
+            f"{name!r}: {shown(list(value) if isinstance(value, tuple) else value)}"
+            for name, value in self.parameters().items()
+            if value != _BY_NAME[name].default
+        ]
+        return shortened(f"Scenario.from_parameters({{{', '.join(changed)}}})")
 
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
-        # a perfect grade is left out, so that a bag without one has the bytes that it had before there were grades
-        sensors = {name: value for name, value in self.sensor_parameters if (name, value) != (GRADE, PERFECT)}
+        # what came later is left out at its default, so that a bag without it has the bytes that it had before
+        sensors = {
+            name: value
+            for name, value in self.sensor_parameters
+            if name not in QUIET or value != _BY_NAME[name].default
+        }
         return {**own, **sensors} if self.has_sensors else own
 
     @property
     def has_sensors(self) -> bool:
         """Whether any sensor is on."""
-        return self.sensors.imu is not None or self.sensors.magnetometer is not None
+        return bool(self.sensors.on)
 
     @property
     def sensor_grade(self) -> str:
@@ -180,8 +188,7 @@ class Scenario:
 
     def _rates(self) -> list[float]:
         """Sampling rates of the truth and of the active sensors, Hz."""
-        sensors = (self.sensors.imu, self.sensors.magnetometer)
-        return [self.rate, *(sensor.rate for sensor in sensors if sensor is not None)]
+        return [self.rate, *(sensor.rate for sensor in self.sensors.on.values())]
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):

@@ -110,12 +110,14 @@ def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
     return load_yaml(read_text(path, LARGEST_FILE, pipes=pipes), str(path), _Loader)
 
 
-def parse_assignment(text: str) -> tuple[str, object]:
+def parse_assignment(text: str, option: str = "-p") -> tuple[str, object]:
     """The name and the value of a ``name:=value`` assignment.
 
     Parameters
     ----------
     text : str
+    option : str, optional
+        What it was given to, for the error.
 
     Returns
     -------
@@ -129,8 +131,8 @@ def parse_assignment(text: str) -> tuple[str, object]:
     name, sign, value = text.partition(":=")
     name = name.strip()
     if not (sign and name and value.strip()):
-        raise InputError(f"-p {text!r} is not NAME:=VALUE: give for example -p rate:=200.0")
-    return name, load_yaml(value, f"-p {text!r}", _Loader)
+        raise InputError(f"{option} {shown(text)} is not NAME:=VALUE: give for example {option} rate:=200.0")
+    return name, load_yaml(value, f"{option} {shown(text)}", _Loader)
 
 
 def gather(

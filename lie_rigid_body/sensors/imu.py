@@ -10,8 +10,11 @@ from typing import Final, cast
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
+from lie_rigid_body.sensors.delivery import Delivery
+from lie_rigid_body.sensors.fault import Faulty
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
+from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
@@ -39,6 +42,9 @@ class ImuModel:
         m/s².
     lever_arm : tuple of float, length 3
         From the mass centre to the accelerometer in the body frame, m.
+    orientation : OrientationModel or None
+        None: it tells none.
+    delivery : Delivery or None
     """
 
     rate: float
@@ -50,6 +56,8 @@ class ImuModel:
     accelerometer_mode: str
     gravity: float
     lever_arm: Vector
+    orientation: OrientationModel | None = None
+    delivery: Delivery | None = None
 
     __repr__ = short_repr
 
@@ -73,12 +81,19 @@ class ImuModel:
             accelerometer_mode=cast(str, values["accelerometer_mode"]),
             gravity=cast(float, values["gravity"]),
             lever_arm=lever_arm,
+            orientation=OrientationModel.from_values(values),
+            delivery=Delivery.from_values("imu", values),
         )
 
     @property
     def support(self) -> float:
         """Specific force of what holds the mass centre, along z of the world frame, m/s²; 0 in free fall."""
         return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
+
+    @property
+    def faulty(self) -> tuple[Faulty | None, ...]:
+        """What may have faults."""
+        return (self.delivery, self.gyro.faults, self.accelerometer.faults)
 
     @property
     def angular_velocity_variance(self) -> float:
@@ -105,12 +120,15 @@ class ImuReadings:
         The true bias in each angular velocity, rad/s.
     accelerometer_bias : ndarray, shape (N, 3)
         The true bias in each specific force, m/s².
+    orientation_xyzw : ndarray, shape (N, 4), or None
+        World-from-body, scalar last; None where the IMU tells none.
     """
 
     angular_velocity: Array
     linear_acceleration: Array
     gyro_bias: Array
     accelerometer_bias: Array
+    orientation_xyzw: Array | None = None
 
     __repr__ = short_repr
 
@@ -152,6 +170,7 @@ class Imu:
             walk=NoiseSource.ACCELEROMETER_WALK,
             white=NoiseSource.ACCELEROMETER_WHITE,
         )
+        self._orientation = None if model.orientation is None else Orientation(model.orientation, model.seed)
 
     def __copy__(self) -> Imu:
         """A sensor that goes on by itself from here."""
@@ -163,7 +182,7 @@ class Imu:
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
-            Times of the samples, ns, on the clock of ``before_ns``.
+            Times of the samples since the segment's start, ns, on the clock of ``before_ns``.
         states : State
             The body's states at those times, of shapes (N, 4) and (N, 3).
 
@@ -184,17 +203,18 @@ class Imu:
         )
 
     def signals(self, stamps_ns: Integers, states: State) -> ImuReadings:
-        """The next readings before saturation and quantisation; see `measure`."""
-        angular_velocity, gyro_bias = self._gyro.signal(self._rate.over(stamps_ns, states))
-        linear_acceleration, accelerometer_bias = self._accelerometer.signal(self._force.at(states))
-        return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias)
+        """The next readings before the converters; see `measure`."""
+        angular_velocity, gyro_bias = self._gyro.signal(stamps_ns, self._rate.over(stamps_ns, states))
+        linear_acceleration, accelerometer_bias = self._accelerometer.signal(stamps_ns, self._force.at(states))
+        orientation = None if self._orientation is None else self._orientation.measure(states)
+        return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias, orientation)
 
-    def biases(self, count: int) -> tuple[Array, Array]:
+    def biases(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
-        return self._gyro.bias(count), self._accelerometer.bias(count)
+        return self._gyro.bias(stamps_ns), self._accelerometer.bias(stamps_ns)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings.
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`.
 
         Parameters
         ----------
@@ -207,6 +227,8 @@ class Imu:
         self._rate = _rate(self._model, before_ns, before)
         self._gyro.skip(count)
         self._accelerometer.skip(count)
+        if self._orientation is not None:
+            self._orientation.skip(count)
 
 
 def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:

@@ -10,13 +10,17 @@ from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
+from lie_rigid_body.sensors.delivery import Delivery
+from lie_rigid_body.sensors.fault import Faulty
+from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
 from lie_rigid_body.wording import short_repr
 
 STRONGEST_FIELD_T: Final = 1e3
@@ -53,6 +57,11 @@ class MagnetometerModel:
     soft_iron : tuple of float, length 9
         C, row by row.
     converter : Converter
+    delivery : Delivery or None
+    disturbance : MagneticDisturbance or None
+        Added to B.
+    faults : TriadFaults or None
+        Of its axes; see `TriadModel`.
     """
 
     rate: float
@@ -63,6 +72,9 @@ class MagnetometerModel:
     hard_iron: Vector
     soft_iron: Vector
     converter: Converter
+    delivery: Delivery | None = None
+    disturbance: MagneticDisturbance | None = None
+    faults: TriadFaults | None = None
 
     __repr__ = short_repr
 
@@ -83,8 +95,24 @@ class MagnetometerModel:
         require_at_most("magnetic_field", field, STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_hard_iron", hard_iron, STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_soft_iron", soft_iron, LARGEST_SOFT_IRON, "")
-        frame, seed = cast(str, values["imu_frame"]), cast(int, values["sensor_seed"])
-        return cls(number["rate"], frame, seed, field, number["noise_density"], hard_iron, soft_iron, converter)
+        return cls(
+            number["rate"],
+            cast(str, values["imu_frame"]),
+            cast(int, values["sensor_seed"]),
+            field,
+            number["noise_density"],
+            hard_iron,
+            soft_iron,
+            converter,
+            Delivery.from_values("magnetometer", values),
+            MagneticDisturbance.from_values(values),
+            TriadFaults.from_values("magnetometer", values),
+        )
+
+    @property
+    def faulty(self) -> tuple[Faulty | None, ...]:
+        """What may have faults."""
+        return (self.delivery, self.disturbance, self.faults)
 
     @property
     def variance(self) -> float:
@@ -111,16 +139,20 @@ class Magnetometer:
         self._noise = BlockBuffer(
             WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
         )
+        self._disturbance = model.disturbance
+        self._faults = None if model.faults is None else FaultyTriad(model.faults, model.rate)
 
     def __copy__(self) -> Magnetometer:
         """A sensor that goes on by itself from here."""
         return copy.deepcopy(self)
 
-    def measure(self, states: State) -> Array:
-        """One reading for each state; advances the noise.
+    def measure(self, times_ns: Integers, states: State) -> Array:
+        """The next readings.
 
         Parameters
         ----------
+        times_ns : ndarray of int64, shape (N,)
+            Times since the segment's start, ns.
         states : State
             The body's states, of shapes (N, 4) and (N, 3).
 
@@ -129,14 +161,22 @@ class Magnetometer:
         ndarray, shape (N, 3)
             T, on the body axes, which are the sensor's.
         """
-        return self._converter.read(self.signal(states))
+        return self._converter.read(self.signal(times_ns, states))
 
-    def signal(self, states: State) -> Array:
-        """The next readings before saturation and quantisation; see `measure`."""
-        field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._field)
+    def signal(self, times_ns: Integers, states: State) -> Array:
+        """The next readings before the converter; see `measure`."""
+        world_field = self._field
+        if self._disturbance is not None:
+            world_field = world_field + self._disturbance.field(times_ns)
+        field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
         distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
-        return np.asarray(distorted + self._noise.take(len(field)))
+        signal = np.asarray(distorted + self._noise.take(len(field)))
+        if self._faults is None:
+            return signal
+        return self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns))
 
     def skip(self, count: int) -> None:
-        """Leave out the next readings."""
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`."""
         self._noise.skip(count)
+        if self._faults is not None:
+            self._faults.skip(count)

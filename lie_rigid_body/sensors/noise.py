@@ -19,7 +19,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 
 BLOCK: Final = 256
 """Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""
@@ -30,7 +30,10 @@ _SKIPPED_AT_ONCE: Final = 65_536
 
 @unique
 class NoiseSource(IntEnum):
-    """The sources of noise. The numbers are part of the keys: one that changed would change every recording."""
+    """The sources of noise. The numbers are part of the keys: one that changed would change every recording.
+
+    Those of faults are above 255; see `fault.stream`.
+    """
 
     GYRO_TURN_ON = 1
     GYRO_WALK = 2
@@ -39,6 +42,9 @@ class NoiseSource(IntEnum):
     ACCELEROMETER_WALK = 5
     ACCELEROMETER_WHITE = 6
     MAGNETOMETER_WHITE = 7
+    ORIENTATION_WHITE = 8
+    ATTITUDE_SENSOR_WHITE = 9
+    SUN_SENSOR_WHITE = 10
 
 
 class RandomVectors(Protocol):
@@ -60,12 +66,13 @@ class WhiteNoise:
     ----------
     seed : int
         From 0 to 2⁶⁴ − 1.
-    source : NoiseSource
+    source : int
+        A `NoiseSource`, or the stream of a fault.
     sigma : float
         Standard deviation on each axis.
     """
 
-    def __init__(self, seed: int, source: NoiseSource, sigma: float) -> None:
+    def __init__(self, seed: int, source: int, sigma: float) -> None:
         self._key = np.array([seed, source], dtype=np.uint64)
         self._words = np.random.Philox(key=self._key)
         self._taken = 0
@@ -74,7 +81,7 @@ class WhiteNoise:
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
         self._taken += 3 * count
-        numbers = _uniform(self._words.random_raw(3 * count))
+        numbers = uniform(self._words.random_raw(3 * count))
         return self._normal(numbers).reshape(count, 3)
 
     @property
@@ -97,10 +104,38 @@ class WhiteNoise:
         return np.asarray(self._sigma * ndtri(numbers))
 
 
-def _uniform(words: NDArray[np.uint64]) -> Array:
+def uniform(words: NDArray[np.uint64]) -> Array:
     """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
     odd = (words >> np.uint64(12)) * np.uint64(2) + np.uint64(1)
     return np.asarray(odd.astype(np.float64) * 2.0**-53)
+
+
+class Draws:
+    """Uniform numbers between 0 and 1, four for each whole number from 0 on, in whatever order they are asked for.
+
+    Parameters
+    ----------
+    seed : int
+        From 0 to 2⁶⁴ − 1.
+    source : int
+    """
+
+    def __init__(self, seed: int, source: int) -> None:
+        self._key = np.array([seed, source], dtype=np.uint64)
+
+    def following(self, first: int, count: int) -> Array:
+        """Those of ``count`` whole numbers from ``first`` on, shape (count, 4)."""
+        words = np.random.Philox(counter=first, key=self._key).random_raw(4 * count)
+        return uniform(words).reshape(count, 4)
+
+    def of(self, numbers: Integers) -> Array:
+        """Those of some whole numbers, shape (N, 4)."""
+        if not len(numbers):
+            return np.empty((0, 4))
+        low, high = int(numbers.min()), int(numbers.max())
+        if high - low < 4 * len(numbers) + BLOCK:
+            return self.following(low, high - low + 1)[numbers - low]
+        return np.concatenate([self.following(int(number), 1) for number in numbers])
 
 
 class RandomWalk:

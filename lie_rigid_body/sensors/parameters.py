@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Any, Final, TypeAlias, cast
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
+from lie_rigid_body.sensors.attitude_sensor import AttitudeSensorModel
+from lie_rigid_body.sensors.fault_parameters import FAULT_PARAMETERS
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
+from lie_rigid_body.sensors.sun_sensor import SunSensorModel
 from lie_rigid_body.wording import short_repr
 
 SLOWEST_RATE: Final = 1e-6
@@ -22,6 +26,7 @@ _IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _CENTRAL_EUROPE: Final = (1.5e-6, 21.0e-6, -43.5e-6)
 _LARGEST: Final = 1e9
 _FASTEST: Final = 1e9
+_TURN: Final = math.pi
 _LARGEST_SEED: Final = 2**63 - 1
 
 
@@ -53,6 +58,39 @@ def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
         _not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
     )
 
+
+_LATER: Final = (
+    Parameter("imu_orientation", "bool", False, "Whether the IMU tells its orientation, as an AHRS does."),
+    _not_negative("imu_inclination_noise", "Its standard deviation about each horizontal axis, rad.", maximum=_TURN),
+    _not_negative("imu_heading_noise", "Its standard deviation about the vertical, rad.", maximum=_TURN),
+    _not_negative(
+        "attitude_sensor_rate",
+        "Readings of the attitude sensor per second, from 1e-6; 0: no such sensor.",
+        maximum=_FASTEST,
+    ),
+    _array(
+        "attitude_sensor_boresight", (0.0, 0.0, 1.0), "Attitude sensor: its boresight in the body frame, of any length."
+    ),
+    _not_negative(
+        "attitude_sensor_cross_boresight_noise",
+        "Attitude sensor: standard deviation of a reading about each axis across the boresight, rad.",
+        maximum=_TURN,
+    ),
+    _not_negative(
+        "attitude_sensor_roll_noise",
+        "Attitude sensor: standard deviation of a reading about the boresight, rad.",
+        maximum=_TURN,
+    ),
+    _not_negative(
+        "sun_sensor_rate", "Readings of the sun sensor per second, from 1e-6; 0: no such sensor.", maximum=_FASTEST
+    ),
+    _array("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
+    _not_negative("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad.", maximum=_TURN),
+    *FAULT_PARAMETERS,
+)
+"""Parameters that bags do not tell where they are at their defaults, so that those have the bytes they had without."""
+QUIET: Final = frozenset({GRADE, *(parameter.name for parameter in _LATER)})
+"""Names of the parameters that a scenario's text leaves out at their defaults."""
 
 SENSOR_PARAMETERS: Final = (
     _not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU.", maximum=_FASTEST),
@@ -99,8 +137,12 @@ SENSOR_PARAMETERS: Final = (
     _array("magnetometer_soft_iron", _IDENTITY, "Magnetometer: matrix of the body's soft iron, row by row."),
     _not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
     _not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
+    *_LATER,
 )
 """Every parameter of the sensors, in the order in which they are shown."""
+
+
+SensorModel: TypeAlias = ImuModel | MagnetometerModel | AttitudeSensorModel | SunSensorModel
 
 
 @dataclass(frozen=True)
@@ -111,11 +153,15 @@ class Sensors:
     ----------
     imu : ImuModel or None
     magnetometer : MagnetometerModel or None
+    attitude_sensor : AttitudeSensorModel or None
+    sun_sensor : SunSensorModel or None
         None: there is none.
     """
 
-    imu: ImuModel | None
-    magnetometer: MagnetometerModel | None
+    imu: ImuModel | None = None
+    magnetometer: MagnetometerModel | None = None
+    attitude_sensor: AttitudeSensorModel | None = None
+    sun_sensor: SunSensorModel | None = None
 
     __repr__ = short_repr
 
@@ -139,11 +185,26 @@ class Sensors:
         """
         values = read_table(SENSOR_PARAMETERS, graded(given or {}))
         require_frame_name("imu_frame", cast(str, values["imu_frame"]))
-        imu, magnetometer = ImuModel.from_values(values), MagnetometerModel.from_values(values)
-        return cls(
-            imu if _is_on("imu_rate", values) else None,
-            magnetometer if _is_on("magnetometer_rate", values) else None,
-        )
+        models = {name: make(values) for name, make in _MODELS.items()}  # also of those that are off, to refuse them
+        return cls(**{name: model for name, model in models.items() if _is_on(f"{name}_rate", values)})
+
+    @property
+    def on(self) -> dict[str, SensorModel]:
+        """The sensors that there are, by name."""
+        return {name: model for name in _MODELS if (model := getattr(self, name)) is not None}
+
+    @property
+    def have_faults(self) -> bool:
+        """Whether any fault is on."""
+        return any(faulty is not None for model in self.on.values() for faulty in model.faulty)
+
+
+_MODELS: Final[dict[str, Callable[[Mapping[str, Value]], Any]]] = {
+    "imu": ImuModel.from_values,
+    "magnetometer": MagnetometerModel.from_values,
+    "attitude_sensor": AttitudeSensorModel.from_values,
+    "sun_sensor": SunSensorModel.from_values,
+}
 
 
 def _is_on(name: str, values: Mapping[str, Value]) -> bool:

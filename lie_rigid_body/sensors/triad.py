@@ -9,13 +9,14 @@ from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
 from lie_rigid_body.wording import short_repr
 
 LARGEST_SCALE_FACTOR: Final = 1e6
@@ -48,6 +49,8 @@ class TriadModel:
     misalignment : tuple of float, length 3
         μ, the rotation vector whose rotation takes the body's axes to the sensitive axes, rad, in the body frame.
     converter : Converter
+    faults : TriadFaults or None
+        Their drift is part of b; bursts and spikes are added, and saturate, before the converter.
     """
 
     noise_density: float
@@ -56,6 +59,7 @@ class TriadModel:
     scale_factor: Vector
     misalignment: Vector
     converter: Converter
+    faults: TriadFaults | None = None
 
     __repr__ = short_repr
 
@@ -73,7 +77,8 @@ class TriadModel:
         scale, turn = vector(values, f"{sensor}_scale_factor"), vector(values, f"{sensor}_misalignment")
         require_at_most(f"{sensor}_scale_factor", scale, LARGEST_SCALE_FACTOR, "")
         _require_rotation_vector(f"{sensor}_misalignment", turn)
-        return cls(**number, scale_factor=scale, misalignment=turn, converter=converter)
+        faults = TriadFaults.from_values(sensor, values)
+        return cls(**number, scale_factor=scale, misalignment=turn, converter=converter, faults=faults)
 
     @property
     def sensitivity(self) -> Array:
@@ -118,12 +123,15 @@ class Triad:
         steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
         self._bias = BlockBuffer(RandomWalk(start, steps))
         self._noise = BlockBuffer(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
+        self._faults = None if model.faults is None else FaultyTriad(model.faults, rate)
 
-    def read(self, truth: Array) -> tuple[Array, Array]:
+    def read(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
         """The next readings.
 
         Parameters
         ----------
+        times_ns : ndarray of int64, shape (N,)
+            Times since the segment's start, ns.
         truth : ndarray, shape (N, 3)
             In the body frame.
 
@@ -134,20 +142,26 @@ class Triad:
         bias : ndarray, shape (N, 3)
             What it adds to them.
         """
-        signal, bias = self.signal(truth)
+        signal, bias = self.signal(times_ns, truth)
         return self._converter.read(signal), bias
 
-    def signal(self, truth: Array) -> tuple[Array, Array]:
-        """The same before saturation and quantisation."""
-        bias = self._bias.take(len(truth))
-        return apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth)), bias
+    def signal(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
+        """The same before the converter, with all faults: one that repeats a signal repeats its reading."""
+        bias = self._with_drift(times_ns, self._bias.take(len(truth)))
+        signal = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
+        return signal if self._faults is None else self._faults.disturbed(times_ns, signal), bias
 
-    def bias(self, count: int) -> Array:
-        """The biases in the next readings, which are left out, shape (count, 3)."""
-        self._noise.skip(count)
-        return self._bias.take(count)
+    def bias(self, times_ns: Integers) -> Array:
+        """The biases in the next readings, which are left out, shape (N, 3)."""
+        self._noise.skip(len(times_ns))
+        return self._with_drift(times_ns, self._bias.take(len(times_ns)))
+
+    def _with_drift(self, times_ns: Integers, bias: Array) -> Array:
+        return bias if self._faults is None else bias + self._faults.bias(times_ns)
 
     def skip(self, count: int) -> None:
-        """Leave out the next readings."""
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `read`."""
         self._noise.skip(count)
         self._bias.skip(count)
+        if self._faults is not None:
+            self._faults.skip(count)

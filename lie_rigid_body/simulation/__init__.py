@@ -4,6 +4,8 @@ Modules:
 
 - `sample_clock`: the stamps of samples, by their numbers;
 - `samples`: states and readings at their stamps;
+- `arrivals`: when readings arrive, which late ones and lost ones do otherwise than they are measured;
+- `fault_log`: the faults of the sensors as they begin;
 - `segment`: a stretch of motion between two resets, and its JSON;
 - `sample_queue`: samples of one clock, computed ahead and taken in order, across resets;
 - `loop`: the truth and the sensors together, across resets.
@@ -11,17 +13,16 @@ Modules:
 
 from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of
 from lie_rigid_body.simulation.sample_clock import SampleClock
-from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
+from lie_rigid_body.simulation.samples import Samples, SensorSamples
 from lie_rigid_body.simulation.segment import SOFTWARE, Segment
 
 __all__ = [
     "SOFTWARE",
-    "ImuSamples",
-    "MagnetometerSamples",
     "Motions",
     "SampleClock",
     "Samples",
     "Segment",
+    "SensorSamples",
     "Simulation",
     "Taken",
     "motions_of",

@@ -6,21 +6,37 @@ import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final, TypeAlias, TypeVar
+from typing import Any, Final, Protocol, TypeAlias
 
-from lie_rigid_body.arrays import Integers
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import ClosedForm, Motion
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel
+from lie_rigid_body.sensors import (
+    AttitudeSensor,
+    AttitudeSensorModel,
+    Fault,
+    Imu,
+    ImuModel,
+    ImuReadings,
+    Magnetometer,
+    MagnetometerModel,
+    SensorModel,
+    SunSensor,
+)
+from lie_rigid_body.simulation.arrivals import Arrivals
+from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.sample_clock import SampleClock
-from lie_rigid_body.simulation.sample_queue import Rows, SampleQueue, SensorQueue
-from lie_rigid_body.simulation.samples import ImuSamples, MagnetometerSamples, Samples
+from lie_rigid_body.simulation.sample_queue import SampleQueue, SensorQueue
+from lie_rigid_body.simulation.samples import Samples, SensorSamples
 from lie_rigid_body.simulation.segment import Segment
 from lie_rigid_body.wording import call_repr, short_repr
 
-R = TypeVar("R", bound=Rows)
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
 """Makes the motions of a start; see `motions_of`."""
+_Readings: TypeAlias = SensorSamples[Any]
 
 LOOK_AHEAD: Final = 64
 """Samples computed at once when fewer are wanted: the closed form takes almost as long for one as for all of them."""
@@ -36,14 +52,24 @@ class Taken:
     ----------
     samples : Samples
         The truth.
-    imu : ImuSamples or None
-    magnetometer : MagnetometerSamples or None
-        None: there is no such sensor.
+    imu, magnetometer, attitude_sensor, sun_sensor : SensorSamples or None
+        The readings that arrived. None: there is no such sensor.
+    faults : tuple of Fault
+        Those that began.
     """
 
     samples: Samples
-    imu: ImuSamples | None
-    magnetometer: MagnetometerSamples | None
+    imu: SensorSamples[ImuReadings] | None = None
+    magnetometer: SensorSamples[Array] | None = None
+    attitude_sensor: SensorSamples[Array] | None = None
+    sun_sensor: SensorSamples[Array] | None = None
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def sensors(self) -> dict[str, SensorSamples[Any]]:
+        """The readings of the sensors that there are, by name."""
+        names = ("imu", "magnetometer", "attitude_sensor", "sun_sensor")
+        return {name: samples for name in names if (samples := getattr(self, name)) is not None}
 
     __repr__ = short_repr
 
@@ -66,14 +92,14 @@ class Simulation:
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
         self._motions = motions or motions_of
-        self._imu: SensorQueue[ImuSamples] | None = None
-        self._magnetometer: SensorQueue[MagnetometerSamples] | None = None
+        self._sensors: dict[str, SensorQueue[_Readings]] = {}
+        self._faults: FaultLog | None = None
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken."""
-        self._imu = self._magnetometer = None
+        self._sensors, self._faults = {}, None
         self._begin(replace(self._segment.scenario, epoch_ns=epoch_ns), 0)
 
     def _begin(self, scenario: Scenario, first: int) -> None:
@@ -81,12 +107,13 @@ class Simulation:
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
         motion = self._motions(scenario)
         truth = _truth(segment, clock, motion())
-        imu, magnetometer = scenario.sensors.imu, scenario.sensors.magnetometer
-        new_imu = None if imu is None else _imu(segment, imu, motion())
-        new_magnetometer = None if magnetometer is None else _magnetometer(segment, magnetometer, motion())
+        queues = {name: _sensor(segment, model, motion()) for name, model in scenario.sensors.on.items()}
         # only now: a scenario that is refused changes nothing
-        self._imu = _followed(self._imu, new_imu, segment.start_ns)
-        self._magnetometer = _followed(self._magnetometer, new_magnetometer, segment.start_ns)
+        self._sensors = {name: _followed(self._sensors.get(name), queue, segment) for name, queue in queues.items()}
+        if self._faults is None:
+            self._faults = FaultLog(segment)
+        else:
+            self._faults.follow(segment)
         self._clock, self._segment, self._truth = clock, segment, truth
 
     def __copy__(self) -> Simulation:
@@ -113,26 +140,26 @@ class Simulation:
 
     @property
     def next_stamp_ns(self) -> int:
-        """Stamp of what comes next, the truth or a sensor, ns."""
+        """When the next sample of truth or sensors is due, ns: a reading when it arrives, also one that is lost."""
         return min(queue.stamp_ns(0) for queue in self._queues)
 
     @property
-    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[ImuSamples] | SensorQueue[MagnetometerSamples]]:
-        return [queue for queue in (self._truth, self._imu, self._magnetometer) if queue is not None]
+    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[_Readings]]:
+        return [self._truth, *self._sensors.values()]
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
         return self._truth.take(count)
 
     def take_until(self, stamp_ns: int, at_most: int) -> Taken:
-        """What comes next up to a stamp, of the truth and of every sensor.
+        """What comes next up to a time, of the truth and of every sensor.
 
         Parameters
         ----------
         stamp_ns : int
-            The last stamp wanted, ns.
+            The last stamp wanted, ns, and the last time at which a reading may arrive.
         at_most : int
-            The most samples wanted of each: all end with the one that reaches it first.
+            The most samples wanted of each, with readings that are lost: all end with the one that reaches it first.
 
         Returns
         -------
@@ -141,11 +168,27 @@ class Simulation:
         for queue in self._queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
-        return Taken(
-            self._truth.take(self._truth.count_until(stamp_ns)),
-            _taken(self._imu, stamp_ns),
-            _taken(self._magnetometer, stamp_ns),
-        )
+        truth = self._truth.take(self._truth.count_until(stamp_ns))
+        taken = {name: queue.take(queue.count_until(stamp_ns)) for name, queue in self._sensors.items()}
+        times = [rows.times_ns for rows in taken.values()]
+        # those up to the last sample and no further: however a run is cut into batches, each is in the same place
+        last_ns = max((int(of_one[-1]) for of_one in (truth.times_ns, *times) if len(of_one)), default=-1)
+        assert self._faults is not None
+        received = {name: rows.received() for name, rows in taken.items()}
+        return Taken(truth, faults=self._faults.take(last_ns), **received)
+
+    def require_stamps(self, last_ns: int) -> None:
+        """Refuse samples and readings until a time, ns, whose stamps would be none.
+
+        Raises
+        ------
+        ParameterError
+        """
+        scenario, start_ns = self._segment.scenario, self._segment.start_ns
+        self._clock.stamps_ns(self._clock.count_until(last_ns) - 1, 1)
+        for model in scenario.sensors.on.values():
+            if model.delivery is not None:
+                model.delivery.stamps_ns(np.array([start_ns, last_ns]), scenario.epoch_ns)
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample, which carries the initial state of ``scenario``.
@@ -166,21 +209,18 @@ class Simulation:
         return self._segment
 
 
-def _taken(sensor: SensorQueue[R] | None, stamp_ns: int) -> R | None:
-    """The readings of a sensor up to a stamp, ns."""
-    return None if sensor is None else sensor.take(sensor.count_until(stamp_ns))
-
-
-def _followed(sensor: SensorQueue[R] | None, queue: SampleQueue[R] | None, start_ns: int) -> SensorQueue[R] | None:
-    """Queue of a sensor that continues with the new segment at ``start_ns``; None if that segment lacks the sensor."""
-    if sensor is None or queue is None:
-        return None if queue is None else SensorQueue(queue)
-    sensor.follow(queue, start_ns)
+def _followed(
+    sensor: SensorQueue[_Readings] | None, queue: SampleQueue[_Readings], segment: Segment
+) -> SensorQueue[_Readings]:
+    """Queue of a sensor, which may have been there before, that continues with the new segment."""
+    if sensor is None:
+        return SensorQueue(queue)
+    sensor.follow(queue, segment.start_ns)
     return sensor
 
 
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:
-    """The motions of one start: first of the truth, then, where they are, of the IMU and of the magnetometer.
+    """The motions of one start: first of the truth, then of each sensor that there is.
 
     A closed form serves them all. A moving chart divides the time between the samples asked of it into steps, so that
     those of another clock in between would change its bits: the truth and each sensor have one of their own.
@@ -200,15 +240,35 @@ def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[
     )
 
 
-def _imu(segment: Segment, model: ImuModel, motion: Motion) -> SampleQueue[ImuSamples]:
+def _sensor(segment: Segment, model: SensorModel, motion: Motion) -> SampleQueue[_Readings]:
     scenario, start_ns = segment.scenario, segment.start_ns
     clock = SampleClock(scenario.epoch_ns, model.rate)
     first = clock.count_until(start_ns - 1)
-    before_ns = clock.stamp_ns(first - 1) - start_ns
+    sensor = _made(model, scenario, clock.stamp_ns(first - 1) - start_ns, motion)
+    arrivals = Arrivals(clock, first, start_ns, model.delivery)
+    compute = partial(_readings, sensor, motion, start_ns, arrivals)
+    return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate), arrivals)
+
+
+class _Sensor(Protocol):
+    """A sensor that measures states."""
+
+    def measure(self, times_ns: Integers, states: State, /) -> Any:
+        """The next readings."""
+        ...
+
+
+def _made(model: SensorModel, scenario: Scenario, before_ns: int, motion: Motion) -> _Sensor:
+    """The sensor of a model, before its first reading, which comes an interval after ``before_ns``."""
+    if isinstance(model, MagnetometerModel):
+        return Magnetometer(model)
+    if isinstance(model, AttitudeSensorModel):
+        return AttitudeSensor(model)
+    if not isinstance(model, ImuModel):
+        return SunSensor(model)
     # an instantaneous rate does not look at the state before
     before = _extended(scenario, motion).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
-    compute = partial(_inertial_readings, Imu(model, scenario.body(), before_ns, before), motion, start_ns)
-    return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate))
+    return Imu(model, scenario.body(), before_ns, before)
 
 
 # Functions of a module, not closures: a simulation is copied, and sent to other processes, with its queues.
@@ -218,28 +278,11 @@ def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
     return Samples(stamps, motion.at(stamps - start_ns))
 
 
-def _inertial_readings(imu: Imu, motion: Motion, start_ns: int, stamps: Integers) -> ImuSamples:
-    times = stamps - start_ns
-    return ImuSamples(stamps, imu.measure(times, motion.at(times)))
-
-
-def _magnetic_readings(
-    magnetometer: Magnetometer, motion: Motion, start_ns: int, stamps: Integers
-) -> MagnetometerSamples:
-    return MagnetometerSamples(stamps, magnetometer.measure(motion.at(stamps - start_ns)))
+def _readings(sensor: _Sensor, motion: Motion, start_ns: int, arrivals: Arrivals, measured_ns: Integers) -> _Readings:
+    times = measured_ns - start_ns
+    return SensorSamples(*arrivals.of(measured_ns), sensor.measure(times, motion.at(times)))
 
 
 def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
     """Exact motion extended to times before the start; the integrator only goes forward."""
     return motion if isinstance(motion, ClosedForm) else ClosedForm(scenario.body(), scenario.start())
-
-
-def _magnetometer(segment: Segment, model: MagnetometerModel, motion: Motion) -> SampleQueue[MagnetometerSamples]:
-    scenario, start_ns = segment.scenario, segment.start_ns
-    clock = SampleClock(scenario.epoch_ns, model.rate)
-    return SampleQueue(
-        clock,
-        clock.count_until(start_ns - 1),
-        partial(_magnetic_readings, Magnetometer(model), motion, start_ns),
-        scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate),
-    )

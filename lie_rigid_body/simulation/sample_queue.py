@@ -9,15 +9,16 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.simulation.arrivals import Arrivals
 from lie_rigid_body.simulation.sample_clock import SampleClock
 
 
 class Rows(Protocol):
-    """A batch of stamped samples that can be sliced and concatenated."""
+    """A batch of samples that can be sliced and concatenated."""
 
     @property
-    def stamps_ns(self) -> Integers:
-        """Stamps, ns, shape (N,)."""
+    def times_ns(self) -> Integers:
+        """When they are sent, ns, shape (N,)."""
         ...
 
     def __len__(self) -> int: ...
@@ -44,6 +45,8 @@ class SampleQueue(Generic[R]):
         ``compute(stamps_ns)`` makes samples. Each stamp is asked for once, in rising order.
     look_ahead : int, optional
         Samples to compute at once when fewer are wanted.
+    arrivals : Arrivals, optional
+        When the samples are sent; by default at their stamps.
     """
 
     def __init__(
@@ -52,8 +55,10 @@ class SampleQueue(Generic[R]):
         first: int,
         compute: Callable[[Integers], R],
         look_ahead: int = 0,
+        arrivals: Arrivals | None = None,
     ) -> None:
         self._clock = clock
+        self._arrivals = arrivals or clock
         self._next = first
         self._compute = compute
         self._look_ahead = look_ahead
@@ -65,16 +70,16 @@ class SampleQueue(Generic[R]):
         return self._next - len(self._ready)
 
     def stamp_ns(self, ahead: int) -> int:
-        """The stamp of the sample that comes after ``ahead`` others, ns."""
+        """When the sample is sent that comes after ``ahead`` others, ns."""
         kept = len(self._ready)
-        return int(self._ready.stamps_ns[ahead]) if ahead < kept else self._clock.stamp_ns(self._next + ahead - kept)
+        return int(self._ready.times_ns[ahead]) if ahead < kept else self._arrivals.stamp_ns(self._next + ahead - kept)
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many samples that were not yet taken are stamped at or before a time."""
-        count = int(np.searchsorted(self._ready.stamps_ns, stamp_ns, side="right")) if len(self._ready) else 0
+        """How many samples that were not yet taken are sent at or before a time."""
+        count = int(np.searchsorted(self._ready.times_ns, stamp_ns, side="right")) if len(self._ready) else 0
         if count < len(self._ready):
             return count
-        return count + max(0, self._clock.count_until(stamp_ns) - self._next)
+        return count + max(0, self._arrivals.count_until(stamp_ns) - self._next)
 
     def take(self, count: int) -> R:
         """The next ``count`` samples."""
@@ -98,7 +103,8 @@ class SampleQueue(Generic[R]):
 class SensorQueue(Generic[R]):
     """Readings of a sensor across resets: one queue per segment.
 
-    Readings left over when a segment ends come before those of the next one, and are computed only when taken.
+    Readings left over when a segment ends come before those of the next one, and are computed only when taken. Those
+    under way to arrive later are lost with it.
 
     Parameters
     ----------
@@ -117,7 +123,7 @@ class SensorQueue(Generic[R]):
         self._last = queue
 
     def stamp_ns(self, ahead: int) -> int:
-        """The stamp of the sample that comes after ``ahead`` others, ns."""
+        """When the sample is sent that comes after ``ahead`` others, ns."""
         for queue, end_ns in self._ending:
             left = queue.count_until(end_ns)
             if ahead < left:
@@ -126,7 +132,7 @@ class SensorQueue(Generic[R]):
         return self._last.stamp_ns(ahead)
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many samples that were not yet taken are stamped at or before a time."""
+        """How many samples that were not yet taken are sent at or before a time."""
         ending = sum(queue.count_until(min(stamp_ns, end_ns)) for queue, end_ns in self._ending)
         return ending + self._last.count_until(stamp_ns)
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors import ImuReadings
 from lie_rigid_body.wording import short_repr
+
+Q = TypeVar("Q")
+"""Readings: an array of rows, or `ImuReadings`."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,11 @@ class Samples:
 
     __repr__ = short_repr
 
+    @property
+    def times_ns(self) -> Integers:
+        """When they are sent and logged, ns: at their stamps."""
+        return self.stamps_ns
+
     def __len__(self) -> int:
         return len(self.stamps_ns)
 
@@ -42,65 +51,61 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class ImuSamples:
-    """Readings of an IMU, and their stamps.
+class SensorSamples(Generic[Q]):
+    """Readings of a sensor.
 
     Parameters
     ----------
+    times_ns : ndarray of int64, shape (N,)
+        When they arrive, are sent and logged, ns.
     stamps_ns : ndarray of int64, shape (N,)
-    readings : ImuReadings, N of them
+        What their headers say, ns: the sensor's own clock at the time of measurement.
+    lost : ndarray of bool, shape (N,)
+        Which of them never arrive.
+    readings : Q
+        Of the IMU `ImuReadings`; of the magnetometer the field on its axes, T, shape (N, 3); of the attitude sensor
+        attitudes, scalar last, shape (N, 4); of the sun sensor directions in the body frame, shape (N, 3).
     """
 
+    times_ns: Integers
     stamps_ns: Integers
-    readings: ImuReadings
+    lost: Booleans
+    readings: Q
 
     __repr__ = short_repr
 
     def __len__(self) -> int:
-        return len(self.stamps_ns)
+        return len(self.times_ns)
 
-    def __getitem__(self, index: slice) -> ImuSamples:
-        return ImuSamples(self.stamps_ns[index], ImuReadings(*(column[index] for column in _columns(self.readings))))
+    def __getitem__(self, index: slice | Booleans) -> SensorSamples[Q]:
+        return SensorSamples(self.times_ns[index], self.stamps_ns[index], self.lost[index], _rows(self.readings, index))
 
-    def joined(self, later: ImuSamples) -> ImuSamples:
+    def joined(self, later: SensorSamples[Q]) -> SensorSamples[Q]:
         """These samples followed by later ones."""
-        pairs = zip(_columns(self.readings), _columns(later.readings), strict=True)
-        readings = ImuReadings(*(np.concatenate(pair) for pair in pairs))
-        return ImuSamples(np.concatenate([self.stamps_ns, later.stamps_ns]), readings)
+        return SensorSamples(
+            np.concatenate([self.times_ns, later.times_ns]),
+            np.concatenate([self.stamps_ns, later.stamps_ns]),
+            np.concatenate([self.lost, later.lost]),
+            _concatenated(self.readings, later.readings),
+        )
+
+    def received(self) -> SensorSamples[Q]:
+        """Those that arrive."""
+        return self[~self.lost] if self.lost.any() else self
 
 
-def _columns(readings: ImuReadings) -> tuple[Array, Array, Array, Array]:
-    return (
-        readings.angular_velocity,
-        readings.linear_acceleration,
-        readings.gyro_bias,
-        readings.accelerometer_bias,
-    )
+def _rows(readings: Any, index: slice | Booleans) -> Any:
+    if isinstance(readings, np.ndarray):
+        return readings[index]
+    columns = vars(readings).items()
+    some: dict[str, Any] = {name: None if column is None else column[index] for name, column in columns}
+    return ImuReadings(**some)
 
 
-@dataclass(frozen=True)
-class MagnetometerSamples:
-    """Readings of a magnetometer, and their stamps.
-
-    Parameters
-    ----------
-    stamps_ns : ndarray of int64, shape (N,)
-    magnetic_field : ndarray, shape (N, 3)
-        On the sensor's axes, T.
-    """
-
-    stamps_ns: Integers
-    magnetic_field: Array
-
-    __repr__ = short_repr
-
-    def __len__(self) -> int:
-        return len(self.stamps_ns)
-
-    def __getitem__(self, index: slice) -> MagnetometerSamples:
-        return MagnetometerSamples(self.stamps_ns[index], self.magnetic_field[index])
-
-    def joined(self, later: MagnetometerSamples) -> MagnetometerSamples:
-        """These samples followed by later ones."""
-        field = np.concatenate([self.magnetic_field, later.magnetic_field])
-        return MagnetometerSamples(np.concatenate([self.stamps_ns, later.stamps_ns]), field)
+def _concatenated(one: Any, other: Any) -> Any:
+    if isinstance(one, np.ndarray):
+        return np.concatenate([one, other])
+    pairs = zip(vars(one).items(), vars(other).values(), strict=True)
+    # where a reset changes whether an IMU tells its orientation, the readings about it tell none
+    joined: dict[str, Any] = {n: None if a is None or b is None else np.concatenate([a, b]) for (n, a), b in pairs}
+    return ImuReadings(**joined)

@@ -16,8 +16,9 @@ from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD
 from peers import registry
 from peers.contender import Contender, step_text
 from peers.measurement import Row, ahead, measure
+from peers.pictures import drift
 from peers.table import MARK, replaced, short_table
-from peers.task import NS, TASKS, Task
+from peers.task import LONG, NS, TASKS, Task
 from peers.truth import errors, truth
 
 ROOT = Path(__file__).parents[2]
@@ -132,6 +133,25 @@ def test_what_would_take_too_long_is_not_begun():
     slow = Contender("slow", "", 0.0, lambda: pytest.fail("it ran"))
     rows = measure(BRIEF, [run, slow], {("slow", ""): 1e9})
     assert [row.contender for row in rows] == [run]
+
+
+def test_curves_that_lie_under_another_are_drawn_as_one_and_named():
+    def row(family: str, error: float) -> Row:
+        contender = Contender(family, "1 ms", 1e-3, lambda: np.empty(0), ours=True)
+        return Row(contender, np.full(len(LONG.judged_ns), error), 1.0)
+
+    names = [f"ours, moving chart {name}" for name in ("rkmk4", "dmv2", "dmv6", "dmv8", "dmv20")]
+    rows = [row("ours, closed form", 2e-16), *map(row, names, [1e-9, 1e-4, 1e-16, 1.1e-16, 2e-16])]
+    figure = drift(rows)
+    [legend] = figure.legends
+    told = [text.get_text() for text in legend.get_texts()]
+    assert told == [
+        "ours, closed form, 1 ms",
+        "ours, moving chart rkmk4, 1 ms",
+        "ours, moving chart dmv2, 1 ms",
+        "ours, moving chart dmv6 … dmv20, 1 ms",
+    ]
+    assert len([line for line in figure.axes[0].get_lines() if line.get_marker() != "None"]) == len(told)
 
 
 def test_only_the_table_of_a_page_is_exchanged():

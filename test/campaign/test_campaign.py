@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-pytest.importorskip("distributed")
-parquet = pytest.importorskip("pyarrow.parquet")
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.cli.record import main as record
 
-from lie_rigid_body.cli.campaign import main  # noqa: E402
-from lie_rigid_body.cli.record import main as record  # noqa: E402
-
+# not loaded here: the process that only collects these tests does without
+pytestmark = pytest.mark.skipif(
+    not (find_spec("distributed") and find_spec("pyarrow")), reason="distributed or pyarrow is not installed"
+)
 COMMAND = [sys.executable, "-m", "lie_rigid_body", "campaign"]
 DEADLINE = 120.0
+MANY = 9
 CAMPAIGN = """
 runs: 6
 seed: 7
@@ -43,6 +48,12 @@ def written(folder: Path, text: str = CAMPAIGN) -> Path:
     return path
 
 
+def table_of(out: Path) -> Any:
+    from pyarrow import parquet
+
+    return parquet.read_table(out / "runs.parquet")
+
+
 def bytes_of(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((out / "bags").iterdir())}
 
@@ -56,7 +67,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_table_has_a_row_for_each_run(out: Path) -> None:
-    table = parquet.read_table(out / "runs.parquet")
+    table = table_of(out)
     vary = ["initial_attitude_xyzw", "initial_body_rate", "inertia", "gyro_noise_density", "motion", "sensor_seed"]
     assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag"]
     assert table["run"].to_pylist() == list(range(6))
@@ -67,7 +78,7 @@ def test_the_table_has_a_row_for_each_run(out: Path) -> None:
 
 
 def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
-    for row in parquet.read_table(out / "runs.parquet").to_pylist():
+    for row in table_of(out).to_pylist():
         given = {name: row[name] for name in list(row)[1:-3]} | {"rate": 100.0, "imu_rate": 100.0}
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
         again = tmp_path / "again.mcap"
@@ -89,7 +100,7 @@ def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path) -
         other = tmp_path / "other"
         assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", cluster.scheduler_address]) == 0
     assert bytes_of(other) == bytes_of(out)
-    assert parquet.read_table(other / "runs.parquet").equals(parquet.read_table(out / "runs.parquet"))
+    assert table_of(other).equals(table_of(out))
 
 
 def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -99,10 +110,33 @@ def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: p
     assert "6 runs, 6 certified" in capsys.readouterr().out
 
 
+def test_a_page_shows_the_runs_and_their_residuals(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("plotly")
+    report = tmp_path / "report.html"
+    given = [str(written(tmp_path)), "--out", str(out), "--report", str(report)]
+    assert main(given) == 0
+    assert f"wrote {report}" in capsys.readouterr().out
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size <= 6_000_000
+    assert "6 of 6 runs CERTIFIED" in text
+    rows = table_of(out).to_pylist()
+    for row in rows:
+        assert f"<td>{row['run']}</td>" in text
+        assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
+    drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
+    assert {"kinetic energy [rel]", "world momentum x [rel]", "closed form [rad]"} <= counts.keys()
+    assert counts["closed form [rad]"] == 6
+    assert main(given) == 2
+    assert "--force to replace it" in capsys.readouterr().err
+
+
 @pytest.fixture
 def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """A process with a campaign that has finished a run and has many before it."""
-    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 16").replace("0.25", "8.0")), tmp_path / "out"
+    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", f"runs: {MANY}").replace("0.25", "8.0")), tmp_path / "out"
     process = subprocess.Popen(
         [*COMMAND, str(path), "--out", str(out), "--workers", "2"],
         stdout=-1,
@@ -136,11 +170,11 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert complained.count("\n") == 1, complained
     [line] = complained.splitlines()
     done = finished(out)
-    assert f"interrupted after {len(done)} of 16 runs" in line
+    assert f"interrupted after {len(done)} of {MANY} runs" in line
     assert len(done) == len({*done}) >= 1
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
-    assert main([str(out.parent / "campaign.yaml"), "--out", str(out)]) == 0
-    assert sorted(finished(out)) == list(range(16))
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 0
+    assert sorted(finished(out)) == list(range(MANY))
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
 
 
@@ -153,8 +187,8 @@ def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Pop
     os.kill(workers[0], signal.SIGKILL)
     said, complained = process.communicate(timeout=DEADLINE)
     assert (process.returncode, complained) == (0, "")
-    assert "16 runs, 16 certified" in said
-    assert sorted(finished(out)) == list(range(16))
+    assert f"{MANY} runs, {MANY} certified" in said
+    assert sorted(finished(out)) == list(range(MANY))
 
 
 def children(pid: int) -> list[int]:
@@ -170,7 +204,7 @@ def command(pid: int) -> str:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("runs: 0\nseed: 1\nduration: 1.0", "runs: '0' is not an integer from 1"),
+        ("runs: 0\nseed: 1\nduration: 1.0", "runs: 0 is not an integer from 1"),
         ("runs: 1\nseed: -1\nduration: 1.0", "seed"),
         ("runs: 1\nseed: 1\nduration: .inf", "duration"),
         ("runs: 1\nseed: 1", "has no 'duration:'"),

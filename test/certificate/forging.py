@@ -24,9 +24,22 @@ def copy(
     target: Path,
     change: Payloads = lambda topic, data: data,
     compression: CompressionType = CompressionType.NONE,
+    last: int | None = None,
     count: int | None = None,
 ) -> Path:
-    """Copy a bag as if this package had written it, with other payloads, without checksums, with an attachment."""
+    """Copy a bag as if this package had written it, with other payloads, without checksums, with an attachment.
+
+    Parameters
+    ----------
+    source, target : Path
+    change : callable, optional
+        Of a topic and a payload: the payload to write.
+    compression : CompressionType, optional
+    last : int, optional
+        The latest log time, ns, of what is copied.
+    count : int, optional
+        How many samples the writer says it wrote; by default as many as it did.
+    """
     with source.open("rb") as stream, target.open("wb") as out:
         reader = make_reader(stream)
         summary = reader.get_summary()
@@ -38,11 +51,14 @@ def copy(
             schema = summary.schemas[channel.schema_id]
             number = writer.register_schema(schema.name, schema.encoding, schema.data)
             channels[channel.id] = writer.register_channel(channel.topic, "cdr", number, channel.metadata)
+        samples = 0
         for _, channel, message in reader.iter_messages(log_time_order=False):
+            if last is not None and message.log_time > last:
+                continue
+            samples += channel.topic == "/pose"
             data = change(channel.topic, message.data)
             writer.add_message(channels[channel.id], message.log_time, data, message.publish_time, message.sequence)
-        samples = summary.statistics.channel_message_counts[1] if summary.statistics else 0
-        writer.add_metadata("lie_rigid_body", {"samples": str(samples)})
+        writer.add_metadata("lie_rigid_body", {"samples": str(samples if count is None else count)})
         writer.add_attachment(0, 0, "photo", "image/png", b"pixels")
         writer.finish()
     return target

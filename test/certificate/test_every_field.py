@@ -15,6 +15,7 @@ from forging import copy, forge
 from mcap.writer import CompressionType
 
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.cli.certificate_text import as_json, as_table
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
@@ -114,6 +115,12 @@ def in_payload(topic: str, change: Callable[[bytes], bytes], index: int = 5) -> 
         )
 
     return forgery
+
+
+def shortened(count: int | None = None) -> Forgery:
+    """The last four samples cut off, and the counts with them unless that of the samples is given."""
+    last = 10**18 + round((COUNT - 5) / RATE * 1e9)
+    return lambda honest, folder: copy(honest, folder / "forged.mcap", last=last, count=count)
 
 
 def patched(at: int, code: str, change: Callable[[Any], Any]) -> Callable[[bytes], bytes]:
@@ -227,6 +234,8 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     ("Channel", "a repeat"): in_bytes(b"/pose", b"/pase", -1),
     ("Message", "channel_id"): number("Message", "channel_id"),
     ("Message", "sequence"): number("Message", "sequence"),
+    ("Message", "the last ones, cut off"): shortened(count=COUNT),
+    ("Message", "the last ones, cut off, and every count with them"): shortened(),
     ("Message", "log_time"): in_records(Message=lambda r: {"log_time": 2**64 - 1}),
     ("Message", "publish_time"): number("Message", "publish_time"),
     ("Chunk", "message_start_time"): number("Chunk", "message_start_time"),
@@ -384,6 +393,20 @@ def test_the_honest_copy_is_certified_and_says_what_is_not(honest: Path, tmp_pat
     assert "parts without a checksum: 1" in said
     assert found.sensors == ("/imu/data_raw", "/imu/bias", "/imu/mag")
     assert "1 attachments" in said
+
+
+END = "what came after its last sample: whoever cuts samples off can lower their count"
+
+
+def test_of_every_bag_the_end_is_said_not_to_be_certified(honest: Path, tmp_path: Path):
+    """A run that was cut short, and its counts with it, is one that was short from the beginning."""
+    forged = certify(read_bag(shortened()(honest, tmp_path)))
+    assert forged.passed, forged.messages
+    assert forged.segments[0].samples == COUNT - 4
+    for found in (forged, certify(read_bag(honest))):
+        assert END in found.not_certified
+        assert as_json("x.mcap", found)["not_certified"] == list(found.not_certified)
+        assert END in " ".join(as_table("x.mcap", found).split())
 
 
 def verdict(bag: Path) -> str:

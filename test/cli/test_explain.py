@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +55,14 @@ def test_the_errors_of_sensors_are_shown(capsys: pytest.CaptureFixture[str]) -> 
     assert "magnetometer" not in shown
     assert "Sensors" not in text(capsys, [])
     assert facts(capsys, given)["parameters"]["sensor_grade"] == "mems"
+
+
+def test_faults_are_shown_of_sensors_that_are_on(capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["-p", "magnetometer_rate:=10.0", "-p", "imu_latency:=0.1", "-p", "magnetometer_stuck_interval:=5.0"]
+    shown = text(capsys, given)
+    assert re.search(r"magnetometer_stuck_interval +5\n", shown)
+    assert "imu_latency" not in shown
+    assert re.search(r"imu_orientation +true\n", text(capsys, ["-p", "imu_rate:=9.0", "-p", "imu_orientation:=true"]))
 
 
 @pytest.mark.parametrize("name", scenario_files())

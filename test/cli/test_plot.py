@@ -199,7 +199,7 @@ def test_of_several_segments_the_first_is_named(tmp_path):
     figure = draw(segments(tmp_path, 50, 50))
     assert "first segment: inertia [1, 2, 2.5]" in title(figure)
     assert "100 samples at 100 Hz, 1 reset" in title(figure)
-    assert figure.axes[3].get_title().startswith("first segment: polhode")
+    assert figure.subfigs[1].texts[0].get_text().startswith("first segment: polhode")
 
 
 def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
@@ -209,6 +209,25 @@ def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
     *others, polhode = cast(Any, figure.axes)
     left = max(axes.get_tightbbox().x1 for axes in others)
     assert polhode.zaxis.get_tightbbox(canvas.get_renderer()).x0 > left + 90.0
+
+
+def test_words_and_numbers_keep_clear_of_an_ellipsoid_seen_from_below(tmp_path):
+    """Its axes lie above it; slow rates are in units that make short numbers."""
+    slow = read_parameter_file(scenario_files()["tumbling_cubesat"])
+    figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1200, **slow))))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    polhode, renderer = cast(Any, figure.axes[3]), canvas.get_renderer()
+    assert polhode.elev < 0.0
+    axes = (polhode.xaxis, polhode.yaxis, polhode.zaxis)
+    for text in figure.subfigs[1].texts:
+        box = text.get_window_extent(renderer)
+        assert not any(box.overlaps(axis.get_tightbbox(renderer)) for axis in axes)
+    for axis in axes:
+        assert "$10^{-3}$ rad/s" in axis.label.get_text()
+        assert max(len(text) for text in axis.get_major_formatter().format_ticks(axis.get_majorticklocs())) <= 3
+        boxes = [tick.label1.get_window_extent(renderer) for tick in axis.get_major_ticks()]
+        assert not any(a.overlaps(b) for a, b in pairwise(boxes))
 
 
 def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):

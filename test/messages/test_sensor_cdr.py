@@ -11,8 +11,22 @@ from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lie_rigid_body.messages import ImuEncoder, MagneticFieldEncoder
-from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, definition
+from lie_rigid_body.messages import (
+    AttitudeEncoder,
+    ImuEncoder,
+    MagneticFieldEncoder,
+    VectorEncoder,
+    decode_string,
+    encode_strings,
+)
+from lie_rigid_body.messages.definitions import (
+    IMU,
+    MAGNETIC_FIELD,
+    POSE_WITH_COVARIANCE_STAMPED,
+    STRING,
+    VECTOR3_STAMPED,
+    definition,
+)
 from lie_rigid_body.messages.layout import Payloads
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -22,6 +36,8 @@ RATES = np.array([[0.01, 1, 0.01], [-0.0, 5e-324, 1e308], [1 / 3, -2 / 3, 0.1], 
 FORCES = RATES[::-1] * [1.0, -0.5, 1.5]
 FIELDS = RATES[[2, 0, 4, 1, 3]] * 1e-5
 DIAGONAL = [0, 4, 8]
+ATTITUDES = np.random.default_rng(1).normal(size=(len(STAMPS), 4))
+COVARIANCES = np.random.default_rng(2).normal(size=(len(STAMPS), 3, 3))
 
 
 def imu_messages(frame: str = "imu_link") -> Payloads:
@@ -84,6 +100,38 @@ def test_others_read_the_magnetic_field(decode: object, frame: str) -> None:
         assert list(message.magnetic_field_covariance) == diagonal(1e-16)
 
 
+@DECODERS
+@pytest.mark.parametrize("frame", FRAMES)
+def test_others_read_attitudes_vectors_and_orientations(decode: object, frame: str) -> None:
+    poses = AttitudeEncoder(frame).encode(STAMPS, ATTITUDES, COVARIANCES)
+    vectors = VectorEncoder(frame).encode(STAMPS, FIELDS)
+    oriented = ImuEncoder(frame, orientation_covariance=range(9)).encode(STAMPS, RATES, FORCES, ATTITUDES)
+    for k in range(len(STAMPS)):
+        pose = decode(POSE_WITH_COVARIANCE_STAMPED, poses[k])  # type: ignore[operator]
+        vector = decode(VECTOR3_STAMPED, vectors[k])  # type: ignore[operator]
+        imu = decode(IMU, oriented[k])  # type: ignore[operator]
+        for message in (pose, vector, imu):
+            require_header(message, k, frame)
+        assert xyz(pose.pose.pose.position) == [0.0, 0.0, 0.0]
+        for orientation in (pose.pose.pose.orientation, imu.orientation):
+            assert [*xyz(orientation), orientation.w] == ATTITUDES[k].tolist()
+        covariance = np.reshape(pose.pose.covariance, (6, 6))
+        assert covariance[3:, 3:].tolist() == COVARIANCES[k].tolist()
+        assert not covariance[:3].any()
+        assert not covariance[:, :3].any()
+        assert list(imu.orientation_covariance) == list(range(9))
+        assert xyz(imu.angular_velocity) == RATES[k].tolist()
+        assert xyz(vector.vector) == FIELDS[k].tolist()
+
+
+@DECODERS
+def test_others_read_texts_of_one_length(decode: object) -> None:
+    told = ["", '{"kind": "stuck"}', "x" * 30]
+    payloads = encode_strings(told, 30)
+    assert [decode(STRING, payload).data.rstrip() for payload in payloads] == told  # type: ignore[operator]
+    assert [decode_string(payload) for payload in payloads] == [text.ljust(30) for text in told]
+
+
 def test_covariances_are_unknown_unless_given() -> None:
     imu = decode_by_schema(IMU, ImuEncoder("imu_link").encode(STAMPS, RATES, FORCES)[0])
     field = decode_by_schema(MAGNETIC_FIELD, MagneticFieldEncoder("imu_link").encode(STAMPS, FIELDS)[0])
@@ -96,7 +144,7 @@ def test_covariances_are_unknown_unless_given() -> None:
         assert list(covariance) == [0.0] * 9
 
 
-@pytest.mark.parametrize("message_type", [IMU, MAGNETIC_FIELD])
+@pytest.mark.parametrize("message_type", [IMU, MAGNETIC_FIELD, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED])
 def test_definitions_are_those_of_jazzy(message_type: str) -> None:
     for name, fields in get_types_from_msg(definition(message_type), message_type).items():
         assert fields[1] == STORE.fielddefs[name][1], name

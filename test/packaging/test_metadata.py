@@ -19,8 +19,8 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 CHANGELOG = ROOT / "CHANGELOG.rst"
 # What rosdep cannot give to a package that is released, or what is used where it is installed.
-WITHOUT_KEY = {"dask", "distributed", "mcap", "pyarrow", "zstandard", "flint", "lz4", "numba", "simulation_interfaces"}
-WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
+WITHOUT_KEY = {"dask", "distributed", "flint", "lz4", "mcap", "numba", "plotly", "pyarrow", "simulation_interfaces"}
+WITHOUT_KEY |= {"zstandard", "hypothesis", "pytest"}  # by `testing`, which only tests import
 KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
 KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
 

@@ -39,7 +39,7 @@ class KeepingSink:
         self.batches.append(batch)
         self.events.append(batch.samples.stamps_ns.tolist())
         self.sent_at += [self.steady()] * len(batch.samples)
-        self.interruption.requested = self.interruption.requested or len(self.stamps) >= self.enough
+        self.interruption.requested = self.interruption.requested or len(self.sent_at) >= self.enough
 
     def ready(self) -> bool:
         return True
@@ -63,7 +63,7 @@ class KeepingSink:
             for batch in self.batches
             for messages in batch.sensors
             if messages.topic == topic
-            for stamp in messages.stamps_ns
+            for stamp in messages.times_ns
         ]
 
 

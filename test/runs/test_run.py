@@ -259,9 +259,9 @@ def test_scores_of_a_run(run):
     ("arguments", "message"),
     [
         ({"scenario": "perpetual", "duration": 1.0}, "'perpetual' is unknown"),
-        ({"duration": 0.0}, "duration 0 is not a time"),
+        ({"duration": 0.0}, "duration 0.0 is not a time"),
         ({"duration": float("nan")}, "duration nan is not a time"),
-        ({"duration": "60"}, "duration '60' is not a number"),
+        ({"duration": "60"}, "duration '60' is not a time"),
         ({"duration": 1.0, "imu_rte": 3.0}, "did you mean imu_rate"),
         ({"duration": 1.0, "seeds": [1], "sensor_seed": 2}, "beside seeds"),
         ({"duration": 1.0, "seeds": [-1]}, "sensor_seed: -1 is outside"),

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import (
     gather,
@@ -255,3 +255,15 @@ def test_long_numbers_take_little_time() -> None:
     assert parse_assignment(f"rate:={10**5 * '1'}")[1] == math.inf
     with pytest.raises(InputError, match="too large"):
         parse_assignment(f"rate:=0x{10**5 * 'F'}")
+
+
+@pytest.mark.parametrize("digits", ["9" * 19, "9" * 30, "-" + "9" * 30])
+def test_an_integer_of_any_length_is_refused_by_its_range(digits):
+    """One of more than 64 bits is read as a double, as rcl does."""
+    with pytest.raises(ParameterError, match=r"epoch_ns: .* is outside \[0, 2147483647000000000\]: give for example 0"):
+        Scenario.from_parameters(gather(None, [], [f"epoch_ns:={digits}"]))
+
+
+def test_a_long_assignment_is_refused_by_the_name_of_its_option():
+    with pytest.raises(InputError, match=r"^--set 'inertia.* is not NAME:=VALUE: give for example --set rate:=200.0$"):
+        parse_assignment("inertia = [" + "1.0, " * 200 + "]", "--set")

@@ -8,10 +8,10 @@ import pytest
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import SENSOR_PARAMETERS
+from lie_rigid_body.sensors import QUIET, SENSOR_PARAMETERS
 from lie_rigid_body.simulation import Segment
 
-SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS} - {"sensor_grade"}
+SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS} - QUIET
 
 
 def test_text_of_a_scenario_brings_its_sensors_back() -> None:
@@ -36,6 +36,14 @@ def test_a_grade_is_in_the_text_if_it_was_given() -> None:
     assert Segment.from_json(text).scenario == scenario
     assert scenario.sensor_grade == "mems"
     assert scenario.parameters()["gyro_turn_on_bias"] == 1e-3
+
+
+def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None:
+    """Else the text, and so the bag, is what it was before there were faults and other sensors."""
+    given = {"imu_rate": 100.0, "gyro_stuck_interval": 5.0, "fault_begin": 0.0, "sun_direction": [0.0, 1.0, 0.0]}
+    scenario = Scenario.from_parameters(given)
+    assert QUIET.intersection(scenario.parameters()) == {"gyro_stuck_interval", "sun_direction"}
+    assert Segment.from_json(Segment(scenario, 0, 0).to_json()).scenario == scenario
 
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:

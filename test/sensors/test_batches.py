@@ -24,7 +24,7 @@ def imu_bytes(sensor: Imu, cuts: list[int]) -> list[bytes]:
 
 def field_bytes(sensor: Magnetometer, cuts: list[int]) -> bytes:
     pairs = zip([0, *cuts], [*cuts, COUNT], strict=True)
-    return np.concatenate([sensor.measure(STATES[a:b]) for a, b in pairs]).tobytes()
+    return np.concatenate([sensor.measure(T[a:b], STATES[a:b]) for a, b in pairs]).tobytes()
 
 
 @pytest.mark.parametrize("gyro_rate", ["instantaneous", "integrated"])
@@ -45,12 +45,12 @@ def test_sensors_do_not_move_each_other() -> None:
     together, field = imu(**EVERYTHING), magnetometer(**EVERYTHING)
     reads, fields = [], []
     for k in range(50):  # in turns
-        fields.append(field.measure(STATES[k : k + 1]))
+        fields.append(field.measure(T[k : k + 1], STATES[k : k + 1]))
         reads.append(together.measure(T[k : k + 1], STATES[k : k + 1]))
     alone = imu(**ALONE).measure(T[:50], STATES[:50])
     for name in FIELDS:
         assert np.concatenate([getattr(read, name) for read in reads]).tobytes() == getattr(alone, name).tobytes()
-    assert np.concatenate(fields).tobytes() == magnetometer(**EVERYTHING).measure(STATES[:50]).tobytes()
+    assert np.concatenate(fields).tobytes() == magnetometer(**EVERYTHING).measure(T[:50], STATES[:50]).tobytes()
 
 
 def test_the_noise_of_one_sensor_does_not_move_another() -> None:
@@ -89,7 +89,7 @@ def test_where_arrays_lie_in_memory_changes_nothing() -> None:
 @given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 300)), min_size=1, max_size=4))
 def test_readings_behind_others_that_are_left_out_are_the_same(gyro_rate: str, parts: list[tuple[int, int]]) -> None:
     settings = {**EVERYTHING, "gyro_rate": gyro_rate}
-    whole, fields = imu(**settings).measure(T, STATES), magnetometer(**settings).measure(STATES)
+    whole, fields = imu(**settings).measure(T, STATES), magnetometer(**settings).measure(T, STATES)
     sensor, bare, compass, at = imu(**settings), imu(**settings), magnetometer(**settings), 0
     for left_out, wanted in parts:
         at += left_out
@@ -100,9 +100,9 @@ def test_readings_behind_others_that_are_left_out_are_the_same(gyro_rate: str, p
                 one.skip(left_out, int(T[at - 1]), STATES[at - 1])
             compass.skip(left_out)
         rows = slice(at, at + wanted)
-        read, biases = sensor.measure(T[rows], STATES[rows]), bare.biases(wanted)
+        read, biases = sensor.measure(T[rows], STATES[rows]), bare.biases(T[rows])
         for name in FIELDS:
             assert getattr(read, name).tobytes() == getattr(whole, name)[rows].tobytes()
         assert [bias.tobytes() for bias in biases] == [getattr(whole, name)[rows].tobytes() for name in FIELDS[2:]]
-        assert compass.measure(STATES[rows]).tobytes() == fields[rows].tobytes()
+        assert compass.measure(T[rows], STATES[rows]).tobytes() == fields[rows].tobytes()
         at += wanted

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from reference_noise import normal, philox, words
 from scipy import stats
 
-from lie_rigid_body.sensors.noise import BLOCK, BlockBuffer, NoiseSource, RandomWalk, WhiteNoise, _uniform
+from lie_rigid_body.sensors.noise import BLOCK, BlockBuffer, NoiseSource, RandomWalk, WhiteNoise, uniform
 
 COUNT = 100_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -56,6 +56,9 @@ def test_source_numbers_are_these_for_ever() -> None:
         "ACCELEROMETER_WALK": 5,
         "ACCELEROMETER_WHITE": 6,
         "MAGNETOMETER_WHITE": 7,
+        "ORIENTATION_WHITE": 8,
+        "ATTITUDE_SENSOR_WHITE": 9,
+        "SUN_SENSOR_WHITE": 10,
     }
 
 
@@ -68,7 +71,7 @@ def test_deviates_are_the_inverse_normal_of_the_words(seed: int, source: NoiseSo
 
 
 def test_uniform_numbers_are_exact_and_never_reach_the_ends() -> None:
-    ends = _uniform(np.array([0, 2**64 - 1, 2**63, 2**63 - 1], dtype=np.uint64))
+    ends = uniform(np.array([0, 2**64 - 1, 2**63, 2**63 - 1], dtype=np.uint64))
     assert ends.tolist() == [2.0**-53, 1.0 - 2.0**-53, 0.5 + 2.0**-53, 0.5 - 2.0**-53]
 
 

@@ -13,7 +13,7 @@ from lie_rigid_body.parameters import Parameter
 from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 TRIADS = ("gyro", "accelerometer")
-NOT_NEGATIVE = [p.name for p in SENSOR_PARAMETERS if p.kind == "double"]
+NOT_NEGATIVE = [p.name for p in SENSOR_PARAMETERS if p.kind == "double" and p.minimum == 0.0]
 ARRAYS = [p for p in SENSOR_PARAMETERS if p.kind == "double_array"]
 LIMITS = {
     "imu_rate too slow": ("imu_rate", {"imu_rate": 1e-7}, "1e-07 is below 1e-06 samples"),
@@ -80,11 +80,19 @@ def test_each_is_turned_on_by_its_rate() -> None:
 
 def test_every_parameter_reaches_its_sensor() -> None:
     """A value other than the default makes other sensors."""
-    on = {"imu_rate": 100.0, "magnetometer_rate": 100.0}
+    on: dict[str, object] = {p.name: 100.0 for p in SENSOR_PARAMETERS if p.name.endswith("sensor_rate")}
+    on |= {"imu_rate": 100.0, "magnetometer_rate": 100.0, "imu_orientation": True}
+    on |= {p.name: 0.5 for p in SENSOR_PARAMETERS if p.name.endswith("_probability")}
+    on |= {p.name: 8.0 for p in SENSOR_PARAMETERS if p.name.endswith("_interval")}
+    on |= {p.name: 0.3 for p in SENSOR_PARAMETERS if p.name.endswith("_drift")}
     plain = Sensors.from_parameters(on)
     for parameter in SENSOR_PARAMETERS:
-        other: object = 0.25
-        if parameter.kind == "double_array":
+        other: object = 0.005 if parameter.name.endswith("_skew") else 9.0 if parameter.name in on else 0.25
+        if parameter.name.endswith("_probability"):
+            other = 0.75
+        elif parameter.kind == "bool":
+            other = False
+        elif parameter.kind == "double_array":
             other = [0.25 + k / 8 for k in range(parameter.lengths[0])]
         elif parameter.kind == "int":
             other = 3

@@ -139,7 +139,7 @@ def test_readings_are_of_the_state_at_their_stamps(motion: str) -> None:
     up = np.einsum("nji,j->ni", matrices(at_imu.attitude_xyzw), [0.0, 0.0, 9.81])
     np.testing.assert_allclose(taken.imu.readings.linear_acceleration, up, rtol=0, atol=1e-7)
     field = np.einsum("nji,j->ni", matrices(at_field.attitude_xyzw), NORTH_AND_DOWN)
-    np.testing.assert_allclose(taken.magnetometer.magnetic_field, field, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(taken.magnetometer.readings, field, rtol=0, atol=1e-13)
 
 
 def matrices(attitude_xyzw: np.ndarray) -> np.ndarray:

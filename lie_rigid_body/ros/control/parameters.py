@@ -25,6 +25,7 @@ FIXED: Final[Mapping[str, str]] = {
     "paused": "it is how the node starts: call ~/pause or ~/resume",
     "publish_tf": f"publishers are made at the start: {_NEW_NODE}",
     "marker_rate": f"publishers are made at the start: {_NEW_NODE}",
+    "imu_orientation": f"a topic tells the same throughout: {_NEW_NODE}",
     "sensor_grade": f"other parameters depend on it: {_NEW_NODE}",
 }
 """Parameters that are fixed at the start, each with the reason and what to do instead."""
@@ -68,7 +69,7 @@ class NodeParameters:
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
         scenario = Scenario.from_parameters(self.values())
-        if scenario.sensors.imu or scenario.sensors.magnetometer:
+        if scenario.sensors.on:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Final
 
-from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3Stamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -19,7 +19,18 @@ from sensor_msgs.msg import Imu, MagneticField
 from std_msgs.msg import String
 
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, POSE, TWIST, Batch, sensor_topics
+from lie_rigid_body.messages.batch import (
+    ATTITUDE,
+    FAULTS,
+    IMU_BIAS,
+    IMU_DATA,
+    MAG,
+    POSE,
+    SUN,
+    TWIST,
+    Batch,
+    sensor_topics,
+)
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.session import translated_errors
@@ -32,8 +43,8 @@ SCENARIO: Final = "~/scenario"
 CLOCK: Final = "/clock"
 DEPTH: Final = 4 * LARGEST_BATCH
 """Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
-CLOCK_DEPTH: Final = 3 * DEPTH
-"""The same for the clock, which has a message for each stamp of the truth, of the IMU and of the magnetometer."""
+CLOCK_DEPTH: Final = 6 * DEPTH
+"""The same for the clock, which has a message for each time of the truth, of each sensor and of a fault."""
 BATCH_CONFIRMATION_NS: Final = 10_000_000
 """Longest wait on each topic for subscribers to confirm full batches: one that hangs must not hold up the others."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
@@ -45,7 +56,14 @@ ON_TIME_NS: Final = 5_000_000
 LATE_NS: Final = NS
 """Lateness from which a warning is logged."""
 WARNING_INTERVAL_NS: Final = 10 * NS
-_SENSOR_TYPES: Final[Mapping[str, type]] = {IMU_DATA: Imu, IMU_BIAS: Imu, MAG: MagneticField}
+_SENSOR_TYPES: Final[Mapping[str, type]] = {
+    IMU_DATA: Imu,
+    IMU_BIAS: Imu,
+    MAG: MagneticField,
+    ATTITUDE: PoseWithCovarianceStamped,
+    SUN: Vector3Stamped,
+    FAULTS: String,
+}
 
 
 class SamplePublisher(Sink):
@@ -78,12 +96,9 @@ class SamplePublisher(Sink):
         self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
         self._blocked: tuple[Publisher, bytes] | None = None
         self._logger = node.get_logger()
-        latched = QoSProfile(
-            depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
-        )
         types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
         self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
-        self._scenario = _publisher(node, String, SCENARIO, latched)
+        self._scenario = _publisher(node, String, SCENARIO, _latched(1))
         self._clock = self._publisher(Clock, CLOCK, CLOCK_DEPTH) if clock else None
         self._clock_ns = 0
         self._add_sensors(sensors)
@@ -101,7 +116,9 @@ class SamplePublisher(Sink):
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):
-            if topic not in self._publishers:
+            if topic == FAULTS and topic not in self._publishers:
+                self._publishers[topic] = _publisher(self._node, String, FAULTS, _latched(DEPTH))
+            elif topic not in self._publishers:
                 self._publishers[topic] = self._publisher(_SENSOR_TYPES[topic], topic)
 
     @property
@@ -193,6 +210,11 @@ class SamplePublisher(Sink):
 def _clock(stamp_ns: int) -> bytes:
     """The bytes of a rosgraph_msgs/Clock."""
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
+
+
+def _latched(depth: int) -> QoSProfile:
+    """That of a topic whose last messages late subscribers hear as well."""
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:

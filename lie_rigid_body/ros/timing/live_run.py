@@ -18,7 +18,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.mailbox import Mailbox
-from lie_rigid_body.ros.timing.pace import CATCH_UP, LONGEST_REST_NS, Halted, Pace, pace_of
+from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
@@ -30,10 +30,6 @@ SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
 """Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
-SELDOM_WOKEN: Final = Fraction(5, 4)
-"""As many times as fast as simulated time passes it then sends at least."""
-STALL_NS: Final = 25_000_000
-"""Time without samples from which on it is a stall, which comes once, ns."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
@@ -270,8 +266,7 @@ class LiveRun:
         self._encoder = BatchEncoder(scenario)
         # few samples when each costs many steps, so that calls need not wait long
         self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
-        sensors = (scenario.sensors.imu, scenario.sensors.magnetometer)
-        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in sensors if sensor is not None)])
+        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in scenario.sensors.on.values())])
         self._set_deadline()
         self._rested_ns = 0
         self._latest = (segment.start_ns, scenario.start())
@@ -289,21 +284,20 @@ class LiveRun:
         if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
         with self._interruption.allowed():
-            rest = self._rest_ns(stamp, now)
-            taken = self._simulation.take_until(self._pace.last_ns(stamp, now, rest), self._batch_size)
-        self._rested_ns = now - rest + self._pace.rest_ns(self._simulation.next_stamp_ns - stamp)
+            credit = self._credit_ns(stamp, now)
+            taken = self._simulation.take_until(self._pace.last_ns(stamp, now, credit), self._batch_size)
+        self._rested_ns = now + self._pace.rest_ns(self._simulation.next_stamp_ns - stamp, credit)
         batch = self._encoder.encode(taken)
         for sink in self._sinks:
             sink.write(batch)
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
 
-    def _rest_ns(self, stamp_ns: int, steady_ns: int) -> int:
-        """Rest since the last samples that counts for those which go out now, ns."""
-        rest = steady_ns - self._rested_ns
-        if rest <= LONGEST_REST_NS:
-            return rest
-        is_behind = rest < STALL_NS and self._pace.wait_ns(stamp_ns, steady_ns) < -FAR_BEHIND_NS
-        return max(LONGEST_REST_NS, int(SELDOM_WOKEN * rest) // CATCH_UP) if is_behind else LONGEST_REST_NS
+    def _credit_ns(self, stamp_ns: int, steady_ns: int) -> int:
+        """Time whose samples may go out at once, if they are late, ns."""
+        overslept = steady_ns - self._rested_ns
+        if overslept < STALL_NS and self._pace.wait_ns(stamp_ns, steady_ns) < -FAR_BEHIND_NS:
+            return max(credit_ns(overslept), int(CATCH_UP * overslept))
+        return credit_ns(overslept)
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""
@@ -328,8 +322,8 @@ class LiveRun:
             return 0
         if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
             wait = SHORTEST_WAIT_NS
-        if (rest := self._rested_ns - now) > 0:
-            wait = max(wait, rest, SHORTEST_WAIT_NS)
+        if (rest := self._rested_ns - now) >= 0:
+            wait = max(wait, rest, BREATH_NS)
         return min(wait, LONGEST_WAIT_NS, *others)
 
     def _carry_out_call(self, wait_ns: int) -> None:

@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
 FOREVER: Final = 2**63
 """A time longer than any wait, and later than any stamp, ns."""
-CATCH_UP: Final = 2
+CATCH_UP: Final = 1.25
 """A run that is late sends so many times as fast as simulated time passes: faster, it would overrun subscribers."""
-LONGEST_REST_NS: Final = 5_000_000 // CATCH_UP
-"""Longest rest that counts for what a late run sends at once, ns: 5 samples at 1 kHz, as many subscribers keep 10."""
+BREATH_NS: Final = 500_000
+"""Shortest rest of a late run, ns: at high rates a rest after each sample would cost too much."""
+LONGEST_CREDIT_NS: Final = 3_000_000
+"""Longest oversleep that a late run makes up for at once, ns: 3 samples at 1 kHz, as many subscribers keep 10."""
+STALL_NS: Final = 25_000_000
+"""Oversleep from which on it is a stall, ns: nothing of it is made up for at once."""
+
+
+def credit_ns(overslept_ns: int) -> int:
+    """Time whose samples may go out at once, in a late run that rested so much longer than it had to, ns.
+
+    In two breaths the run gains on time. In what it overslept beyond, it only keeps up with time: a late waking brings
+    no more samples than it brings to a punctual run. One sample may go out in any case.
+    """
+    if overslept_ns >= STALL_NS:
+        return 0
+    gaining = min(overslept_ns, 2 * BREATH_NS)  # half of it may be what the breath before left over
+    return int(CATCH_UP * gaining) + min(overslept_ns, LONGEST_CREDIT_NS) - gaining
 
 
 class Pace(Protocol):
@@ -25,12 +42,12 @@ class Pace(Protocol):
         """Time from ``steady_ns`` until a stamp is due, ns; negative when it has been due for that long."""
         ...
 
-    def last_ns(self, stamp_ns: int, steady_ns: int, rest_ns: int) -> int:
-        """The last stamp that may go out, from ``stamp_ns`` on, which is due, after a rest."""
+    def last_ns(self, stamp_ns: int, steady_ns: int, credit_ns: int) -> int:
+        """The last stamp that may go out, from ``stamp_ns`` on, which is due, with a credit of steady time."""
         return self.due_ns(steady_ns)
 
-    def rest_ns(self, span_ns: int) -> int:
-        """The rest that belongs to stamps sent, of which the next comes ``span_ns`` after the first, ns."""
+    def rest_ns(self, span_ns: int, credit_ns: int) -> int:
+        """The rest after stamps with that credit, of which the next comes ``span_ns`` after the first, ns."""
         return 0
 
 
@@ -39,7 +56,7 @@ class Scaled(Pace):
     """Simulated time is the steady clock's, scaled by a constant factor from a common instant.
 
     The relation never changes: nothing drifts, no sample is skipped, and samples delayed by a stall are due at once.
-    They go out by and by, however: a few and then a rest, `CATCH_UP` times as fast as simulated time passes.
+    They go out by and by, however, in an even stream that is `CATCH_UP` times as fast as simulated time passes.
 
     Parameters
     ----------
@@ -63,14 +80,14 @@ class Scaled(Pace):
         n, d = self.factor.numerator, self.factor.denominator
         return self.steady_ns - (self.stamp_ns - stamp_ns) * d // n - steady_ns
 
-    def last_ns(self, stamp_ns: int, steady_ns: int, rest_ns: int) -> int:
+    def last_ns(self, stamp_ns: int, steady_ns: int, credit_ns: int) -> int:
         """See `Pace`."""
-        allowed = CATCH_UP * rest_ns * self.factor.numerator // self.factor.denominator
+        allowed = credit_ns * self.factor.numerator // self.factor.denominator
         return min(self.due_ns(steady_ns), stamp_ns + max(0, allowed - 1))
 
-    def rest_ns(self, span_ns: int) -> int:
+    def rest_ns(self, span_ns: int, credit_ns: int) -> int:
         """See `Pace`; rounded up."""
-        return -(-span_ns * self.factor.denominator // (CATCH_UP * self.factor.numerator))
+        return math.ceil((span_ns * self.factor.denominator / self.factor.numerator - credit_ns) / CATCH_UP)
 
 
 @dataclass(frozen=True)

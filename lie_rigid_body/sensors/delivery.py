@@ -1,0 +1,145 @@
+"""How the readings of a sensor arrive: some late, some never, stamped by the sensor's own clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from lie_rigid_body.arrays import Booleans, Integers
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import MAX_EPOCH_NS, Value
+from lie_rigid_body.sensors.episodes import Episodes, Window, nanoseconds
+from lie_rigid_body.sensors.fault import Fault, stream
+from lie_rigid_body.sensors.noise import Draws
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """The way of a sensor's readings to whoever listens.
+
+    A reading measured at t arrives at the largest of t + latency + jitter · u so far, with u uniform between 0 and 1:
+    none overtakes another. It is stamped t + offset + skew · (t − epoch), what the sensor's clock shows at t.
+
+    Parameters
+    ----------
+    sensor : str
+        See `Fault`.
+    seed : int
+    window : Window
+        Of lost readings.
+    dropout_probability : float
+        Of each reading, independent of the others.
+    outages : Episodes or None
+        In which every reading is lost.
+    latency_ns, jitter_ns : int
+    clock_offset_ns : int
+    clock_skew : float
+    """
+
+    sensor: str
+    seed: int
+    window: Window
+    dropout_probability: float
+    outages: Episodes | None
+    latency_ns: int
+    jitter_ns: int
+    clock_offset_ns: int
+    clock_skew: float
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Mapping[str, Value]) -> Delivery | None:
+        """The delivery of the parameters whose names begin with ``sensor``; None if it has no fault.
+
+        Raises
+        ------
+        ParameterError
+        """
+        number = {key: cast(float, values[f"{sensor}_{key}"]) for key in _NUMBERS}
+        outages = Episodes.from_values(values, sensor, "outage")
+        if outages is None and not any(number.values()):
+            return None
+        return cls(
+            sensor,
+            cast(int, values["sensor_seed"]),
+            Window.from_values(values),
+            number["dropout_probability"],
+            outages,
+            nanoseconds(number["latency"]),
+            nanoseconds(number["latency_jitter"]),
+            nanoseconds(number["clock_offset"]),
+            number["clock_skew"],
+        )
+
+    def lost(self, first: int, times_ns: Integers) -> Booleans:
+        """Which of some readings never arrive.
+
+        Parameters
+        ----------
+        first : int
+            Number of the first of them, counted from 0 in the segment.
+        times_ns : ndarray of int64, shape (N,)
+            When they were measured, since the segment's start, ns.
+        """
+        lost = self._dropped(first, times_ns)
+        return lost if self.outages is None else lost | (self.outages.at(times_ns) >= 0)
+
+    def _dropped(self, first: int, times_ns: Integers) -> Booleans:
+        if not self.dropout_probability:
+            return np.zeros(len(times_ns), dtype=np.bool_)
+        drawn = Draws(self.seed, stream(self.sensor, "dropout")).following(first, len(times_ns))[:, 0]
+        return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
+
+    def delays_ns(self, first: int, count: int) -> Integers:
+        """Latency and jitter of some readings, ns, before none may overtake another."""
+        drawn = Draws(self.seed, stream(self.sensor, "latency_jitter")).following(first, count)[:, 0]
+        return self.latency_ns + (drawn * self.jitter_ns).astype(np.int64)
+
+    def stamps_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
+        """What the sensor's clock shows at some times, ns.
+
+        Parameters
+        ----------
+        measured_ns : ndarray of int64, shape (N,)
+        epoch_ns : int
+            When the clock is off by its offset alone.
+
+        Raises
+        ------
+        ParameterError
+            If that is no stamp of ROS.
+        """
+        error = self.clock_offset_ns + np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
+        stamps = np.asarray(measured_ns + error, dtype=np.int64)
+        if len(stamps) and not 0 <= stamps.min() <= stamps.max() <= MAX_EPOCH_NS:
+            worst = int(stamps[np.argmax((stamps < 0) | (stamps > MAX_EPOCH_NS))])
+            raise ParameterError(
+                f"{self.sensor}_clock_offset",
+                f"a reading would be stamped {worst} ns, outside [0, {MAX_EPOCH_NS}]: give another epoch_ns",
+            )
+        return stamps
+
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
+        """What happened to the readings of a stretch of time; see `Faulty`."""
+        found = list(self._lasting()) if begin_ns <= 0 < end_ns else []
+        for time in times_ns[self._dropped(first, times_ns)].tolist():
+            found.append(Fault("dropout", self.sensor, "", time, time))
+        if self.outages is not None:
+            for _, begin, end in self.outages.between(begin_ns, end_ns):
+                found.append(Fault("outage", self.sensor, "", begin, end))
+        return found
+
+    def _lasting(self) -> Iterator[Fault]:
+        for kind, size in (
+            ("latency", self.latency_ns / 1e9),
+            ("latency_jitter", self.jitter_ns / 1e9),
+            ("clock_offset", self.clock_offset_ns / 1e9),
+            ("clock_skew", self.clock_skew),
+        ):
+            if size:
+                yield Fault(kind, self.sensor, "", 0, None, size)
+
+
+_NUMBERS = ("dropout_probability", "latency", "latency_jitter", "clock_offset", "clock_skew")

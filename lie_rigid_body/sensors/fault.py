@@ -1,0 +1,102 @@
+"""A fault of a sensor as it happened: the truth about it, and its text."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
+
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import short_repr, shown
+
+SENSORS: Final = ("imu", "gyro", "accelerometer", "magnetometer", "attitude_sensor", "sun_sensor")
+"""What can have a fault. The order is part of the keys of the random numbers."""
+KINDS: Final = (
+    *("dropout", "outage", "latency", "latency_jitter", "clock_offset", "clock_skew"),
+    *("spike", "noise_burst", "stuck", "saturation", "temperature_drift", "magnetic_disturbance"),
+)
+"""The kinds of faults. The order is part of the keys of the random numbers."""
+AXES: Final = ("x", "y", "z")
+LONGEST_TEXT: Final = 192
+"""Characters of the text of a fault at most."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: what of which sensor, from when to when.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    sensor : str
+        One of `SENSORS`.
+    axis : str
+        ``x``, ``y`` or ``z``; empty where a fault is not of one axis.
+    begin_ns : int
+        Simulated time of its begin, ns: of one reading the time of its measurement.
+    end_ns : int or None
+        The first time after it, ns; of one reading that of its measurement; None: it lasts until a reset.
+    size : float or None
+        In the unit of the parameter that sets it; None where a fault has none.
+    """
+
+    kind: str
+    sensor: str
+    axis: str
+    begin_ns: int
+    end_ns: int | None
+    size: float | None = None
+
+    __repr__ = short_repr
+
+    def later(self, by_ns: int) -> Fault:
+        """The same fault so much later, ns."""
+        return replace(
+            self, begin_ns=self.begin_ns + by_ns, end_ns=None if self.end_ns is None else self.end_ns + by_ns
+        )
+
+    def to_json(self) -> str:
+        """Its text."""
+        return json.dumps(vars(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Fault:
+        """The fault that a text tells.
+
+        Raises
+        ------
+        InputError
+            If the text is none.
+        """
+        try:
+            fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
+            if fault.kind in KINDS and fault.sensor in SENSORS and isinstance(fault.begin_ns, int):
+                return fault
+        except (ValueError, TypeError, RecursionError):
+            pass
+        raise InputError(f"{shown(text)} tells of no fault of lie_rigid_body: give the topic ~/faults")
+
+
+class Faulty(Protocol):
+    """What can tell its faults."""
+
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
+        """Those that begin in a stretch of time since the segment's start.
+
+        Parameters
+        ----------
+        begin_ns, end_ns : int
+            The stretch, without its end, ns.
+        first : int
+            Number of the sensor's first reading in it, counted from 0 in the segment.
+        times_ns : ndarray of int64, shape (N,)
+            Times of the readings in it, ns.
+        """
+        ...
+
+
+def stream(sensor: str, kind: str, part: int = 0) -> int:
+    """Source of the random numbers of a fault; ``part`` is 1 for a second one."""
+    return 256 * (1 + SENSORS.index(sensor)) + 2 * KINDS.index(kind) + part
