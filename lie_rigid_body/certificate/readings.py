@@ -9,13 +9,15 @@ err from that by the limits of the certificate, δω of the body rate and δA of
 
 and through scale factors or soft iron, of which a row has the norm |s|. Noise adds nothing to that but round-off: its
 words are the same everywhere, and what libraries make of them differs in last bits. A bias that walks sums them up, and
-its roundings, k of them, at random. At last the sensor saturates and rounds, which keeps the order of numbers: a
-faithful reading lies between what becomes of the two ends, which is one number, unless a step lies between them.
+its roundings, k of them, at random. Faults of axes come and go at times that the seed determines exactly, and are part
+of the signal. At last the sensor saturates and rounds, which keeps the order of numbers: a faithful reading lies
+between what becomes of the two ends, which is one number, unless a step lies between them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final, Protocol
@@ -31,6 +33,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.triad import TriadModel
+from lie_rigid_body.sensors.triad_faults import TriadFaults
 from lie_rigid_body.simulation import SampleClock, Segment
 
 _ROUNDINGS: Final = 32.0
@@ -42,6 +45,8 @@ _DEVIATE: Final = 16.0
 _WALK: Final = 8.0
 """Factor of random walks, in standard deviations."""
 _OF_CENTRIPETAL: Final = math.sqrt(2.0) + 2.0
+BLOCK: Final = 8192
+"""Readings that are computed at once."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
@@ -91,6 +96,11 @@ class Readings(Protocol):
         ...
 
     @property
+    def repeats(self) -> bool:
+        """Whether a reading may repeat one before it, so that those that are left out have to be computed in full."""
+        ...
+
+    @property
     def next(self) -> int:
         """Number of the reading that comes next."""
         ...
@@ -127,6 +137,11 @@ class _Times:
         """Times of readings, ns since the segment's start."""
         return self._clock.stamps_ns(first, count) - self._start_ns
 
+    def blocks_ns(self, first: int, count: int) -> Iterator[Integers]:
+        """The same in blocks."""
+        for done in range(0, count, BLOCK):
+            yield self.elapsed_ns(first + done, min(BLOCK, count - done))
+
     def since_start(self, first: int, count: int) -> Array:
         """How many readings of the segment come before each of these, shape (count, 1)."""
         return np.arange(first - self.first, first - self.first + count, dtype=np.float64)[:, np.newaxis]
@@ -151,7 +166,7 @@ class ImuReadings:
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
         fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
         self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
-        self.walks = _walks(model)
+        self.walks, self.repeats = _walks(model), _repeats(model.gyro.faults, model.accelerometer.faults)
         self._gyro = _Uncertainty(model.gyro, model.rate, fastest)
         self._accelerometer = _Uncertainty(
             model.accelerometer, model.rate, 2.0 * fastest * fastest * arm + model.support
@@ -166,8 +181,7 @@ class ImuReadings:
         """Angular velocity and specific force."""
         times, model = self._times, self._model
         if left_out := times.advance(first, count):
-            before_ns = times.before(first)
-            self._imu.skip(left_out, before_ns, times.motion.at(before_ns))
+            self._leave_out(first, left_out)
         elapsed = times.elapsed_ns(first, count)
         signals = self._imu.signals(elapsed, times.motion.at(elapsed))
         t, k, limits = _seconds(elapsed), times.since_start(first, count), self._tolerance
@@ -180,6 +194,16 @@ class ImuReadings:
             Expected(signals.angular_velocity, self._gyro.at(rate, k), model.gyro.converter),
             Expected(signals.linear_acceleration, self._accelerometer.at(force, k), model.accelerometer.converter),
         )
+
+    def _leave_out(self, first: int, count: int) -> None:
+        """Go on to a reading from so many before it."""
+        times = self._times
+        if not self.repeats:
+            before_ns = times.before(first)
+            self._imu.skip(count, before_ns, times.motion.at(before_ns))
+            return
+        for elapsed in times.blocks_ns(first - count, count):
+            self._imu.signals(elapsed, times.motion.at(elapsed))
 
 
 class BiasReadings:
@@ -198,7 +222,7 @@ class BiasReadings:
             model.rate,
         )
         self._imu = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
-        self.walks, self.motion_error = _walks(model), 0.0
+        self.walks, self.repeats, self.motion_error = _walks(model), False, 0.0
 
     @property
     def next(self) -> int:
@@ -232,11 +256,15 @@ class FieldReadings:
         assert model is not None
         self._times, self._sensor = _Times(segment, model.rate), Magnetometer(model)
         self._tolerance, self._converter = _tolerance(segment, model.rate, duration), model.converter
-        self.walks, self.motion_error = False, _motion_error(self._tolerance, duration)
-        field = float(so3.norm(np.array(model.field)))
+        self.walks, self.repeats = False, _repeats(model.faults)
+        self.motion_error = _motion_error(self._tolerance, duration)
+        passing = 0.0 if model.disturbance is None else model.disturbance.size
+        field = float(so3.norm(np.array(model.field))) + passing
         self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
         noise = _LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
-        self._rounding = _ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise)
+        self._rounding = (
+            _ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + _size_of(model.faults, model.rate))
+        )
 
     @property
     def next(self) -> int:
@@ -246,11 +274,19 @@ class FieldReadings:
     def take(self, first: int, count: int) -> tuple[Expected, ...]:
         """The field."""
         if left_out := self._times.advance(first, count):
-            self._sensor.skip(left_out)
+            self._leave_out(first, left_out)
         elapsed = self._times.elapsed_ns(first, count)
         turned = self._tolerance.attitude(_seconds(elapsed))[:, np.newaxis]
         signal = self._sensor.signal(elapsed, self._times.motion.at(elapsed))
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
+
+    def _leave_out(self, first: int, count: int) -> None:
+        """Go on to a reading from so many before it."""
+        if not self.repeats:
+            self._sensor.skip(count)
+            return
+        for elapsed in self._times.blocks_ns(first - count, count):
+            self._sensor.signal(elapsed, self._times.motion.at(elapsed))
 
 
 @lru_cache(maxsize=SHARED)
@@ -265,6 +301,19 @@ def _seconds(elapsed_ns: Integers) -> Array:
 
 def _walks(model: ImuModel) -> bool:
     return bool(model.gyro.bias_random_walk or model.accelerometer.bias_random_walk)
+
+
+def _repeats(*faults: TriadFaults | None) -> bool:
+    return any(of_one is not None and of_one.stuck is not None for of_one in faults)
+
+
+def _size_of(faults: TriadFaults | None, rate: float) -> float:
+    """Largest size of what faults add to a signal."""
+    if faults is None:
+        return 0.0
+    burst = 0.0 if faults.noise_bursts is None else faults.burst_density * math.sqrt(rate)
+    spike = faults.spike_size if faults.spike_probability else 0.0
+    return _LARGEST_DEVIATE * (burst + faults.drift) + spike
 
 
 def _imu_of(segment: Segment) -> ImuModel:
@@ -306,7 +355,7 @@ class _Uncertainty:
         self._model, self._rate = model, rate
         self._gain = np.abs(model.scale_factor)  # the rows of a rotation have the norm 1
         noise = _LARGEST_DEVIATE * model.noise_density * math.sqrt(rate)
-        self._rounding = _ROUNDINGS * U * (self._gain * largest + noise)
+        self._rounding = _ROUNDINGS * U * (self._gain * largest + noise + _size_of(model.faults, rate))
 
     def at(self, error: Array, k: Array) -> Array:
         """For errors of the true quantity, shape (N,), at readings with so many before them, shape (N, 1)."""
@@ -318,4 +367,5 @@ def _bias_uncertainty(model: TriadModel, rate: float, k: Array) -> Array:
     """Round-off of a bias after k steps, shape (N, 1): of its deviates, and of the sums, each of the bias' size."""
     walked = np.sqrt(k)
     size = _LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
-    return np.asarray(U * (_DEVIATE + _ROUNDINGS + _WALK * walked) * size)
+    drift = 0.0 if model.faults is None else _LARGEST_DEVIATE * model.faults.drift
+    return np.asarray(U * ((_DEVIATE + _ROUNDINGS + _WALK * walked) * size + (_DEVIATE + _ROUNDINGS) * drift))

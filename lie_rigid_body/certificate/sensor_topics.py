@@ -12,6 +12,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.readings import (
+    BLOCK,
     BiasReadings,
     FieldReadings,
     ImuReadings,
@@ -33,8 +34,6 @@ MOST_LEFT_OUT: Final = 200_000_000
 """Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
 _MOST_IN_VAIN: Final = 1_000_000
 """Missing readings that are computed with their neighbours, beyond one for each that is not missing."""
-_BLOCK: Final = 8192
-"""Readings that are computed at once."""
 _HELD_BACK: Final = 1024
 """Readings that wait for others which stand behind them in the file, though they come first."""
 _LAWS: Final = {
@@ -194,11 +193,12 @@ class TopicLaws:
         ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
         while len(ready.numbers):
             first = int(ready.numbers[0])
-            end = int(np.searchsorted(ready.numbers, first + _BLOCK))
+            end = int(np.searchsorted(ready.numbers, first + BLOCK))
             block, ready = ready[:end], ready[end:]
             count = int(block.numbers[-1]) - first + 1
-            walked = first - readings.next if readings.walks else 0
-            if not self._work.allows(walked, max(0, count - end), end):
+            left_out, between = first - readings.next, max(0, count - end)
+            in_vain = between + left_out if readings.repeats else between
+            if not self._work.allows(left_out if readings.walks else 0, in_vain, end):
                 self.is_too_far = True
                 return
             for i, (law, expected) in enumerate(zip(self._values, readings.take(first, count), strict=True)):

@@ -220,8 +220,8 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
         return "no law reads it"
     sensors = [segment.scenario.sensors for segment in segments]
     models = [sensor.magnetometer if name == MAG else sensor.imu for sensor in sensors]
-    if any(faulty is not None for model in models if model is not None for faulty in model.faulty):
-        return "its sensor has faults"
+    if any(model is not None and model.delivery is not None for model in models):
+        return "its readings are lost, late or stamped by a clock that errs"
     if name == IMU_DATA and any(sensor.imu is not None and sensor.imu.orientation is not None for sensor in sensors):
         return "it tells an orientation, which no law reads"
     return ""

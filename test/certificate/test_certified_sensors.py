@@ -453,7 +453,7 @@ def test_batches_change_no_number(bag, tmp_path, monkeypatch, change):
     monkeypatch.setattr(bag_reader, "_BATCH", 50)
     monkeypatch.setattr(pairing, "_HELD_BACK", 4)
     monkeypatch.setattr(sensor_topics, "_HELD_BACK", 4)
-    monkeypatch.setattr(sensor_topics, "_BLOCK", 7)
+    monkeypatch.setattr(sensor_topics, "BLOCK", 7)
     assert certify(Bag(path)) == whole
 
 
