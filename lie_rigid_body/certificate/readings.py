@@ -6,6 +6,8 @@ err from that by the limits of the certificate, δω of the body rate and δA of
 - gyro: δω, or that of the mean rate over an interval;
 - accelerometer: Euler's equations and the lever arm r: |δ(ω̇×r + ω×(ω×r))| ≤ (√2 + 2) Ω |r| |δω|, and g δA;
 - magnetometer: |B| δA;
+- orientation, attitude sensor: δA/2, as a quaternion has half angles; its covariance: 2 |σ_r² − σ_c²| δA;
+- sun sensor: δA;
 
 and through scale factors or soft iron, of which a row has the norm |s|. Noise adds nothing to that but round-off: its
 words are the same everywhere, and what libraries make of them differs in last bits. A bias that walks sums them up, and
@@ -36,9 +38,9 @@ from lie_rigid_body.sensors.triad import TriadModel
 from lie_rigid_body.sensors.triad_faults import TriadFaults
 from lie_rigid_body.simulation import SampleClock, Segment
 
-_ROUNDINGS: Final = 32.0
+ROUNDINGS: Final = 32.0
 """Roundings of a reading, in units of u and of the sum of its parts' sizes."""
-_LARGEST_DEVIATE: Final = 8.3
+LARGEST_DEVIATE: Final = 8.3
 """No normal deviate is larger: they are made of 53-bit numbers."""
 _DEVIATE: Final = 16.0
 """Difference of a normal deviate between libraries, in units of u."""
@@ -116,8 +118,15 @@ def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:
     return clock, clock.count_until(segment.start_ns - 1)
 
 
-class _Times:
-    """The times of a sensor's readings in a segment, and its exact motion."""
+class Times:
+    """The times of a sensor's readings in a segment, and its exact motion.
+
+    Parameters
+    ----------
+    segment : Segment
+    rate : float
+        Readings per second.
+    """
 
     def __init__(self, segment: Segment, rate: float) -> None:
         self._clock, self.first = sensor_clock(segment, rate)
@@ -159,14 +168,15 @@ class ImuReadings:
 
     def __init__(self, segment: Segment, duration: float) -> None:
         model = _imu_of(segment)
-        self._times, self._model = _Times(segment, model.rate), model
+        self._times, self._model = Times(segment, model.rate), model
         self._imu = _imu(self._times, model, segment)
-        self._tolerance = _tolerance(segment, model.rate, duration)
-        self.motion_error = _motion_error(self._tolerance, duration)
+        self._tolerance = limits_of(segment, model.rate, duration)
+        self.motion_error = motion_error_of(self._tolerance, duration)
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
         fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
         self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
         self.walks, self.repeats = _walks(model), _repeats(model.gyro.faults, model.accelerometer.faults)
+        self._of_orientation = 0.0 if model.orientation is None else sum(vars(model.orientation).values())
         self._gyro = _Uncertainty(model.gyro, model.rate, fastest)
         self._accelerometer = _Uncertainty(
             model.accelerometer, model.rate, 2.0 * fastest * fastest * arm + model.support
@@ -178,19 +188,22 @@ class ImuReadings:
         return self._times.next
 
     def take(self, first: int, count: int) -> tuple[Expected, ...]:
-        """Angular velocity and specific force."""
+        """Orientation, if it tells one, angular velocity and specific force."""
         times, model = self._times, self._model
         if left_out := times.advance(first, count):
             self._leave_out(first, left_out)
         elapsed = times.elapsed_ns(first, count)
         signals = self._imu.signals(elapsed, times.motion.at(elapsed))
-        t, k, limits = _seconds(elapsed), times.since_start(first, count), self._tolerance
+        t, k, limits = seconds(elapsed), times.since_start(first, count), self._tolerance
         relative = limits.rate(t)
         rate = limits.fastest * relative if self._span is None else limits.mean_rate(t, self._span)
         force = np.asarray(self._force_of_rate * relative)
         if model.support:
             force += model.support * limits.attitude(t)
+        orientation = signals.orientation_xyzw
+        oriented = () if orientation is None else (turned(orientation, limits.attitude(t), self._of_orientation),)
         return (
+            *oriented,
             Expected(signals.angular_velocity, self._gyro.at(rate, k), model.gyro.converter),
             Expected(signals.linear_acceleration, self._accelerometer.at(force, k), model.accelerometer.converter),
         )
@@ -217,7 +230,7 @@ class BiasReadings:
     def __init__(self, segment: Segment) -> None:
         model = _imu_of(segment)
         self._times, self._triads, self._rate = (
-            _Times(segment, model.rate),
+            Times(segment, model.rate),
             (model.gyro, model.accelerometer),
             model.rate,
         )
@@ -254,16 +267,16 @@ class FieldReadings:
     def __init__(self, segment: Segment, duration: float) -> None:
         model = segment.scenario.sensors.magnetometer
         assert model is not None
-        self._times, self._sensor = _Times(segment, model.rate), Magnetometer(model)
-        self._tolerance, self._converter = _tolerance(segment, model.rate, duration), model.converter
+        self._times, self._sensor = Times(segment, model.rate), Magnetometer(model)
+        self._tolerance, self._converter = limits_of(segment, model.rate, duration), model.converter
         self.walks, self.repeats = False, _repeats(model.faults)
-        self.motion_error = _motion_error(self._tolerance, duration)
+        self.motion_error = motion_error_of(self._tolerance, duration)
         passing = 0.0 if model.disturbance is None else model.disturbance.size
         field = float(so3.norm(np.array(model.field))) + passing
         self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
-        noise = _LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
+        noise = LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
         self._rounding = (
-            _ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + _size_of(model.faults, model.rate))
+            ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + _size_of(model.faults, model.rate))
         )
 
     @property
@@ -276,7 +289,7 @@ class FieldReadings:
         if left_out := self._times.advance(first, count):
             self._leave_out(first, left_out)
         elapsed = self._times.elapsed_ns(first, count)
-        turned = self._tolerance.attitude(_seconds(elapsed))[:, np.newaxis]
+        turned = self._tolerance.attitude(seconds(elapsed))[:, np.newaxis]
         signal = self._sensor.signal(elapsed, self._times.motion.at(elapsed))
         return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
 
@@ -295,7 +308,8 @@ def _motion(scenario: Scenario) -> ClosedForm:
     return ClosedForm(scenario.body(), scenario.start())
 
 
-def _seconds(elapsed_ns: Integers) -> Array:
+def seconds(elapsed_ns: Integers) -> Array:
+    """Times in s."""
     return np.asarray(elapsed_ns * 1e-9, dtype=np.float64)
 
 
@@ -313,7 +327,13 @@ def _size_of(faults: TriadFaults | None, rate: float) -> float:
         return 0.0
     burst = 0.0 if faults.noise_bursts is None else faults.burst_density * math.sqrt(rate)
     spike = faults.spike_size if faults.spike_probability else 0.0
-    return _LARGEST_DEVIATE * (burst + faults.drift) + spike
+    return LARGEST_DEVIATE * (burst + faults.drift) + spike
+
+
+def turned(attitude_xyzw: Array, angle: Array, noise: float) -> Expected:
+    """Attitudes that may be turned by angles, rad, shape (N,), and by a noise of so many rad in all."""
+    uncertainty = 0.5 * angle + ROUNDINGS * U * (1.0 + LARGEST_DEVIATE * noise)
+    return Expected(attitude_xyzw, np.broadcast_to(uncertainty[:, np.newaxis], attitude_xyzw.shape))
 
 
 def _imu_of(segment: Segment) -> ImuModel:
@@ -322,12 +342,12 @@ def _imu_of(segment: Segment) -> ImuModel:
     return model
 
 
-def _imu(times: _Times, model: ImuModel, segment: Segment) -> Imu:
+def _imu(times: Times, model: ImuModel, segment: Segment) -> Imu:
     before_ns = times.before(times.first)
     return Imu(model, segment.scenario.body(), before_ns, times.motion.at(before_ns))
 
 
-def _tolerance(segment: Segment, rate: float, duration: float) -> Tolerance:
+def limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
@@ -335,7 +355,8 @@ def _tolerance(segment: Segment, rate: float, duration: float) -> Tolerance:
     return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
 
 
-def _motion_error(limits: Tolerance, duration: float) -> float:
+def motion_error_of(limits: Tolerance, duration: float) -> float:
+    """How far the attitude may err at the end of a duration, s, before any cap, rad."""
     return float(limits.attitude_uncapped(np.array([duration]))[0])
 
 
@@ -354,8 +375,8 @@ class _Uncertainty:
     def __init__(self, model: TriadModel, rate: float, largest: float) -> None:
         self._model, self._rate = model, rate
         self._gain = np.abs(model.scale_factor)  # the rows of a rotation have the norm 1
-        noise = _LARGEST_DEVIATE * model.noise_density * math.sqrt(rate)
-        self._rounding = _ROUNDINGS * U * (self._gain * largest + noise + _size_of(model.faults, rate))
+        noise = LARGEST_DEVIATE * model.noise_density * math.sqrt(rate)
+        self._rounding = ROUNDINGS * U * (self._gain * largest + noise + _size_of(model.faults, rate))
 
     def at(self, error: Array, k: Array) -> Array:
         """For errors of the true quantity, shape (N,), at readings with so many before them, shape (N, 1)."""
@@ -366,6 +387,6 @@ class _Uncertainty:
 def _bias_uncertainty(model: TriadModel, rate: float, k: Array) -> Array:
     """Round-off of a bias after k steps, shape (N, 1): of its deviates, and of the sums, each of the bias' size."""
     walked = np.sqrt(k)
-    size = _LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
-    drift = 0.0 if model.faults is None else _LARGEST_DEVIATE * model.faults.drift
-    return np.asarray(U * ((_DEVIATE + _ROUNDINGS + _WALK * walked) * size + (_DEVIATE + _ROUNDINGS) * drift))
+    size = LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
+    drift = 0.0 if model.faults is None else LARGEST_DEVIATE * model.faults.drift
+    return np.asarray(U * ((_DEVIATE + ROUNDINGS + _WALK * walked) * size + (_DEVIATE + ROUNDINGS) * drift))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Final
+from functools import lru_cache, partial
+from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
+from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
 from lie_rigid_body.certificate.readings import (
     BLOCK,
     BiasReadings,
@@ -24,10 +25,12 @@ from lie_rigid_body.certificate.stamps import StampTally, number_samples
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, BatchEncoder
+from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, BatchEncoder
+from lie_rigid_body.recording.sensor_reader import VALUES as FIELDS
 from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
+from lie_rigid_body.sensors import SensorModel
 from lie_rigid_body.simulation import SampleClock, Samples, Segment, SensorSamples, Taken
 
 MOST_LEFT_OUT: Final = 200_000_000
@@ -37,19 +40,39 @@ _MOST_IN_VAIN: Final = 1_000_000
 _HELD_BACK: Final = 1024
 """Readings that wait for others which stand behind them in the file, though they come first."""
 _LAWS: Final = {
-    IMU_DATA: (("gyro", "rad/s", "angular velocity"), ("accelerometer", "m/s²", "linear acceleration")),
-    IMU_BIAS: (("gyro bias", "rad/s", "angular velocity"), ("accelerometer bias", "m/s²", "linear acceleration")),
-    MAG: (("magnetometer", "T", "magnetic field"),),
+    IMU_DATA: (
+        ("IMU orientation", "", "orientation", slice(0, 4)),
+        ("gyro", "rad/s", "angular velocity", slice(4, 7)),
+        ("accelerometer", "m/s²", "linear acceleration", slice(7, 10)),
+    ),
+    IMU_BIAS: (
+        ("gyro bias", "rad/s", "angular velocity", slice(4, 7)),
+        ("accelerometer bias", "m/s²", "linear acceleration", slice(7, 10)),
+    ),
+    MAG: (("magnetometer", "T", "magnetic field", slice(0, 3)),),
+    ATTITUDE: (
+        ("attitude sensor", "", "orientation", slice(0, 4)),
+        ("attitude sensor covariance", "rad²", "covariance", slice(4, 40)),
+    ),
+    SUN: (("sun sensor", "", "direction", slice(0, 3)),),
 }
-"""Of each topic the laws of its vectors: name, unit, field of the message."""
+"""Of each topic the laws of its readings: name, unit, field of the message, and its columns in `SensorMessages`."""
+_READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
+    IMU_DATA: ImuReadings,
+    MAG: FieldReadings,
+    ATTITUDE: AttitudeReadings,
+    SUN: SunReadings,
+}
 _ALIKE: Final = {
     IMU_DATA: "IMU frame and covariances",
     IMU_BIAS: "IMU bias frame and covariances",
     MAG: "magnetometer frame and covariances",
+    ATTITUDE: "attitude sensor frame and position",
+    SUN: "sun sensor frame",
 }
 """Of each topic the law of its fields that are the same in every message."""
-_OFF: Final = "{field} is {{worst}} {unit} off what the scenario determines (limit {{limit}}) at {{where}}"
-VALUES: Final = frozenset(law for laws in _LAWS.values() for law, _, _ in laws)
+_OFF: Final = "{field} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
+VALUES: Final = frozenset(law[0] for laws in _LAWS.values() for law in laws)
 """The laws of readings, which depend on how this software computes noise."""
 
 
@@ -110,24 +133,30 @@ class TopicLaws:
         self._successors, segment = successors, found.segment
         self.end_ns = successors[0].start_ns - 1 if successors else None
         self.strays, self.is_too_far, self._is_finished, self._motion_error = 0, False, False, 0.0
-        rate = rate_of(segment.scenario, name)
+        model = model_of(segment.scenario, name)
         self.clock: SampleClock | None = None
         self.first = 0
-        if rate is not None:
-            self.clock, self.first = sensor_clock(segment, rate)
+        if model is not None:
+            self.clock, self.first = sensor_clock(segment, model.rate)
         self.tally = StampTally(self.clock or segment.clock(), "reading")
         self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
+        laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
+        self._columns = [columns for *_, columns in laws]
         self._values = [
-            Judgement(law, unit, _OFF.format(field=field, unit=unit), "reading") for law, unit, field in _LAWS[name]
+            Judgement(law, unit, _OFF.format(field=field, unit=f" {unit}" if unit else ""), "reading")
+            for law, unit, field, _ in laws
         ]
         self._readings: Readings | None = None
-        none = np.empty(0, dtype=np.int64)
-        self._waiting = _Recorded(none, none, np.empty((0, 3 * len(self._values))))
+        none, width = np.empty(0, dtype=np.int64), sum(width for _, width in FIELDS[SENSOR_TOPICS[name]])
+        self._fixed = np.full(width, fill_value=True)
+        for columns in self._columns:
+            self._fixed[columns] = False
+        self._waiting = _Recorded(none, none, np.empty((0, width)))
 
     @property
     def goes_on(self) -> bool:
         """Whether the sensor is there after the segment as well."""
-        return all(rate_of(later.scenario, self.name) is not None for later in self._successors)
+        return all(model_of(later.scenario, self.name) is not None for later in self._successors)
 
     @property
     def last_sample_ns(self) -> int:
@@ -181,7 +210,8 @@ class TopicLaws:
         unlike = ~_are_of([segment.scenario], self.name, messages)
         if later and unlike.any():
             unlike &= ~(_are_of(later, self.name, messages) & (messages.stamps_ns > self.last_sample_ns))
-        return np.asarray(unlike)
+        _, _, values = _fixed_fields(segment.scenario)[self.name]
+        return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
 
     def _compare(self, count: int) -> None:
         """Compare the first of those that wait."""
@@ -201,9 +231,9 @@ class TopicLaws:
             if not self._work.allows(left_out if readings.walks else 0, in_vain, end):
                 self.is_too_far = True
                 return
-            for i, (law, expected) in enumerate(zip(self._values, readings.take(first, count), strict=True)):
+            for law, columns, expected in zip(self._values, self._columns, readings.take(first, count), strict=True):
                 own = expected if count == end else expected[block.numbers - first]
-                law.add(*own.residuals(block.values[:, 3 * i : 3 * i + 3]), block.numbers, block.stamps_ns)
+                law.add(*own.residuals(block.values[:, columns]), block.numbers, block.stamps_ns)
 
 
 @dataclass(frozen=True)
@@ -231,35 +261,43 @@ def _readings(name: str, found: SurveyedSegment) -> Readings:
     """What a topic should hold in a segment."""
     if name == IMU_BIAS:
         return BiasReadings(found.segment)
-    return (ImuReadings if name == IMU_DATA else FieldReadings)(found.segment, found.duration)
+    return _READINGS[name](found.segment, found.duration)
 
 
-def rate_of(scenario: Scenario, name: str) -> float | None:
-    """Readings per second of a topic's sensor, or None."""
-    model = scenario.sensors.magnetometer if name == MAG else scenario.sensors.imu
-    return None if model is None else model.rate
+def model_of(scenario: Scenario, name: str) -> SensorModel | None:
+    """The sensor of a topic, if the scenario has it."""
+    sensors = scenario.sensors
+    if name in (IMU_DATA, IMU_BIAS):
+        return sensors.imu
+    return {MAG: sensors.magnetometer, ATTITUDE: sensors.attitude_sensor, SUN: sensors.sun_sensor}[name]
+
+
+def _tells_no_orientation(scenario: Scenario, name: str) -> bool:
+    imu = scenario.sensors.imu
+    return name == IMU_DATA and imu is not None and imu.orientation is None
 
 
 def _are_of(scenarios: Sequence[Scenario], name: str, messages: SensorMessages) -> Booleans:
     """Which messages have the frame and the fixed fields that one of these scenarios makes them have."""
     alike = [known[name] for known in map(_fixed_fields, scenarios) if name in known]
     own = [
-        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields in alike)
+        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields, _ in alike)
         for frame, rest in messages.kinds
     ]
     return np.array(own, dtype=bool)[messages.kind]
 
 
 @lru_cache(maxsize=4)
-def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array]]:
-    """Of each sensor's topic the frame, and the numbers beside the vectors, as the simulation encodes them."""
+def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
+    """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
     at, zero = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
     truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
-    imu, none = ReadingsOfImu(zero, zero, zero, zero), np.zeros(1, dtype=np.bool_)
-    taken = Taken(truth, SensorSamples(at, at, none, imu), SensorSamples(at, at, none, zero))
+    row = partial(SensorSamples[Any], at, at, np.zeros(1, dtype=np.bool_))
+    imu, identity = ReadingsOfImu(zero, zero, zero, zero), np.array([[0.0, 0.0, 0.0, 1.0]])
+    taken = Taken(truth, row(imu), row(zero), row(identity), row(zero))
     found = {}
     for messages in BatchEncoder(scenario).encode(taken).sensors:
         fields = varying_fields(SENSOR_TOPICS[messages.topic])
         decoded = decode(messages.payloads, len(fields), stamped=True)
-        found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields]
+        found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields], decoded.numbers[0, fields]
     return found

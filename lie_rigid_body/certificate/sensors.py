@@ -13,15 +13,21 @@ import numpy as np
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.segments import Survey, segment_parts
-from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work
+from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, sensor_topics
+from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.sensors import ImuModel
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
-_SENSORS: Final = {"IMU": (IMU_DATA, IMU_BIAS), "magnetometer": (MAG,)}
+_SENSORS: Final = {
+    "IMU": (IMU_DATA, IMU_BIAS),
+    "magnetometer": (MAG,),
+    "attitude sensor": (ATTITUDE,),
+    "sun sensor": (SUN,),
+}
 _SOFTWARE: Final = f"{SOFTWARE} {__version__}"
 
 
@@ -218,12 +224,11 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     """Why no law speaks of a topic; empty if laws do."""
     if name not in itertools.chain(*_SENSORS.values()):
         return "no law reads it"
-    sensors = [segment.scenario.sensors for segment in segments]
-    models = [sensor.magnetometer if name == MAG else sensor.imu for sensor in sensors]
+    models = [model_of(segment.scenario, name) for segment in segments]
     if any(model is not None and model.delivery is not None for model in models):
         return "its readings are lost, late or stamped by a clock that errs"
-    if name == IMU_DATA and any(sensor.imu is not None and sensor.imu.orientation is not None for sensor in sensors):
-        return "it tells an orientation, which no law reads"
+    if name == IMU_DATA and len({model.orientation is None for model in models if isinstance(model, ImuModel)}) > 1:
+        return "a reset changes whether it tells an orientation"
     return ""
 
 

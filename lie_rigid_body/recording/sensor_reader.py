@@ -29,7 +29,7 @@ from lie_rigid_body.wording import listed, short_repr
 _NUMBERS: Final = {IMU: 37, MAGNETIC_FIELD: 12, POSE_WITH_COVARIANCE_STAMPED: 43, VECTOR3_STAMPED: 3}
 """How many float64 fields each type has."""
 VALUES: Final = {
-    IMU: ((13, 3), (25, 3)),
+    IMU: ((0, 4), (13, 3), (25, 3)),
     MAGNETIC_FIELD: ((0, 3),),
     POSE_WITH_COVARIANCE_STAMPED: ((3, 4), (7, 36)),
     VECTOR3_STAMPED: ((0, 3),),
@@ -68,7 +68,8 @@ class SensorMessages:
     ----------
     log_times_ns, stamps_ns : ndarray of int64, shape (N,)
     values : ndarray, shape (N, K)
-        The fields of `VALUES` one after the other: of an IMU angular velocity, rad/s, and specific force, m/s²; of a
+        The fields of `VALUES` one after the other: of an IMU its orientation, angular velocity, rad/s, and specific
+        force, m/s²; of a
         magnetometer the field, T; of an attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun
         sensor the direction.
     kinds : tuple of (str, bytes)

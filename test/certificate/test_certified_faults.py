@@ -1,10 +1,10 @@
-"""Bags whose sensors have faults, or that no law reads: honest ones pass, and the topics are listed."""
+"""Sensors with faults, and those of attitude and sun: honest ones pass, and any change is named."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from tampering import Message, on, tamper, with_numbers
+from tampering import Message, at, on, tamper, with_numbers
 from test_certified_sensors import (
     BIAS,
     COARSE,
@@ -49,11 +49,19 @@ DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
 }
 """Parameters, and the topics that no law reads then."""
-SENSORS: dict[str, tuple[dict[str, object], str]] = {
-    "attitude": ({"attitude_sensor_rate": 10.0, "attitude_sensor_roll_noise": 1e-3}, ATTITUDE),
-    "sun": ({"sun_sensor_rate": 5.0, "sun_sensor_noise": 1e-3}, SUN),
-    "orientation": ({"imu_orientation": True, "imu_heading_noise": 0.01}, IMU),
+LATER: dict[str, object] = {
+    "attitude_sensor_rate": 10.0,
+    "attitude_sensor_cross_boresight_noise": 1e-4,
+    "attitude_sensor_roll_noise": 1e-3,
+    "sun_sensor_rate": 25.0,
+    "sun_sensor_noise": 1e-3,
+    "imu_orientation": True,
+    "imu_inclination_noise": 0.003,
+    "imu_heading_noise": 0.01,
 }
+"""Attitude sensor, sun sensor and AHRS."""
+PERFECT: dict[str, object] = {key: value for key, value in LATER.items() if not key.endswith("noise")}
+POINTING = ("IMU orientation", "attitude sensor", "attitude sensor covariance", "sun sensor")
 ALL = (IMU, BIAS, MAG)
 START: dict[str, object] = {"motion": "closed_form", **FORCE, **NOISY}
 
@@ -131,13 +139,85 @@ def test_sensors_whose_readings_do_not_all_arrive_in_time_are_listed_and_break_n
     assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
 
 
-@pytest.mark.parametrize("name", SENSORS)
-def test_sensors_that_no_law_reads_are_listed_and_break_none(tmp_path, name):
-    parameters, topic = SENSORS[name]
-    found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
+@pytest.mark.parametrize("sensors", [LATER, PERFECT], ids=["noisy", "perfect"])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_attitude_sun_and_orientation_are_computed_anew(tmp_path, motion, sensors):
+    start = {**MOTIONS[motion], **sensors}
+    stages = [(start, 0.6), ({**start, "sensor_seed": 3}, 0.2), ({**start, "sun_sensor_rate": 0.0}, 0.2)]
+    path = write(tmp_path / "a.mcap", *stages)
+    for change in (lambda ms: ms, recorded(0.213)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        for name in POINTING:
+            assert all(law.worst <= 0.5 * law.limit or law.worst == 0.0 for law in laws(found, name))
+            if motion == "closed form":
+                assert all(law.worst == 0.0 for law in laws(found, name))
+            assert len(laws(found, name)) >= 2
+
+
+@pytest.fixture(scope="module")
+def pointing(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("bags") / "a.mcap", ({**MOTIONS["dmv20"], **LATER}, 0.6))
+
+
+@pytest.mark.parametrize(
+    ("topic", "from_end", "law"),
+    [
+        (IMU, 37, "IMU orientation"),
+        (IMU, 33, "IMU frame and covariances"),
+        (ATTITUDE, 40, "attitude sensor"),
+        (ATTITUDE, 36, "attitude sensor covariance"),
+        (ATTITUDE, 1, "attitude sensor covariance"),
+        (ATTITUDE, 43, "attitude sensor frame and position"),
+        (SUN, 3, "sun sensor"),
+        (SUN, 1, "sun sensor"),
+    ],
+)
+@pytest.mark.parametrize("by", [1e-11, np.nan])
+def test_another_orientation_or_direction_is_named(pointing, tmp_path, topic, from_end, law, by):
+    change = lambda numbers: np.concatenate([[numbers[0] + by], numbers[1:]])  # noqa: E731
+    tampered = on(topic, at(4, lambda m: with_numbers(m, from_end, change)))
+    found = certify(Bag(tamper(pointing, tmp_path / "b.mcap", tampered)))
+    assert broken(found) == {law}
+    assert found.messages[0].startswith(f"{topic}: ")
+    assert "at reading 4," in found.messages[0]
+
+
+@pytest.mark.parametrize("topic", [ATTITUDE, SUN])
+def test_a_missing_or_renamed_reading_is_named(pointing, tmp_path, topic):
+    sensor = "sun sensor" if topic == SUN else "attitude sensor"
+    missing = certify(Bag(tamper(pointing, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:3], *ms[4:]]))))
+    assert missing.messages == (f"{topic}: gap, reading 3 is missing",)
+    assert broken(missing) == {f"{sensor} stamps"}
+    frame = (b"base_link", b"basa_link") if topic == SUN else (b"world", b"warld")
+    renamed = on(topic, at(3, lambda m: m._replace(data=m.data.replace(*frame))))
+    [name] = broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", renamed))))
+    assert name.startswith(f"{sensor} frame")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "law"),
+    [
+        ("attitude_sensor_roll_noise", 1.0001e-3, "attitude sensor covariance"),
+        ("attitude_sensor_boresight", [0.0, 0.1, 1.0], "attitude sensor"),
+        ("sun_direction", [0.0, 1e-9, 1.0], "sun sensor"),
+        ("sun_sensor_noise", 0.0, "sun sensor"),
+        ("imu_heading_noise", 0.0100001, "IMU frame and covariances"),
+        ("imu_orientation", False, "IMU frame and covariances"),
+        ("sensor_seed", 1, "IMU orientation"),
+    ],
+)
+def test_attitude_and_sun_sensors_that_are_declared_otherwise_are_caught(pointing, tmp_path, name, value, law):
+    assert law in broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", declared(**{name: value})))))
+
+
+def test_a_reset_that_switches_the_orientation_is_told(tmp_path):
+    start = {**START, **LATER}
+    found = certify(Bag(write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3))))
     assert found.passed, found.messages
-    assert found.sensors == tuple(own for own in ALL if own != topic)
-    assert any(text.startswith(f"topic {topic} ") and "no law reads" in text for text in found.not_certified)
+    assert found.sensors == (BIAS, MAG, ATTITUDE, SUN)
+    assert any("a reset changes whether it tells an orientation" in text for text in found.not_certified)
 
 
 def test_a_fault_of_one_segment_takes_its_topic_from_all(tmp_path):

@@ -51,6 +51,9 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "gyro_noise_density": 1e-3,
         "gyro_bias_random_walk": 1e-3,
         "magnetometer_noise_density": 1e-8,
+        "attitude_sensor_rate": 4.0,
+        "attitude_sensor_roll_noise": 1e-3,
+        "sun_sensor_rate": 2.0,
     }
     simulation = Simulation(Scenario.from_parameters(parameters))
     with BagWriter(path, stamped_twist=True) as bag:
@@ -165,6 +168,8 @@ def in_yaml(change: Callable[[dict[str, Any]], object]) -> Forgery:
             "/imu/data_raw": ("sensor_msgs/msg/Imu", 6),
             "/imu/bias": ("sensor_msgs/msg/Imu", 6),
             "/imu/mag": ("sensor_msgs/msg/MagneticField", 3),
+            "/attitude/pose": ("geometry_msgs/msg/PoseWithCovarianceStamped", 6),
+            "/sun/direction": ("geometry_msgs/msg/Vector3Stamped", 3),
         }
         total = sum(count for _, count in counts.values())
         content: dict[str, Any] = {
@@ -212,6 +217,12 @@ CAUGHT = "refused, or a law broken"
 CERTIFIED = "certified, and not all of it"
 LATER = 3 * 10**9
 POSE, TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
+
+
+def renamed(frame: bytes) -> Callable[[bytes], bytes]:
+    return lambda data: data.replace(frame, frame[::-1])
+
+
 FORGERIES: dict[tuple[str, str], Forgery] = {
     ("Magic", "start"): in_bytes(b"MCAP0", b"MCAP1"),
     ("Magic", "end"): in_bytes(b"MCAP0", b"MCAP1", -1),
@@ -226,7 +237,7 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     ("Schema", "a repeat"): in_bytes(b"PoseStamped", b"PoseStumped", -1),
     ("Channel", "id"): in_records(Channel=lambda r: {"id": r.id + 20}),
     ("Channel", "schema_id"): in_records(Channel=lambda r: {"schema_id": r.schema_id % 3 + 1}),
-    ("Channel", "topic"): text("Channel", "topic", "/pose", "/pros"),
+    ("Channel", "topic"): text("Channel", "topic", "/twist", "/twiss"),
     ("Channel", "message_encoding"): text("Channel", "message_encoding", "cdr", "xml"),
     ("Channel", "metadata"): in_records(
         Channel=lambda r: {"metadata": {k: v.replace("10", "11") for k, v in r.metadata.items()}}
@@ -315,13 +326,26 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     ("TwistStamped", "twist.angular"): in_payload("/twist", patched(-16, "<d", lambda v: v * (1 + 1e-13))),
     **{
         (record, f"header.{field}"): in_payload(topic, change, 2)
-        for record, topic in (("Imu", "/imu/data_raw"), ("MagneticField", "/imu/mag"))
+        for record, topic, frame in (
+            ("Imu", "/imu/data_raw", b"imu_link"),
+            ("MagneticField", "/imu/mag", b"imu_link"),
+            ("PoseWithCovarianceStamped", "/attitude/pose", b"world"),
+            ("Vector3Stamped", "/sun/direction", b"base_link"),
+        )
         for field, change in (
             ("stamp.sec", patched(4, "<i", lambda v: v + 1)),
             ("stamp.nanosec", patched(8, "<I", lambda v: v + 1)),
-            ("frame_id", lambda data: data.replace(b"imu_link", b"imu_lunk")),
+            ("frame_id", renamed(frame)),
         )
     },
+    ("PoseWithCovarianceStamped", "pose.position"): in_payload("/attitude/pose", patched(-344, "<d", lambda v: 1.0), 2),
+    ("PoseWithCovarianceStamped", "pose.orientation"): in_payload(
+        "/attitude/pose", patched(-320, "<d", lambda v: v + 1e-12), 2
+    ),
+    ("PoseWithCovarianceStamped", "pose.covariance"): in_payload(
+        "/attitude/pose", patched(-8, "<d", lambda v: 1.001 * v), 2
+    ),
+    ("Vector3Stamped", "vector"): in_payload("/sun/direction", patched(-8, "<d", lambda v: v + 1e-12), 2),
     ("Imu", "orientation"): in_payload("/imu/data_raw", patched(-37 * 8, "<d", lambda v: 0.1), 2),
     ("Imu", "orientation_covariance"): in_payload("/imu/bias", patched(-33 * 8, "<d", lambda v: 0.0), 2),
     ("Imu", "angular_velocity"): in_payload("/imu/data_raw", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
@@ -391,7 +415,7 @@ def test_the_honest_copy_is_certified_and_says_what_is_not(honest: Path, tmp_pat
     assert found.passed, found.messages
     said = "; ".join(found.not_certified)
     assert "parts without a checksum: 1" in said
-    assert found.sensors == ("/imu/data_raw", "/imu/bias", "/imu/mag")
+    assert found.sensors == ("/imu/data_raw", "/imu/bias", "/imu/mag", "/attitude/pose", "/sun/direction")
     assert "1 attachments" in said
 
 
