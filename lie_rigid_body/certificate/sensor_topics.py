@@ -26,6 +26,7 @@ from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
 from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, BatchEncoder
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.sensor_reader import VALUES as FIELDS
 from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
 from lie_rigid_body.scenario import Scenario
@@ -164,6 +165,21 @@ class TopicLaws:
         assert self.end_ns is not None
         clock = self.found.segment.clock()
         return clock.stamp_ns(clock.count_until(self.end_ns) - 1)
+
+    def lost(self, last: int) -> Integers:
+        """Numbers of the readings of the segment that never arrived, up to a number; far behind the truth's none."""
+        segment, clock = self.found.segment, self.clock
+        model = model_of(segment.scenario, self.name)
+        none = np.empty(0, dtype=np.int64)
+        if clock is None or model is None or model.delivery is None:
+            return none
+        # a forged stamp may lie years ahead
+        truth_ns = (self.found.last_ns or segment.start_ns) + round(2 * NS / segment.scenario.rate) + NS
+        parts, end = [none], min(last + 1, clock.count_until(truth_ns))
+        for first in range(self.first, end, BLOCK):
+            stamps = clock.stamps_ns(first, min(BLOCK, end - first))
+            parts.append(first + np.flatnonzero(model.delivery.lost(first - self.first, stamps - segment.start_ns)))
+        return np.concatenate(parts)
 
     def add(self, messages: SensorMessages) -> None:
         """Take the messages that come next."""

@@ -194,7 +194,7 @@ class SensorLaws:
             first = topic.first if whole or not topic.tally.count else topic.tally.low
             last = self._last(topic, clock, is_last=is_last)
             if whole or topic.tally.count:
-                faults += topic.tally.faults(topic.topic, first, last)
+                faults += topic.tally.faults(topic.topic, first, last, topic.lost(last))
             if topic.tally.count:
                 begun.add(topic.name)
         checked = sum(topic.tally.count for topic in topics)
@@ -225,8 +225,8 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     if name not in itertools.chain(*_SENSORS.values()):
         return "no law reads it"
     models = [model_of(segment.scenario, name) for segment in segments]
-    if any(model is not None and model.delivery is not None for model in models):
-        return "its readings are lost, late or stamped by a clock that errs"
+    if any(model is not None and model.delivery is not None and model.delivery.is_off for model in models):
+        return "its readings are late, or stamped by a clock that errs"
     if name == IMU_DATA and len({model.orientation is None for model in models if isinstance(model, ImuModel)}) > 1:
         return "a reset changes whether it tells an orientation"
     return ""

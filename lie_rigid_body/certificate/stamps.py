@@ -22,6 +22,7 @@ DISORDER: Final = "ord"
 
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
+_NONE: Final = np.empty(0, dtype=np.int64)
 _MOST_DOUBLED: Final = 100_000
 """Number of doubled samples that are counted."""
 
@@ -213,9 +214,24 @@ class StampTally:
             self.low = begin
         self.high = max(self.high, end)
 
-    def faults(self, topic: str, first: int, last: int) -> list[StampFault]:
-        """What is wrong, of a topic that is to have all samples from one number to another."""
+    def faults(self, topic: str, first: int, last: int, lost: Integers = _NONE) -> list[StampFault]:
+        """What is wrong, of a topic that is to have all samples from one number to another but those that are lost.
+
+        Parameters
+        ----------
+        topic : str
+        first, last : int
+        lost : ndarray of int64, optional
+            Numbers of samples that never arrived, rising.
+        """
         found = []
+        gaps = self._gaps(first, last)
+        if len(lost):
+            gaps, arrived = _but_lost(gaps, lost[(lost >= first) & (lost <= last)])
+            if len(arrived):
+                some = _some([str(k) for k in arrived[:_SHOWN].tolist()], len(arrived))
+                text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
+                found.append(StampFault(DUPLICATE, len(arrived), int(arrived[0]), text))
         if self._displaced:
             text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
             found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
@@ -223,7 +239,7 @@ class StampTally:
             doubled = sorted(self._doubled)
             text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
             found.append(StampFault(DUPLICATE, len(doubled), doubled[0], text))
-        if gaps := self._gaps(first, last):
+        if gaps:
             text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
             found.append(StampFault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
         if self._off:
@@ -245,6 +261,20 @@ class StampTally:
         if begin == end:
             return f"{self._noun} {begin} is missing"
         return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
+
+
+def _but_lost(gaps: Sequence[tuple[int, int]], lost: Integers) -> tuple[list[tuple[int, int]], Integers]:
+    """The runs of missing numbers without those that are lost, and the lost ones that are in no run."""
+    if not gaps:
+        return [], lost
+    begins, ends = np.array(gaps, dtype=np.int64).T
+    before, until = np.searchsorted(lost, begins), np.searchsorted(lost, ends, side="right")
+    rest: list[tuple[int, int]] = []
+    for i in np.flatnonzero(until - before <= ends - begins):
+        edges = [int(begins[i]) - 1, *lost[before[i] : until[i]].tolist(), int(ends[i]) + 1]
+        rest += [(a + 1, b - 1) for a, b in itertools.pairwise(edges) if a + 1 < b]
+    at = np.searchsorted(begins, lost, side="right") - 1
+    return rest, lost[(at < 0) | (lost > ends[at])]
 
 
 def _grid(clock: SampleClock, numbers: Integers) -> Integers:

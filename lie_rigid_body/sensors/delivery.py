@@ -73,6 +73,11 @@ class Delivery:
             number["clock_skew"],
         )
 
+    @property
+    def is_off(self) -> bool:
+        """Whether readings that arrive are late, or stamped by a clock that errs."""
+        return bool(self.latency_ns or self.jitter_ns or self.clock_offset_ns or self.clock_skew)
+
     def lost(self, first: int, times_ns: Integers) -> Booleans:
         """Which of some readings never arrive.
 

@@ -42,8 +42,6 @@ AXES: dict[str, dict[str, object]] = {
 }
 EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
 DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
-    "dropouts": ({"imu_dropout_probability": 0.2}, (IMU, BIAS)),
-    "outages": (episodes("magnetometer_outage"), (MAG,)),
     "latency": ({"imu_latency": 0.02, "imu_latency_jitter": 0.01}, (IMU, BIAS)),
     "clock offset": ({"magnetometer_clock_offset": -1.3}, (MAG,)),
     "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
@@ -127,15 +125,54 @@ def largest(message: Message) -> float:
     return float(np.abs(np.frombuffer(message.data[-192:-168])).max())
 
 
+LOST: dict[str, object] = {
+    "imu_dropout_probability": 0.2,
+    "sun_sensor_dropout_probability": 1.0,
+    "fault_begin": 0.05,
+    **episodes("magnetometer_outage"),
+    **episodes("attitude_sensor_outage", 0.3, 0.3),
+}
+
+
+def test_readings_that_are_lost_are_not_missed(tmp_path):
+    start = {**START, **LATER, **LOST}
+    path = write(tmp_path / "a.mcap", (start, 0.6), ({**start, "sensor_seed": 3}, 0.2), ({**START, **LATER}, 0.2))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert all(law.worst == 0.0 for value in (*VALUES, *POINTING) for law in laws(found, value))
+
+
+@pytest.mark.parametrize("topic", [IMU, BIAS, MAG])
+def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
+    path = write(tmp_path / "a.mcap", ({**START, **LOST}, 0.6))
+    whole = write(tmp_path / "whole.mcap", (START, 0.6))
+    stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
+    missing = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:20], *ms[21:]]))))
+    assert broken(missing) == {stamps}
+    assert f"{topic}: gap, reading " in missing.messages[0]
+    extra: list[Message] = []
+    tamper(whole, tmp_path / "c.mcap", lambda ms: extra.extend(m for m in ms if m.topic == topic) or ms)  # type: ignore[func-returns-value]
+
+    def filled(messages: list[Message]) -> list[Message]:
+        known = {m.log_time for m in messages}
+        return sorted([*messages, *(m for m in extra if m.log_time not in known)], key=lambda m: m.log_time)
+
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, filled))))
+    assert broken(found) == {stamps}
+    assert f"{topic}: there is reading " in found.messages[0]
+
+
 @pytest.mark.parametrize("name", DELIVERY)
-def test_sensors_whose_readings_do_not_all_arrive_in_time_are_listed_and_break_no_law(tmp_path, name):
+def test_sensors_whose_readings_are_late_or_misdated_are_listed_and_break_no_law(tmp_path, name):
     parameters, topics = DELIVERY[name]
     found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
     assert found.passed, found.messages
     assert found.sensors == tuple(topic for topic in ALL if topic not in topics)
     for topic in topics:
         [said] = [text for text in found.not_certified if text.startswith(f"topic {topic} ")]
-        assert said.endswith("its readings are lost, late or stamped by a clock that errs")
+        assert said.endswith("its readings are late, or stamped by a clock that errs")
     assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
 
 
