@@ -33,6 +33,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
 from lie_rigid_body.sensors import SensorModel
 from lie_rigid_body.simulation import SampleClock, Samples, Segment, SensorSamples, Taken
+from lie_rigid_body.simulation.arrivals import Arrivals
 
 MOST_LEFT_OUT: Final = 200_000_000
 """Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
@@ -136,9 +137,11 @@ class TopicLaws:
         self.strays, self.is_too_far, self._is_finished, self._motion_error = 0, False, False, 0.0
         model = model_of(segment.scenario, name)
         self.clock: SampleClock | None = None
-        self.first = 0
+        self._arrivals: Arrivals | None = None
+        self._is_late, self.first = model is not None and model.delivery is not None, 0
         if model is not None:
             self.clock, self.first = sensor_clock(segment, model.rate)
+            self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
         self.tally = StampTally(self.clock or segment.clock(), "reading")
         self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
         laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
@@ -165,6 +168,27 @@ class TopicLaws:
         assert self.end_ns is not None
         clock = self.found.segment.clock()
         return clock.stamp_ns(clock.count_until(self.end_ns) - 1)
+
+    def arrived_until(self, time_ns: int) -> int:
+        """How many readings of the clock, from number 0 on, arrive at or before a time."""
+        assert self._arrivals is not None
+        return self._arrivals.count_until(time_ns)
+
+    def logged_otherwise(self, messages: SensorMessages) -> int:
+        """How many of some messages are not logged when they arrive."""
+        if self.clock is None or self._arrivals is None or not self._is_late or not len(messages):
+            return int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
+        numbers = number_samples(self.clock, messages.stamps_ns)
+        off = 0
+        for some in np.unique(numbers // BLOCK):
+            rows = np.flatnonzero(numbers // BLOCK == some)
+            low, high = int(numbers[rows].min()), int(numbers[rows].max())
+            if low < self.first:
+                off += len(rows)
+                continue
+            times, _, _ = self._arrivals.of(self.clock.stamps_ns(low, high - low + 1))
+            off += int(np.count_nonzero(times[numbers[rows] - low] != messages.log_times_ns[rows]))
+        return off
 
     def lost(self, last: int) -> Integers:
         """Numbers of the readings of the segment that never arrived, up to a number; far behind the truth's none."""
@@ -224,8 +248,9 @@ class TopicLaws:
         """
         segment, later = self.found.segment, [successor.scenario for successor in self._successors]
         unlike = ~_are_of([segment.scenario], self.name, messages)
+        sent_ns = messages.log_times_ns if self._is_late else messages.stamps_ns
         if later and unlike.any():
-            unlike &= ~(_are_of(later, self.name, messages) & (messages.stamps_ns > self.last_sample_ns))
+            unlike &= ~(_are_of(later, self.name, messages) & (sent_ns > self.last_sample_ns))
         _, _, values = _fixed_fields(segment.scenario)[self.name]
         return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
 

@@ -8,8 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.segments import Survey, segment_parts
@@ -94,8 +92,8 @@ class SensorLaws:
                 self._add(name, messages)
 
     def _add(self, name: str, messages: SensorMessages) -> None:
-        self._logged_otherwise += int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
-        self._last_ns = max(self._last_ns, int(messages.stamps_ns.max()))
+        sent_ns = messages.log_times_ns if self._surveyed.as_written else messages.stamps_ns
+        self._last_ns = max(self._last_ns, int(sent_ns.max()))
         taken = 0
         for i, rows in segment_parts(self._surveyed.declared, messages.stamps_ns):
             own = messages[rows]
@@ -103,7 +101,9 @@ class SensorLaws:
             if self._found[i] is None:
                 self._unsampled += len(own)
             else:
-                self._laws(i, name).add(own)
+                laws = self._laws(i, name)
+                self._logged_otherwise += laws.logged_otherwise(own)
+                laws.add(own)
         self._early += len(messages) - taken
 
     def _laws(self, i: int, name: str) -> TopicLaws:
@@ -212,12 +212,12 @@ class SensorLaws:
             if topic.end_ns is not None:
                 end = min(end, topic.end_ns)
             cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-            return max(high, clock.count_until(end - cut_off) - 1) if own else high
+            return max(high, topic.arrived_until(end - cut_off) - 1) if own else high
         assert topic.end_ns is not None
         if topic.goes_on:
-            return clock.count_until(topic.end_ns) - 1
+            return topic.arrived_until(topic.end_ns) - 1
         # a reset that takes a sensor away leaves out what it would have read until then
-        return max(high, clock.count_until(topic.last_sample_ns) - 1) if own else high
+        return max(high, topic.arrived_until(topic.last_sample_ns) - 1) if own else high
 
 
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
@@ -226,7 +226,7 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
         return "no law reads it"
     models = [model_of(segment.scenario, name) for segment in segments]
     if any(model is not None and model.delivery is not None and model.delivery.is_off for model in models):
-        return "its readings are late, or stamped by a clock that errs"
+        return "its readings are stamped by a clock that errs"
     if name == IMU_DATA and len({model.orientation is None for model in models if isinstance(model, ImuModel)}) > 1:
         return "a reset changes whether it tells an orientation"
     return ""

@@ -75,8 +75,8 @@ class Delivery:
 
     @property
     def is_off(self) -> bool:
-        """Whether readings that arrive are late, or stamped by a clock that errs."""
-        return bool(self.latency_ns or self.jitter_ns or self.clock_offset_ns or self.clock_skew)
+        """Whether the clock that stamps errs."""
+        return bool(self.clock_offset_ns or self.clock_skew)
 
     def lost(self, first: int, times_ns: Integers) -> Booleans:
         """Which of some readings never arrive.

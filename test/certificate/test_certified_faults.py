@@ -42,7 +42,6 @@ AXES: dict[str, dict[str, object]] = {
 }
 EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
 DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
-    "latency": ({"imu_latency": 0.02, "imu_latency_jitter": 0.01}, (IMU, BIAS)),
     "clock offset": ({"magnetometer_clock_offset": -1.3}, (MAG,)),
     "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
 }
@@ -164,15 +163,43 @@ def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
     assert f"{topic}: there is reading " in found.messages[0]
 
 
+LATE: dict[str, object] = {
+    "imu_latency": 0.02,
+    "imu_latency_jitter": 0.01,
+    "imu_dropout_probability": 0.1,
+    "magnetometer_latency": 0.05,
+    "attitude_sensor_latency_jitter": 0.3,
+}
+
+
+def test_readings_that_are_late_are_certified(tmp_path):
+    start = {**START, **LATER, **LATE}
+    stages = [(start, 0.6), ({**start, "imu_frame": "other", "sensor_seed": 3}, 0.2), ({**START, **LATER}, 0.2)]
+    path = write(tmp_path / "a.mcap", *stages, (start, 0.3))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert all(law.worst == 0.0 for value in (*VALUES, *POINTING) for law in laws(found, value))
+
+
+def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
+    path = write(tmp_path / "a.mcap", ({**START, **LATE}, 0.4))
+    sooner = on(IMU, at(20, lambda m: m._replace(log_time=m.log_time - 1)))
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", sooner)))
+    assert broken(found) == {"log times"}
+    assert "1 messages are not logged" in found.messages[0]
+
+
 @pytest.mark.parametrize("name", DELIVERY)
-def test_sensors_whose_readings_are_late_or_misdated_are_listed_and_break_no_law(tmp_path, name):
+def test_sensors_whose_clock_errs_are_listed_and_break_no_law(tmp_path, name):
     parameters, topics = DELIVERY[name]
     found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
     assert found.passed, found.messages
     assert found.sensors == tuple(topic for topic in ALL if topic not in topics)
     for topic in topics:
         [said] = [text for text in found.not_certified if text.startswith(f"topic {topic} ")]
-        assert said.endswith("its readings are late, or stamped by a clock that errs")
+        assert said.endswith("its readings are stamped by a clock that errs")
     assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
 
 
