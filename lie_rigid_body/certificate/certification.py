@@ -12,6 +12,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
@@ -71,11 +72,14 @@ class Certificate:
     whole : tuple of LawResult
     not_certified : tuple of str
         What of the bag no law speaks of, in words.
+    sensors : tuple of str
+        Topics of the sensors that laws of the segments speak of.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -161,13 +165,23 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        segments = tuple(_segments(bag, surveyed, watch))
-    return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
+        of_sensors = SensorLaws(bag, surveyed)
+        segments = tuple(_segments(bag, surveyed, of_sensors, watch))
+        sensors = of_sensors.findings()
+    surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
+    return Certificate(
+        tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
+        whole_bag.laws(bag, surveyed),
+        not_certified(bag, surveyed, sensors),
+        sensors.topics,
+    )
 
 
-def _segments(bag: Bag | Recording, surveyed: Survey, watch: Watch | None) -> Iterator[SegmentCertificate]:
+def _segments(
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws, watch: Watch | None
+) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors.wanted, sensors.add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
         held = SegmentLaws(found, watch)
@@ -175,6 +189,8 @@ def _segments(bag: Bag | Recording, surveyed: Survey, watch: Watch | None) -> It
             held.add(pending[1])
             pending = next(blocks, None)
         yield _certificate(found, held, as_written=surveyed.as_written)
+    for _ in blocks:
+        pass  # displaced beyond a reset: their sensors' messages still count
 
 
 def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:

@@ -12,6 +12,8 @@ from lie_rigid_body.parameters import Value
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Of the columns of `law_cells`."""
 _COLUMNS: Final = " {:<34}{:>8}{:>8} {:<3}{:>8}{:>10} {}"
+_UNIT: Final = 3
+"""Characters of the column of units; a longer one stands behind the name."""
 _WIDTH: Final = 80
 """Characters of a line of the table, and of the sentences."""
 
@@ -49,7 +51,13 @@ def verdict(certificate: Certificate) -> str:
         f"world momentum to {_momentum(certificate):.2g} (relative).",
         *_worst_sample(certificate),
     ]
-    return "\n  ".join(lines)
+    return "\n".join(["\n  ".join(lines), *_sensors(certificate)])
+
+
+def _sensors(certificate: Certificate) -> list[str]:
+    if not certificate.sensors:
+        return []
+    return [_wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  ")]
 
 
 def _worst_sample(certificate: Certificate) -> list[str]:
@@ -81,6 +89,7 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
         | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
         else None,
+        "certified_sensors": list(certificate.sensors) if certificate.passed else [],
         "not_certified": list(certificate.not_certified),
         "messages": list(certificate.messages),
         "segments": [_segment_json(segment) for segment in certificate.segments],
@@ -133,7 +142,9 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     if law.sample is not None and time_s is not None:
         sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
     verdict = "holds" if law.holds else "BROKEN"
-    return law.name, f"{law.worst:.2g}", f"{law.limit:.2g}", law.unit, sample, time, verdict
+    is_long = len(law.unit) > _UNIT
+    name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
+    return name, f"{law.worst:.2g}", f"{law.limit:.2g}", unit, sample, time, verdict
 
 
 def _wrapped(sentence: str, mark: str) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
+from lie_rigid_body.recording.sensor_reader import VALUES, SensorMessages, SensorTopic, sensor_messages
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import short_repr
 
@@ -87,6 +88,8 @@ class TwistTrack:
 
 
 Track = TypeVar("Track", PoseTrack, TwistTrack)
+TakeReadings: TypeAlias = Callable[[Mapping[str, SensorMessages]], object]
+"""Takes messages of sensors, by relative topic names."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,10 @@ class Recording:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
+    sensors : dict of str to SensorTopic
+        The topics of the body's sensors, by their relative names.
+    readings : dict of str to SensorMessages
+        Their messages.
     """
 
     library: str
@@ -125,6 +132,8 @@ class Recording:
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
+    sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
+    readings: Mapping[str, SensorMessages] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -143,8 +152,11 @@ class Recording:
         """Whether twists have stamps of their own."""
         return self.twists.stamps_ns is not None
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists, as `Bag.batches` reads them."""
+        take({name: self.readings[name] for name in sensors})
         yield self.poses, self.twists
 
 
@@ -167,10 +179,9 @@ class Bag:
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
+    sensors
         As in `Recording`.
     pose_topic, twist_topic : str
-    sensor_topics : dict of str to str
-        The topics of what the body's sensors read, by their relative names, as far as they are there.
     stamped : bool
         Whether twists have stamps of their own.
 
@@ -203,49 +214,75 @@ class Bag:
         for body in found:
             bag = cls.__new__(cls)
             bag._take(files, contents, body)
-            bag.others = _others(contents, [track for each in found for track in each.tracks])
+            bag.others = _others(contents, [t for each in found for t in (*each.tracks, *each.sensors.values())])
             bags.append(bag)
         return tuple(bags)
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         self._path, self._files, self.body = files.path, files, body.name
         self._types = {track.message_type for track in contents.tracks.values()}
-        own = body.tracks
-        for track in own:
+        own, sensors = body.tracks, body.sensors
+        known = (*own, *sensors.values())
+        for track in known:
             require_cdr(self._path, track)
         pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
-        self.sensor_topics = body.sensors
         self._outlines, self._count = contents.outlines, pose.count + twist.count
         self.library = contents.library
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
         self.published_otherwise = sum(track.published_otherwise for track in own)
-        self.others = _others(contents, own)
-        self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
+        self.others = _others(contents, known)
+        self.undefined = tuple(track.topic for track in known if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
         self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
+        self.sensors = {
+            name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
+            for name, track in sensors.items()
+        }
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """All poses and twists in file order, some ten thousand at a time."""
-        if self._kept is not None:
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists in file order, some ten thousand at a time.
+
+        Parameters
+        ----------
+        sensors : collection of str, optional
+            Those of ``self.sensors`` that are read as well.
+        take : callable, optional
+            Called with the messages of these that stand among the poses and twists of a batch, before it comes.
+        """
+        if not sensors and self._kept is not None:
             yield self._kept
             return
-        if may_read_again(self._outlines, self._count):
+        if not sensors and may_read_again(self._outlines, self._count):
             yield from self._batches_again()
             return
-        contents, decoded = McapContents(), [0, 0]
-        for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
-            tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
+        keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
+        for (poses, before), (twists, done), *others in self._pieces(self._pose, self._twist, *keys.values()):
+            take(
+                {
+                    name: sensor_messages(self._path, *key, *pieces)
+                    for (name, key), pieces in zip(keys.items(), others, strict=True)
+                }
+            )
+            yield self._poses(poses, before), self._twists(twists, done)
+
+    def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
+        """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
+        contents, before = McapContents(), [0] * len(keys)
+        for position in itertools.chain(self._files.read(contents, {kind for _, kind in keys}), [None]):
+            tracks = [contents.tracks.get(key) for key in keys]
             waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
             if position is None or waiting >= _BATCH:
                 pieces = [[] if track is None else track.take() for track in tracks]
-                yield self._poses(pieces[0], decoded[0]), self._twists(pieces[1], decoded[1])
-                decoded = [n + sum(len(p.starts) for p in taken) for n, taken in zip(decoded, pieces, strict=True)]
+                yield list(zip(pieces, before, strict=True))
+                before = [n + sum(len(p.starts) for p in taken) for n, taken in zip(before, pieces, strict=True)]
             for track in contents.tracks.values():
-                if (track.topic, track.message_type) not in (self._pose, self._twist):
+                if (track.topic, track.message_type) not in keys:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
@@ -266,7 +303,9 @@ class Bag:
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        poses, twists = zip(*self.batches(), strict=True)
+        readings: list[Mapping[str, SensorMessages]] = []
+        names = [name for name, sensor in self.sensors.items() if sensor.message_type in VALUES]
+        poses, twists = zip(*self.batches(names, readings.append), strict=True)
         return Recording(
             self.library,
             self.scenario_texts,
@@ -278,6 +317,8 @@ class Bag:
             self.undefined,
             self.without_checksum,
             self.was_cut_off,
+            self.sensors,
+            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
         )
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
@@ -335,7 +376,7 @@ def _joined(tracks: Sequence[Track]) -> Track:
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
-    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    topics = [f"topic {track.topic} ({track.count} messages), which no scenario determines" for track in rest]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

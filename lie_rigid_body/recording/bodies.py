@@ -34,15 +34,15 @@ class Body:
     name : str
         The namespace of its pose, such as ``/a``; empty for the root namespace.
     pose, twist, scenario : RawTrack
-    sensors : dict of str to str
-        The topics of what its sensors read, by their relative names, as far as they are there.
+    sensors : dict of str to RawTrack
+        What its sensors read, and their faults, by their relative names, as far as it is there.
     """
 
     name: str
     pose: RawTrack
     twist: RawTrack
     scenario: RawTrack
-    sensors: dict[str, str] = field(default_factory=dict)
+    sensors: dict[str, RawTrack] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -171,8 +171,8 @@ def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
 
 
 def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
-    tracks = [track for (_, kind), track in contents.tracks.items() if kind in TYPES[name]]
-    return [track for track in tracks if not track.topic.endswith(FAULTS.removeprefix("~"))]  # texts as scenarios are
+    alike = [track for (_, kind), track in contents.tracks.items() if kind in TYPES[name]]
+    return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS)]  # texts as well
 
 
 def _last(name: str) -> str:
@@ -186,13 +186,17 @@ def _body(
         if not track.count:
             raise BagError(f"{path} has no message on {track.topic}: record it while the body is published")
     namespace = tracks[POSE].topic.rpartition("/")[0]
-    sensors = {name: given.get(name) or _sensor(contents, name, namespace, alone=alone) for name in SENSOR_TOPICS}
-    there = {name: track.topic for name, track in sensors.items() if track is not None}
+    sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
+    there = {name: track for name, track in sensors.items() if track is not None and track.count}
     return Body(namespace, tracks[POSE], tracks[TWIST], tracks[SCENARIO], there)
 
 
-def _sensor(contents: McapContents, name: str, namespace: str, *, alone: bool) -> RawTrack | None:
-    """The track of what a sensor of the body reads; of a body that is alone it may be in any namespace."""
-    own = _track(contents, name, f"{namespace}/{name}")
-    elsewhere = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{name}") and track.count]
+def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *, alone: bool) -> RawTrack | None:
+    """The track of what a sensor of the body reads; of a body that is alone in any namespace but another's."""
+    last = name.removeprefix("~/")
+    beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
+    own = _track(contents, name, f"{beside}/{last}")
+    poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
+    alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
+    elsewhere = [track for track in alike if f"{track.topic.removesuffix(last)}{POSE}" not in poses]
     return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)

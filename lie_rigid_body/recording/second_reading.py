@@ -102,7 +102,8 @@ class TopicReader:
         """Log times, ns, and contents of the messages that were added, with which it begins anew."""
         rows = slice(0, self.count)
         stamps = self._stamps[rows] if self._stamped else None
-        found = self._log_times[rows], Decoded(stamps, self._values[rows], tuple(self._frames))
+        frames = np.zeros(self.count, dtype=np.int64)  # which of them each has is not asked of poses and twists
+        found = self._log_times[rows], Decoded(stamps, self._values[rows], tuple(self._frames), frames)
         self._before += self.count
         self._begin(len(self._stamps))
         return found
