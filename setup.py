@@ -26,7 +26,7 @@ ROS_NAMES = [
     f"check = {NAME}.cli.check:main",
     f"recover = {NAME}.cli.recover:main",
     f"plot = {NAME}.cli.plot:main",
-    f"evaluate = {NAME}.cli.evaluate:main",
+    f"evaluate = {NAME}.__main__:evaluate",
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
@@ -46,6 +46,7 @@ REQUIRES = [
 ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
 # PyBullet has to be compiled elsewhere, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
+PLOTLY = "plotly>=6"
 CAMPAIGN = ["dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
@@ -67,6 +68,10 @@ EXTRAS = {
     "proof": [PYTHON_FLINT],
     # many runs on all cores or a cluster, and their table
     "campaign": CAMPAIGN,
+    # check --report, campaign --report: pages with figures that can be turned and played
+    "report": [PLOTLY],
+    # bags that rosbag2 wrote with SQLite
+    "sqlite": ["rosbags>=0.11"],
     "test": [
         *CAMPAIGN,
         "ahrs",
@@ -77,6 +82,7 @@ EXTRAS = {
         "hypothesis",
         "mcap-ros2-support",
         "mpmath",
+        PLOTLY,
         "pytest>=7.4",
         "pytest-xdist",
         f"{PYTHON_FLINT}{FLINT_WHEELS_EXIST}",

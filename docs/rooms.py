@@ -56,8 +56,13 @@ def imports(source: str, module: str, *, is_package: bool = False) -> Iterator[s
                 base = ".".join([*folder, *([base] if base else [])])
             full_names = [f"{base}.{alias.name}" for alias in node.names]
             yield from (full if full in MODULES else base for full in full_names if full != f"{PACKAGE}.__version__")
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+        elif isinstance(node, ast.Call) and _name(node.func).endswith(("import_module", "__import__")):
             yield from (a.value for a in node.args if isinstance(a, ast.Constant) and isinstance(a.value, str))
+
+
+def _name(function: ast.expr) -> str:
+    """What is called, without the object that it belongs to."""
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
 def room(module: str) -> str:

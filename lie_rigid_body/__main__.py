@@ -1,6 +1,7 @@
 """``lie-rigid-body VERB …``: one name for every executable of the package.
 
-Each verb is imported when it is called and not before. So the help answers at once, and nothing but ``sim`` needs ROS.
+Each verb is imported when it is called and not before. So the help answers at once, and nothing but ``sim`` and the
+live ``evaluate`` needs ROS.
 """
 
 from __future__ import annotations
@@ -29,11 +30,12 @@ VERBS = {
     "check": Verb("lie_rigid_body.cli.check", "certify that a bag obeys the conservation laws"),
     "recover": Verb("lie_rigid_body.cli.recover", "rescue what is whole of a bag that was cut off"),
     "plot": Verb("lie_rigid_body.cli.plot", "draw a bag: body rate, drifts and polhode"),
-    "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate in a bag"),
+    "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate, in a bag or live"),
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
     "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
 }
+LIVE_EVALUATE = "lie_rigid_body.ros.evaluate"
 
 
 def usage() -> str:
@@ -84,8 +86,24 @@ def _main(arguments: list[str]) -> int:
 
 def run(name: str, argv: list[str]) -> int:
     """Import the verb and call it."""
+    if name == "evaluate":
+        return evaluate(argv)
     verb: Callable[[list[str]], int] = import_module(VERBS[name].module).main
     return verb(argv)
+
+
+def evaluate(argv: Sequence[str] | None = None) -> int:
+    """Run ``evaluate`` with the given arguments, or those of the process: live where no bag is given."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+
+    def act() -> int:
+        from lie_rigid_body.report.request import is_live
+
+        module = LIVE_EVALUATE if is_live(arguments) else VERBS["evaluate"].module
+        verb: Callable[[list[str]], int] = import_module(module).main
+        return verb(arguments)
+
+    return console.status_of(console.program("evaluate"), act)
 
 
 if __name__ == "__main__":

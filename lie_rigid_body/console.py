@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
@@ -23,11 +23,14 @@ if TYPE_CHECKING:
     from lie_rigid_body.scenario import Scenario
 
 SUCCESS: Final = 0
+BROKEN: Final = 1
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
+_ROS_BEGIN: Final = "--ros-args"
+_ROS_END: Final = "--"
 _STANDARD_STREAMS: Final = 3
 _PIP_NAMES: Final = {"yaml": "PyYAML"}
 
@@ -66,9 +69,36 @@ def program(verb: str) -> str:
     return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
 
 
+def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
+    """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
+    own: list[str] = []
+    ros: list[str] = []
+    target = own
+    for argument in argv:
+        if argument == _ROS_BEGIN:
+            target = ros
+        if target is ros and argument == _ROS_END:
+            target = own
+            continue
+        if argument != _ROS_BEGIN:
+            target.append(argument)
+    return own, [_ROS_BEGIN, *ros] if ros else []
+
+
 def how_to_certify(bag: str | Path) -> str:
     """The command that certifies a bag, for a shell."""
     return f"certify them with: {program('check')} {shlex.quote(str(bag))}"
+
+
+def require_suffix(option: str, path: str | None, suffix: str) -> None:
+    """Refuse a file to write whose name does not end as its kind.
+
+    Raises
+    ------
+    InputError
+    """
+    if path is not None and Path(path).suffix.lower() != suffix:
+        raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
 
 
 def complain(prog: str, message: str) -> None:
@@ -228,12 +258,12 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     except Exception as error:
         if os.environ.get(DEBUG):
             traceback.print_exc()
-        complain(prog, _explanation(error))
+        complain(prog, explanation(error))
         return UNUSABLE
 
 
-def _explanation(error: Exception) -> str:
-    """What an exception means to the user."""
+def explanation(error: Exception) -> str:
+    """What an exception means to the user, in one line."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
     if isinstance(error, MemoryError):

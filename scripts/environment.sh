@@ -20,6 +20,11 @@ no_python() {
     exit 1
 }
 
+install() {
+    $folder/bin/python -m pip install ${constraints:+--constraint $constraints} \
+        ${never_compiled:+--only-binary $never_compiled} --editable ".[$extras]"
+}
+
 kind=$1
 constraints= never_compiled=
 case $kind in
@@ -72,7 +77,12 @@ fi
 echo "Setting up $folder with $python (once; it takes about a minute, as pip tells below)" >&2
 rm -f $folder/complete
 [ -d $folder ] || "$python" -m venv $folder >&2
-$folder/bin/python -m pip install ${constraints:+--constraint $constraints} \
-    ${never_compiled:+--only-binary $never_compiled} --editable ".[$extras]" >&2
+# What pip fetches and builds is told line by line; of what is there already it would tell hundreds of lines.
+status=$({
+    { install 3>&- && echo 0 >&3 || echo $? >&3; } | while IFS= read -r line; do
+        case $line in "Requirement already satisfied"*) ;; *) printf '%s\n' "$line" >&2 ;; esac
+    done
+} 3>&1)
+[ "$status" = 0 ] || exit "${status:-1}"
 echo "$wanted" >$folder/complete
 echo "$root/$folder"

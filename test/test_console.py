@@ -55,14 +55,15 @@ def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path
         assert f"{written.name} is written" in line
 
 
-@pytest.mark.parametrize("command", [*ANSWERS, WRITERS[0]])
+# with an end of stdout that is no error: all answer by the one function that the test above finds in each
+@pytest.mark.parametrize("command", ["--help", "check {bag}", WRITERS[0]])
 def test_closed_stdout_is_nobodys_fault(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, ">&-")
     assert done.returncode == 0
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("command", ANSWERS)
+@pytest.mark.parametrize("command", ["explain", "evaluate {bag} --estimate /pose"])
 def test_reader_who_leaves_hears_no_complaint(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, "| true")
     assert done.stderr == ""

@@ -20,7 +20,7 @@ SCENARIO = {
     "scenario",
 }
 BAG = SCENARIO | {"simulation", "messages", "recording"}
-EDGE = BAG | {"certificate", "evaluation", "runs", "console", "interruption"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "report", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
     "errors": set(),
@@ -42,14 +42,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
-    "campaign": BAG | {"certificate"},
+    "campaign": BAG | {"certificate", "runs"},
     "testing": SCENARIO | {"evaluation", "runs"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
+    "report": BAG | {"evaluation", "runs", "console"},
     "cli": EDGE | {"campaign"},
     "ros": EDGE,
     "": SCENARIO | {"simulation", "evaluation", "runs"},
-    "__main__": {"console"},
+    "__main__": {"console", "report"},
 }
 FOR_ALL = {"wording", "errors", "arrays"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from lie_rigid_body.__main__ import VERBS
 from lie_rigid_body.cli import check, record
+from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.arguments import parse
 from lie_rigid_body.scenario import Scenario
@@ -19,7 +21,11 @@ ROOT = Path(__file__).parent.parent
 LIST = ROOT / "test" / "data" / "ros2_commands.txt"
 COMMANDS = [line for line in LIST.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-PARSERS = {"check": check._parser, "record": record._parser}
+PARSERS: dict[str, Callable[[list[str]], object]] = {
+    "check": check._parser().parse_args,
+    "record": record._parser().parse_args,
+    "evaluate": request.parse,
+}
 
 
 def shown(text: str) -> set[str]:
@@ -72,7 +78,7 @@ def test_executables_understand_their_arguments(command: str) -> None:
         assignments = (*given.assignments, *given.ros_assignments)
         Scenario.from_parameters(gather(given.scenario, given.params_files, assignments))
     elif words:
-        PARSERS[verb]().parse_args(words)
+        PARSERS[verb](words)
 
 
 @pytest.mark.parametrize("command", [command for command in COMMANDS if command.startswith("ros2 launch")])

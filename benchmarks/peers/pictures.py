@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ def _styles(tables: Sequence[Sequence[Row]]) -> dict[str, Style]:
     return {family: STYLES.get(family) or next(spare) for family in seen}
 
 
-def _look(style: Style) -> dict[str, object]:
+def _look(style: Style) -> dict[str, Any]:
     colour, marker, line = style
     ours = line == "-"
     size = 15 if marker == "*" else 7

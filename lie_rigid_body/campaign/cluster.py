@@ -24,6 +24,15 @@ if TYPE_CHECKING:
 RUNS_AHEAD: Final = 4
 """Runs that wait at each worker, so that none is idle, and few are done in vain at an interruption."""
 
+_QUIET: Final = {
+    "distributed.logging.distributed": "critical",
+    "distributed.admin.tick.limit": "1h",
+    # nobody looks at what these collect, many times a second in every process
+    "distributed.admin.tick.interval": "1s",
+    "distributed.worker.profile.enabled": False,
+}
+"""Settings of Dask."""
+
 
 @contextmanager
 def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
@@ -45,7 +54,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     from distributed import Client, LocalCluster
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said in the rows
-    dask.config.set({"distributed.logging.distributed": "critical", "distributed.admin.tick.limit": "1h"})
+    dask.config.set(_QUIET)
     if scheduler is not None:
         try:
             with Client(scheduler, timeout=10) as client:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +21,8 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
-_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary")
+_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
+_FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 _NAMES: Final = tuple(parameter.name for parameter in PARAMETERS)
 
 
@@ -42,6 +44,9 @@ class Campaign:
         Parameters that are the same in every run, over those of the scenario.
     vary : mapping of str to object, optional
         Parameters that are drawn, and from which distributions, as in the file.
+    estimator : str, optional
+        ``module:function`` that estimates the attitudes of a `Run`, to be scored in each run. It returns them
+        world-from-body, scalar last, shape (N, 4), at the stamps of the IMU; or a tuple of stamps, ns, and attitudes.
 
     Raises
     ------
@@ -54,6 +59,7 @@ class Campaign:
     scenario: str | None = None
     parameters: Mapping[str, object] = field(default_factory=dict)
     vary: Mapping[str, object] = field(default_factory=dict)
+    estimator: str | None = None
 
     __repr__ = short_repr
 
@@ -71,6 +77,8 @@ class Campaign:
         if both:
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
         self._draws  # noqa: B018 refuses what is no distribution
+        if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
+            raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
 
     @classmethod
     def from_file(cls, path: str | Path) -> Campaign:
@@ -134,13 +142,20 @@ class Campaign:
         found = {**dict(scenario.sensor_parameters), **scenario.parameters()}
         return {name: found[name] for name in self.vary}
 
-    def __reduce__(self) -> tuple[type[Campaign], tuple[Any, ...]]:
-        """Workers make it anew: the functions that draw cannot be pickled."""
-        return Campaign, tuple(getattr(self, key) for key in _KEYS)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Workers make it anew, once for all runs: the functions that draw cannot be pickled."""
+        return _remade, (json.dumps([getattr(self, key) for key in _KEYS]),)
 
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
-        return json.dumps({key: getattr(self, key) for key in _KEYS}, sort_keys=True, ensure_ascii=False)
+        content = {key: getattr(self, key) for key in _KEYS if key != "estimator" or self.estimator is not None}
+        return json.dumps(content, sort_keys=True, ensure_ascii=False)
+
+
+@lru_cache(maxsize=1)
+def _remade(text: str) -> Campaign:
+    """The campaign of its JSON. Every run brings it along, and to read its scenario takes a while."""
+    return Campaign(*json.loads(text))
 
 
 def _require_integer(name: str, value: object, least: int, most: int) -> None:

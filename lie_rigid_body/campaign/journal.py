@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.campaign.estimator import ERROR
 from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
@@ -104,6 +105,9 @@ class Journal:
         accuracy = [row.attitude_accuracy_rad for row in rows]
         columns["attitude_accuracy_rad"] = pyarrow.array(accuracy, pyarrow.float64())
         columns["bag"] = pyarrow.array([row.bag for row in rows], pyarrow.string())
+        for name in rows[0].scores:
+            kind = kinds["string" if name == ERROR else "double"]
+            columns[name] = pyarrow.array([row.scores[name] for row in rows], kind)
         path = self.folder / TABLE
         whole = path.with_suffix(".part")
         pyarrow.parquet.write_table(pyarrow.table(columns), whole)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.campaign.estimator import Scores, scores
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.simulation import Simulation
@@ -32,6 +33,10 @@ class Row:
         Bound of the error of its attitudes, rad.
     bag : str or None
         Path of its bag in the folder of the campaign.
+    residuals : dict of str to list of float
+        The worst residual of each law, and its limit.
+    scores : dict of str to float, str or None
+        Those of the estimator, by column; empty if none was asked for.
     """
 
     run: int
@@ -39,6 +44,8 @@ class Row:
     certified: bool = False
     attitude_accuracy_rad: float = 0.0
     bag: str | None = None
+    residuals: dict[str, list[float]] = field(default_factory=dict)
+    scores: Scores = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """The row as plain values."""
@@ -79,11 +86,19 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     from lie_rigid_body.recording.bag_reader import read_bag
 
     scenario = campaign.scenario_of(run)
-    scenario.expect(campaign.duration)
+    scenario.expect(campaign.duration * campaign.runs)  # so that loading compiled steps pays from the first run on
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
     with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
         for _ in write_run(bag, simulation, last_ns):
             pass
     certificate = certify(read_bag(path))
-    return Row(run, campaign.varied(scenario), certificate.passed, certificate.attitude_accuracy, name)
+    return Row(
+        run,
+        campaign.varied(scenario),
+        certificate.passed,
+        certificate.attitude_accuracy,
+        name,
+        {law: list(pair) for law, pair in certificate.residuals.items()},
+        scores(campaign, scenario),
+    )

@@ -10,7 +10,9 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
@@ -70,11 +72,14 @@ class Certificate:
     whole : tuple of LawResult
     not_certified : tuple of str
         What of the bag no law speaks of, in words.
+    sensors : tuple of str
+        Topics of the sensors that laws of the segments speak of.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -87,6 +92,20 @@ class Certificate:
     def passed(self) -> bool:
         """Whether every law holds in every segment."""
         return all(s.passed for s in self.segments) and all(law.holds for law in self.whole)
+
+    @property
+    def laws(self) -> tuple[LawResult, ...]:
+        """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
+        worst: dict[str, LawResult] = {}
+        for segment in self.segments:
+            for law in segment.laws:
+                worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
+        return (*worst.values(), *self.whole)
+
+    @property
+    def residuals(self) -> dict[str, tuple[float, float]]:
+        """The worst residual of each law, and its limit, by the law's name with the unit."""
+        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in self.laws}
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -121,7 +140,7 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
-def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Certificate:
+def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch: Watch | None = None) -> Certificate:
     """Hold every law against every segment of a bag, which is read twice.
 
     Parameters
@@ -129,6 +148,8 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     bag : Bag or Recording
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
+    watch : Watch, optional
+        It is told of the residuals of all samples.
 
     Returns
     -------
@@ -144,20 +165,32 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Cer
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
-        segments = tuple(_segments(bag, surveyed))
-    return Certificate(segments, whole_bag.laws(bag, surveyed), not_certified(bag, surveyed))
+        of_sensors = SensorLaws(bag, surveyed)
+        segments = tuple(_segments(bag, surveyed, of_sensors, watch))
+        sensors = of_sensors.findings()
+    surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
+    return Certificate(
+        tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
+        whole_bag.laws(bag, surveyed),
+        not_certified(bag, surveyed, sensors),
+        sensors.topics,
+    )
 
 
-def _segments(bag: Bag | Recording, surveyed: Survey) -> Iterator[SegmentCertificate]:
+def _segments(
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws, watch: Watch | None
+) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments])
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors.wanted, sensors.add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
-        held = SegmentLaws(found)
+        held = SegmentLaws(found, watch)
         while pending is not None and pending[0] == i:
             held.add(pending[1])
             pending = next(blocks, None)
         yield _certificate(found, held, as_written=surveyed.as_written)
+    for _ in blocks:
+        pass  # displaced beyond a reset: their sensors' messages still count
 
 
 def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:

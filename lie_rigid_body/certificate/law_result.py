@@ -57,6 +57,13 @@ class LawResult:
         """Whether no residual exceeds its limit."""
         return self.broken == 0
 
+    @property
+    def share(self) -> float:
+        """The largest residual as a share of its limit; above 1 where the law is broken, and infinite for NaN."""
+        if self.limit > 0.0:
+            return np.inf if np.isnan(self.worst) else self.worst / self.limit
+        return 0.0 if self.holds else np.inf
+
 
 class Judgement:
     """A law held against residuals as they come.
@@ -67,12 +74,14 @@ class Judgement:
         Name of the law, unit of its residuals.
     what : str
         The message for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
+    noun : str, optional
+        What its samples are called.
     """
 
-    def __init__(self, name: str, unit: str, what: str) -> None:
+    def __init__(self, name: str, unit: str, what: str, noun: str = "sample") -> None:
         self.name, self._unit, self._what = name, unit, what
         self._checked = 0
-        self._broken = _Broken()
+        self._broken = _Broken(noun)
         self._largest = _Worst()
         self._farthest = _Worst()
 
@@ -95,7 +104,8 @@ class Judgement:
         weights = np.where(np.isnan(residuals), np.inf, residuals)
         self._largest.add(weights, residuals, limits, samples, stamps_ns)
         if broken.any():
-            self._farthest.add(weights / limits, residuals, limits, samples, stamps_ns)
+            beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
+            self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
             self._broken.add(samples[broken])
 
     def result(self) -> LawResult:
@@ -132,7 +142,8 @@ class _Worst:
 class _Broken:
     """The samples of a broken law: how many, the first ones, the last."""
 
-    def __init__(self) -> None:
+    def __init__(self, noun: str) -> None:
+        self._noun = noun
         self.count = 0
         self._first: list[int] = []
         self._last = 0
@@ -144,7 +155,7 @@ class _Broken:
 
     def in_words(self, worst: int) -> str:
         if self.count == 1:
-            return f"sample {worst}"
+            return f"{self._noun} {worst}"
         if self.count <= _SHOWN:
-            return "samples " + ", ".join(str(k) for k in self._first)
-        return f"{self.count} samples from {self._first[0]} to {self._last}, worst at {worst}"
+            return f"{self._noun}s " + ", ".join(str(k) for k in self._first)
+        return f"{self.count} {self._noun}s from {self._first[0]} to {self._last}, worst at {worst}"

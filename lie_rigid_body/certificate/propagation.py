@@ -50,14 +50,14 @@ class Propagation:
             Bound Ω of the body rate, rad/s.
         """
         t_ns = np.linspace(0.0, duration * 1e9, _TIMES).astype(np.int64)
-        states = ClosedForm(body, start).at(t_ns)
         speed = float(so3.norm(start.body_rate))
-        gains = np.zeros(len(t_ns))
-        for axis in speed * np.vstack([np.eye(3), -np.eye(3)]):
-            disturbed = State.trusted(start.attitude_xyzw.copy(), start.body_rate + _PROBE * axis)
-            moved = ClosedForm(body, disturbed).at(t_ns).attitude_xyzw
-            turned = quaternion.multiply(quaternion.conjugate(states.attitude_xyzw), moved)
-            gains = np.maximum(gains, so3.norm(quaternion.log(turned)) / _PROBE)
+        probes = start.body_rate + _PROBE * speed * np.vstack([np.eye(3), -np.eye(3)])
+        rates = np.vstack([start.body_rate, probes])
+        starts = State.trusted(np.tile(start.attitude_xyzw, (len(rates), 1)), rates)
+        moved = ClosedForm(body, starts).at(t_ns)
+        states = State.trusted(moved.attitude_xyzw[0], moved.body_rate[0])
+        turned = quaternion.multiply(quaternion.conjugate(states.attitude_xyzw), moved.attitude_xyzw[1:])
+        gains = so3.norm(quaternion.log(turned)).max(axis=0) / _PROBE
         scale = fastest / speed if speed > 0.0 else 1.0
         times = np.asarray(1e-9 * t_ns, dtype=np.float64)
         return cls(times, states, np.asarray(scale * np.maximum.accumulate(gains), dtype=np.float64))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -16,7 +16,7 @@ from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TwistTrack
+from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import SOFTWARE, Segment
 from lie_rigid_body.wording import short_repr
 
@@ -199,7 +199,7 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     pairing = Pairing()
     for topics in stamped_values(facts.counted(bag.batches()), segments[0].clock(), logged_at_stamps=own):
         for name, topic in zip(tallies[0].stamps, topics, strict=True):
-            for i, rows in _parts(segments, topic.stamps_ns):
+            for i, rows in segment_parts(segments, topic.stamps_ns):
                 tallies[i].stamps[name].add(topic.stamps_ns[rows])
         _tally_pairs(tallies, pairing.add(*topics).stamps_ns, pairing.alone)
     _tally_pairs(tallies, pairing.finish().stamps_ns, pairing.alone)
@@ -320,13 +320,13 @@ class _SegmentTally:
 
 def _tally_pairs(tallies: list[_SegmentTally], common: Integers, alone: Integers) -> None:
     segments = [tally.segment for tally in tallies]
-    in_common, in_alone = dict(_parts(segments, common)), dict(_parts(segments, alone))
+    in_common, in_alone = dict(segment_parts(segments, common)), dict(segment_parts(segments, alone))
     for i in sorted(in_common.keys() | in_alone.keys()):
         none = slice(0, 0)
         tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
 
 
-def _parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
+def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
     """The segments that stamps belong to, and which of the stamps are theirs; those before the first are left out."""
     if not len(stamps_ns):
         return
@@ -340,12 +340,20 @@ def _parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[i
         yield i, at == i
 
 
-def numbered_blocks(bag: Bag | Recording, segments: Sequence[Segment]) -> Iterator[tuple[int, Block]]:
-    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place."""
+def numbered_blocks(
+    bag: Bag | Recording,
+    segments: Sequence[Segment],
+    sensors: Collection[str] = (),
+    take: TakeReadings = lambda readings: None,
+) -> Iterator[tuple[int, Block]]:
+    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place.
+
+    Sensors' messages are read with them, and taken as in `Bag.batches`.
+    """
     pairing = Pairing()
-    topics = stamped_values(bag.batches(), segments[0].clock(), logged_at_stamps=as_written(bag))
+    topics = stamped_values(bag.batches(sensors, take), segments[0].clock(), logged_at_stamps=as_written(bag))
     for block in itertools.chain((pairing.add(*values) for values in topics), (pairing.finish() for _ in range(1))):
-        for i, rows in _parts(segments, block.stamps_ns):
+        for i, rows in segment_parts(segments, block.stamps_ns):
             part = block[rows]
             yield i, replace(part, samples=number_samples(segments[i].clock(), part.stamps_ns))
 
@@ -360,13 +368,13 @@ def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = No
     return [_recorded(found, whole, found.count) for found, whole in zip(surveyed, joined, strict=True)]
 
 
-def thinned_segments(bag: Bag | Recording) -> list[RecordedSegment]:
+def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
     """The segments of a bag with so few of their samples that they can be drawn, and look as all would. See `survey`.
 
     Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
     momentum or in energy: a curve through them has the envelope of all.
     """
-    surveyed = survey(bag).segments
+    surveyed = survey(bag, inertia).segments
     size = -(-sum(found.count for found in surveyed) // _BUCKETS)
     thinning = [_Thinning(found, size) for found in surveyed]
     for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):

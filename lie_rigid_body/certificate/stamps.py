@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -22,6 +22,7 @@ DISORDER: Final = "ord"
 
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
+_NONE: Final = np.empty(0, dtype=np.int64)
 _MOST_DOUBLED: Final = 100_000
 """Number of doubled samples that are counted."""
 
@@ -47,7 +48,7 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
 
 
 @dataclass(frozen=True)
-class _Fault:
+class StampFault:
     """What is wrong with the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
 
     kind: str
@@ -95,17 +96,30 @@ def stamp_law(
         first = tally.low if late_start and tally.count else segment.first_sample
         last = tally.high if open_end and tally.count else end - (cut_off and topic == "twist")
         faults += tally.faults(topic, first, last)
+    return stamp_result("stamps", clock, faults, sum(tally.count for tally in tallies.values()))
+
+
+def stamp_result(name: str, clock: SampleClock, faults: Sequence[StampFault], checked: int) -> LawResult:
+    """The result of a law of stamps with these faults; see `stamp_law`.
+
+    Parameters
+    ----------
+    name : str
+    clock : SampleClock
+    faults : sequence of StampFault
+    checked : int
+        How many stamps there were.
+    """
     unit = next(
         (kind for kind in (OFF_GRID, GAP, DUPLICATE, DISORDER) if any(f.kind == kind for f in faults)), OFF_GRID
     )
     kindred = [fault for fault in faults if fault.kind == unit]
-    checked = sum(tally.count for tally in tallies.values())
     if not kindred:
-        return LawResult("stamps", OFF_GRID, 0.0, 0.0, None, None, 0, checked)
+        return LawResult(name, OFF_GRID, 0.0, 0.0, None, None, 0, checked)
     worst = max(f.count for f in kindred) if unit == OFF_GRID else sum(f.count for f in kindred)
     at = max(kindred, key=lambda f: f.count).sample if unit == OFF_GRID else min(f.sample for f in kindred)
     text = "; ".join(fault.text for fault in faults)
-    return LawResult("stamps", unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
+    return LawResult(name, unit, float(worst), 0.0, at, clock.stamp_ns(at), len(faults), checked, text)
 
 
 class StampTally:
@@ -114,6 +128,8 @@ class StampTally:
     Parameters
     ----------
     clock : SampleClock
+    noun : str, optional
+        What its samples are called.
 
     Attributes
     ----------
@@ -122,8 +138,8 @@ class StampTally:
         The least and the largest number of a sample so far.
     """
 
-    def __init__(self, clock: SampleClock) -> None:
-        self._clock = clock
+    def __init__(self, clock: SampleClock, noun: str = "sample") -> None:
+        self._clock, self._noun = clock, noun
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
         self._missing: list[tuple[int, int]] = []  # first and last of each run between low and high, rising
@@ -198,26 +214,41 @@ class StampTally:
             self.low = begin
         self.high = max(self.high, end)
 
-    def faults(self, topic: str, first: int, last: int) -> list[_Fault]:
-        """What is wrong, of a topic that is to have all samples from one number to another."""
+    def faults(self, topic: str, first: int, last: int, lost: Integers = _NONE) -> list[StampFault]:
+        """What is wrong, of a topic that is to have all samples from one number to another but those that are lost.
+
+        Parameters
+        ----------
+        topic : str
+        first, last : int
+        lost : ndarray of int64, optional
+            Numbers of samples that never arrived, rising.
+        """
         found = []
+        gaps = self._gaps(first, last)
+        if len(lost):
+            gaps, arrived = _but_lost(gaps, lost[(lost >= first) & (lost <= last)])
+            if len(arrived):
+                some = _some([str(k) for k in arrived[:_SHOWN].tolist()], len(arrived))
+                text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
+                found.append(StampFault(DUPLICATE, len(arrived), int(arrived[0]), text))
         if self._displaced:
-            text = f"{topic}: out of order, sample {_some(self._pairs, self._displaced)}"
-            found.append(_Fault(DISORDER, self._displaced, self._earliest, text))
+            text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
+            found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
         if self._doubled:
             doubled = sorted(self._doubled)
-            text = f"{topic}: duplicate of sample {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
-            found.append(_Fault(DUPLICATE, len(doubled), doubled[0], text))
-        if gaps := self._gaps(first, last):
-            text = f"{topic}: gap, {_some([_gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
-            found.append(_Fault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
+            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
+            found.append(StampFault(DUPLICATE, len(doubled), doubled[0], text))
+        if gaps:
+            text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
+            found.append(StampFault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
         if self._off:
             number, stamp = self._worst
             text = (
-                f"{topic}: {self._off} stamps off the grid, sample {number} stamped {stamp} ns "
+                f"{topic}: {self._off} stamps off the grid, {self._noun} {number} stamped {stamp} ns "
                 f"instead of {self._clock.stamp_ns(number)}"
             )
-            found.append(_Fault(OFF_GRID, self._farthest, number, text))
+            found.append(StampFault(OFF_GRID, self._farthest, number, text))
         return found
 
     def _gaps(self, first: int, last: int) -> list[tuple[int, int]]:
@@ -226,6 +257,25 @@ class StampTally:
         clipped = [(max(begin, first), min(end, last)) for begin, end in outer]
         return [(begin, end) for begin, end in clipped if begin <= end]
 
+    def _gap_in_words(self, begin: int, end: int) -> str:
+        if begin == end:
+            return f"{self._noun} {begin} is missing"
+        return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
+
+
+def _but_lost(gaps: Sequence[tuple[int, int]], lost: Integers) -> tuple[list[tuple[int, int]], Integers]:
+    """The runs of missing numbers without those that are lost, and the lost ones that are in no run."""
+    if not gaps:
+        return [], lost
+    begins, ends = np.array(gaps, dtype=np.int64).T
+    before, until = np.searchsorted(lost, begins), np.searchsorted(lost, ends, side="right")
+    rest: list[tuple[int, int]] = []
+    for i in np.flatnonzero(until - before <= ends - begins):
+        edges = [int(begins[i]) - 1, *lost[before[i] : until[i]].tolist(), int(ends[i]) + 1]
+        rest += [(a + 1, b - 1) for a, b in itertools.pairwise(edges) if a + 1 < b]
+    at = np.searchsorted(begins, lost, side="right") - 1
+    return rest, lost[(at < 0) | (lost > ends[at])]
+
 
 def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     """The exact stamps of samples by their numbers, ns."""
@@ -233,12 +283,6 @@ def _grid(clock: SampleClock, numbers: Integers) -> Integers:
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
         return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
-
-
-def _gap_in_words(begin: int, end: int) -> str:
-    if begin == end:
-        return f"sample {begin} is missing"
-    return f"{end - begin + 1} samples from {begin} to {end} are missing"
 
 
 def _some(items: list[str], count: int) -> str:

@@ -14,18 +14,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
+from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
+from lie_rigid_body.parameters import Vector
 from lie_rigid_body.scenario import Scenario
 
 ATTITUDE_CAP: Final = 1e-7
@@ -45,6 +48,8 @@ READING: Final = 48 * U
 
 FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
+SHARED: Final = 512
+"""Segments whose limits are kept: those that one batch of a bag may be of."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,16 @@ class Tolerance:
         """Limit of the attitude error before the cap, rad, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
+    def rate(self, t: Array) -> Array:
+        """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
+        return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
+
+    def mean_rate(self, t: Array, span: float) -> Array:
+        """Limit of the error of the mean rate over ``span``, s, up to times t, rad/s, shape (N,)."""
+        turn = np.array([self.fastest * span])
+        carried = turn * self.propagation.growth(turn) * self.rate(t)
+        return np.asarray((self.attitude_step(np.array([span])) + carried) / span)
+
     def attitude_step(self, spans: Array) -> Array:
         """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans
@@ -104,8 +119,9 @@ class Tolerance:
         return np.asarray(READING * self.conditions.inverse + FLOW * self.conditions.rate_of_momentum * turns)
 
 
+@lru_cache(maxsize=SHARED)
 def tolerance(scenario: Scenario, duration: float) -> Tolerance:
-    """The limits for a segment of a scenario.
+    """The limits for a segment of a scenario, which the truth and the sensors of one rate share.
 
     Parameters
     ----------
@@ -118,9 +134,10 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     -------
     Tolerance
     """
-    body, start = scenario.body(), scenario.start()
-    fastest = scenario.rate_bound()
-    propagation = Propagation.of(body, start, duration, fastest)
+    body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
+    propagation = _propagation(
+        scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
+    )
     conditions = ConditionNumbers.of(body, propagation.states, fastest)
     if scenario.motion == "closed_form":
         return Tolerance(fastest, conditions, NoDrift(), propagation)
@@ -133,3 +150,11 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
     steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
+
+
+@lru_cache(maxsize=SHARED)
+def _propagation(
+    inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
+) -> Propagation:
+    """The propagation of a motion, whatever the steps and the rates of samples: most of the work."""
+    return Propagation.of(RigidBody(inertia), State(attitude_xyzw, body_rate), duration, fastest)

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lie_rigid_body.certificate.segments import Survey
+from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
-def not_certified(bag: Bag | Recording, surveyed: Survey) -> tuple[str, ...]:
+def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
     """What of a bag is not certified, in words.
 
     Parameters
     ----------
     bag : Bag or Recording
     surveyed : Survey
+    sensors : SensorFindings
         Of the same bag.
     """
     return (
@@ -23,7 +25,7 @@ def not_certified(bag: Bag | Recording, surveyed: Survey) -> tuple[str, ...]:
         "with which stepper (motion, method and max_step set the limits)",
         "the scale of the inertia, which no torque-free motion shows",
         *_ends(bag, surveyed),
-        *_declared_only(surveyed),
+        *_declared_only(surveyed, sensors),
         *_unread(bag),
         "and the fields that docs/certificate.md says are not",
     )
@@ -38,12 +40,13 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     )
 
 
-def _declared_only(surveyed: Survey) -> Iterator[str]:
+def _declared_only(surveyed: Survey, sensors: SensorFindings) -> Iterator[str]:
     followed = {found.segment.start_ns for found in surveyed.segments}
     if unused := sum(segment.start_ns not in followed for segment in surveyed.declared):
         yield f"scenarios without a sample: {unused}"
     if any(segment.scenario.has_sensors for segment in surveyed.declared):
-        yield "parameters of the sensors"
+        yield "parameters of the sensors that no reading shows"
+    yield from sensors.not_certified
 
 
 def _unread(bag: Bag | Recording) -> Iterator[str]:

@@ -26,16 +26,24 @@ _NEEDED: Final = ("dask", "distributed", "pyarrow")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
+    console.require_suffix("--report", given.report, ".html")
     missing = [name for name in _NEEDED if not find_spec(name)]
     if missing:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
 
     from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.campaign.estimator import estimator
     from lie_rigid_body.campaign.journal import Journal
 
+    if given.report is not None:
+        from lie_rigid_body.report import html_page
+
+        html_page.require_room(given.report, overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)
     for run in range(campaign.runs):
         campaign.scenario_of(run)  # refuse what no run can be before the first is begun
+    if campaign.estimator is not None:
+        estimator(campaign.estimator)
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
@@ -47,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 f"interrupted after {done} of {campaign.runs} runs, which are kept; the same command does the rest",
             )
             return console.INTERRUPTED
-        return _report(campaign, journal, failed)
+        return _report(campaign, journal, failed, given)
 
 
 def _parser() -> console.Parser:
@@ -63,6 +71,12 @@ def _parser() -> console.Parser:
         "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
     )
     parser.add_argument("--no-bags", action="store_true", help="keep the table only")
+    parser.add_argument(
+        "--report",
+        metavar="OUT.html",
+        help="write the runs and the sizes of their residuals as one page (needs plotly)",
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
     return parser
 
 
@@ -97,7 +111,9 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
     return failed
 
 
-def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -> int:
+def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], given: argparse.Namespace) -> int:
+    from lie_rigid_body.campaign.estimator import ERROR
+
     if failed:
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
@@ -106,11 +122,34 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException]) -
             "the others are kept: mend that, and the same command does the rest"
         )
     table = journal.write_table()
-    rows = journal.rows.values()
+    rows = [journal.rows[run] for run in sorted(journal.rows)]
     broken = sorted(row.run for row in rows if not row.certified)
     worst = max(row.attitude_accuracy_rad for row in rows)
     lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    if campaign.estimator is not None:
+        lines.append(_of_scores(journal))
+    if given.report is not None:
+        from lie_rigid_body.cli.campaign_page import page
+        from lie_rigid_body.recording.output_file import write_file
+
+        write_file(given.report, page(f"Campaign {given.campaign}", campaign, rows), overwrite=given.force)
+        lines.append(f"wrote {given.report}")
     console.say("\n".join(lines), done=f"{table} is written")
-    return NOT_CERTIFIED if broken else console.SUCCESS
+    if broken:
+        return NOT_CERTIFIED
+    if campaign.estimator is not None and all(row.scores[ERROR] is not None for row in rows):
+        raise InputError(f"estimator {campaign.estimator} gave no score in any run: mend it, and give a new folder")
+    return console.SUCCESS
+
+
+def _of_scores(journal: Journal) -> str:
+    """The scores in a line."""
+    from lie_rigid_body.campaign.estimator import ERROR
+
+    rows = [journal.rows[run] for run in sorted(journal.rows)]
+    failed = [row for row in rows if row.scores[ERROR] is not None]
+    totals = sorted(float(row.scores["total_rms_deg"] or 0.0) for row in rows if row.scores[ERROR] is None)
+    said = f"{len(totals)} scored" + (f", median {totals[len(totals) // 2]:.3g}° rms" if totals else "")
+    return f"{said}; run {failed[0].run} is not: {failed[0].scores[ERROR]}" if failed else said

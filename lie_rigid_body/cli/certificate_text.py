@@ -9,7 +9,11 @@ from typing import Final
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.parameters import Value
 
-_COLUMNS: Final = " {name:<34}{worst:>8}{limit:>8} {unit:<3}{sample:>8}{time:>10} {verdict}"
+HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
+"""Of the columns of `law_cells`."""
+_COLUMNS: Final = " {:<34}{:>8}{:>8} {:<3}{:>8}{:>10} {}"
+_UNIT: Final = 3
+"""Characters of the column of units; a longer one stands behind the name."""
 _WIDTH: Final = 80
 """Characters of a line of the table, and of the sentences."""
 
@@ -47,7 +51,13 @@ def verdict(certificate: Certificate) -> str:
         f"world momentum to {_momentum(certificate):.2g} (relative).",
         *_worst_sample(certificate),
     ]
-    return "\n  ".join(lines)
+    return "\n".join(["\n  ".join(lines), *_sensors(certificate)])
+
+
+def _sensors(certificate: Certificate) -> list[str]:
+    if not certificate.sensors:
+        return []
+    return [_wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  ")]
 
 
 def _worst_sample(certificate: Certificate) -> list[str]:
@@ -79,6 +89,7 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
         | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
         else None,
+        "certified_sensors": list(certificate.sensors) if certificate.passed else [],
         "not_certified": list(certificate.not_certified),
         "messages": list(certificate.messages),
         "segments": [_segment_json(segment) for segment in certificate.segments],
@@ -93,38 +104,47 @@ def _worst_json(certificate: Certificate) -> dict[str, object]:
 
 
 def _segment_lines(number: int, count: int, certificate: SegmentCertificate) -> list[str]:
-    scenario = certificate.segment.scenario
-    motion = scenario.motion
-    if motion == "moving_chart":
-        motion = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
-    lines = [
-        f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
-        f"from {certificate.segment.start_ns} ns",
-        f"  inertia {_numbers(scenario.inertia)} kg m²",
-        f"  initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
-        f"  {motion}",
-        "",
-        _COLUMNS.format(
-            name="law", worst="worst", limit="limit", unit="", sample="sample", time="time, s", verdict=""
-        ).rstrip(),
-    ]
+    first, *others = segment_facts(number, count, certificate)
+    lines = [first, *(f"  {fact}" for fact in others), "", _COLUMNS.format(*HEADINGS).rstrip()]
     lines += [_row(law, certificate.time_s(law)) for law in certificate.laws]
     return lines + [_wrapped(note, " note: ") for note in certificate.notes]
 
 
+def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> tuple[str, ...]:
+    """What a segment is: its number of so many, samples, inertia, start and motion."""
+    scenario = certificate.segment.scenario
+    motion = scenario.motion
+    if motion == "moving_chart":
+        motion = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
+    return (
+        f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
+        f"from {certificate.segment.start_ns} ns",
+        f"inertia {_numbers(scenario.inertia)} kg m²",
+        f"initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
+        motion,
+    )
+
+
 def _row(law: LawResult, time_s: float | None) -> str:
+    return _COLUMNS.format(*law_cells(law, time_s))
+
+
+def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
+    """The columns of a law's line in the table: see `HEADINGS`.
+
+    Parameters
+    ----------
+    law : LawResult
+    time_s : float or None
+        Of its worst sample since the segment's start, s.
+    """
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
         sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
-    return _COLUMNS.format(
-        name=law.name,
-        worst=f"{law.worst:.2g}",
-        limit=f"{law.limit:.2g}",
-        unit=law.unit,
-        sample=sample,
-        time=time,
-        verdict="holds" if law.holds else "BROKEN",
-    )
+    verdict = "holds" if law.holds else "BROKEN"
+    is_long = len(law.unit) > _UNIT
+    name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
+    return name, f"{law.worst:.2g}", f"{law.limit:.2g}", unit, sample, time, verdict
 
 
 def _wrapped(sentence: str, mark: str) -> str:

@@ -2,47 +2,146 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_progress import open_bag
+from lie_rigid_body.cli.bag_arguments import add_topic_argument, bags_of, is_folder_of_bags, topic_names
+from lie_rigid_body.cli.bag_progress import PASSES, progress_bar
+from lie_rigid_body.cli.judgement import Judgement, judge_all
 from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.certificate.proved import Proof
+    from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
+    from lie_rigid_body.certificate.segments import RecordedSegment
     from lie_rigid_body.recording.bag_reader import Bag
-
-BROKEN: Final = 1
 
 
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
+    console.require_suffix("--report", given.report, ".html")
     inertia = None if given.inertia is None else _inertia(given.inertia)
+    topics = topic_names(given.topics)
+    if given.report is not None:
+        from lie_rigid_body.report import html_page
+
+        html_page.require_room(given.report, overwrite=given.force)
+    if len(given.bags) > 1 or is_folder_of_bags(given.bags[0]):
+        return _several(given, inertia, topics)
 
     from lie_rigid_body.certificate import certify
     from lie_rigid_body.certificate.proved import require_count
-    from lie_rigid_body.cli import certificate_text, proof_text
+    from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
+    from lie_rigid_body.certificate.segments import thinned_segments
+    from lie_rigid_body.recording.bag_reader import Bag
 
     if given.prove is not None:
         require_count(given.prove)
-    with open_bag(given.bag, passes=3) as bag:
-        certificate = certify(bag, inertia)
+    residuals = None if given.report is None else ResidualsOverTime()
+    with progress_bar(given.bags, PASSES if residuals is None else PASSES + 2) as bar:
+        bodies = Bag.all_of(given.bags[0], bar.update, topics)
+        alone = len(bodies) == 1
+        certificates = [certify(body, inertia, residuals if alone else None) for body in bodies]
+        drawn = alone and residuals is not None and certificates[0].segments
+        pieces = thinned_segments(bodies[0], inertia) if drawn else []
+    if alone:
+        return _one(given, bodies[0], certificates[0], inertia, residuals, pieces)
+    _refuse_proof(given)
+    pairs = zip(bodies, certificates, strict=True)
+    return _answer(given, [Judgement(given.bags[0], body.body or "/", certificate) for body, certificate in pairs])
+
+
+def _one(
+    given: argparse.Namespace,
+    bag: Bag,
+    certificate: Certificate,
+    inertia: list[float] | None,
+    residuals: ResidualsOverTime | None,
+    pieces: Sequence[RecordedSegment],
+) -> int:
+    """Answer with the certificate of the only body of the only bag."""
+    from lie_rigid_body.cli import certificate_text, proof_text
+
+    name = given.bags[0]
     proof = None if given.prove is None else _proof(bag, certificate, given.prove, inertia)
+    proved = [] if proof is None else [proof_text.as_sentence(proof)]
+    if residuals is not None:
+        _write_page(given, certificate, residuals, pieces, proved)
+    done = f"{given.report} is written" if given.report else ""
     if given.json:
-        content = certificate_text.as_json(given.bag, certificate)
+        content = certificate_text.as_json(name, certificate)
         content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
-        console.say(json.dumps(content, indent=2))
+        console.say(json.dumps(content, indent=2), done)
     else:
-        console.say(certificate_text.as_table(given.bag, certificate))
-        if proof is not None:
-            console.say(proof_text.as_sentence(proof))
-    return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else BROKEN
+        wrote = [f"wrote {given.report}"] if given.report else []
+        console.say("\n".join([certificate_text.as_table(name, certificate), *proved, *wrote]), done)
+    return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
+
+
+def _several(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
+    """Judge all bags, also those in folders, whatever is wrong with one of them."""
+    _refuse_proof(given)
+    return _answer(given, judge_all(bags_of(given.bags), inertia, topics))
+
+
+def _answer(given: argparse.Namespace, judgements: Sequence[Judgement]) -> int:
+    """Answer with a table, and the largest exit status that one of them alone would have."""
+    from lie_rigid_body.cli import judgements_text
+
+    for judgement in judgements:
+        if judgement.reason:
+            console.complain(console.program("check"), judgement.reason)
+    text = judgements_text.as_table(judgements)
+    wrote = _write_overview(given, judgements)
+    done = f"{given.report} is written" if wrote else ""
+    console.say(json.dumps(judgements_text.as_json(judgements), indent=2) if given.json else text + wrote, done)
+    return max(judgement.status for judgement in judgements)
+
+
+def _write_overview(given: argparse.Namespace, judgements: Sequence[Judgement]) -> str:
+    """Write the page of several certificates, if it is asked for and there are any; the line that says so."""
+    certificates = [(judgement.name, judgement.certificate) for judgement in judgements if judgement.certificate]
+    if given.report is None or not certificates:
+        return ""
+    from lie_rigid_body.cli.overview_page import certificates_page
+    from lie_rigid_body.recording.output_file import write_file
+
+    reasons = [judgement.reason for judgement in judgements if judgement.reason]
+    content = certificates_page(f"Certificates of {listed(given.bags)}", certificates, reasons)
+    write_file(given.report, content, overwrite=given.force)
+    return f"\nwrote {given.report}"
+
+
+def _refuse_proof(given: argparse.Namespace) -> None:
+    if given.prove is not None:
+        raise InputError(
+            f"--prove {given.prove}: more than one body: give one bag, and of several bodies one by --topic pose:=/NAME"
+        )
+
+
+def _write_page(
+    given: argparse.Namespace,
+    certificate: Certificate,
+    residuals: ResidualsOverTime,
+    pieces: Sequence[RecordedSegment],
+    proved: Sequence[str],
+) -> None:
+    import numpy as np
+
+    from lie_rigid_body.cli.certificate_page import page
+    from lie_rigid_body.recording.output_file import write_file
+
+    with np.errstate(all="ignore"):  # recorded numbers may be anything
+        content = page(given.bags[0], certificate, residuals, pieces, proved)
+    write_file(given.report, content, overwrite=given.force)
 
 
 def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
@@ -56,13 +155,19 @@ def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] 
 
 def _parser() -> console.Parser:
     parser = console.Parser("check", "Certify that a bag obeys the laws of torque-free motion, and how exactly.")
-    parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    parser.add_argument(
+        "bags",
+        metavar="BAG",
+        nargs="+",
+        help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders below it",
+    )
     parser.add_argument("--json", action="store_true", help="print the certificate for programs")
     parser.add_argument(
         "--inertia",
         metavar="a,b,c",
         help="3 principal moments or 6 tensor entries to use in place of the declared ones",
     )
+    add_topic_argument(parser)
     parser.add_argument(
         "--prove",
         metavar="N",
@@ -70,6 +175,10 @@ def _parser() -> console.Parser:
         help="enclose the true motion at N samples spread over the bag, and at the worst ones, in ball arithmetic "
         "(needs python-flint)",
     )
+    parser.add_argument(
+        "--report", metavar="OUT.html", help="write laws, drifts and the motion in 3-D as one page (needs plotly)"
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
     return parser
 
 

@@ -8,7 +8,8 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_progress import open_bag
+from lie_rigid_body.cli.bag_arguments import add_topic_argument, topic_names
+from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.errors import InputError
 
 
@@ -18,16 +19,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
+    topics = topic_names(given.topics)
 
     import numpy as np
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
+    from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.recording.output_file import write_file
 
-    with open_bag(given.bag, passes=3) as bag:
-        pieces = thinned_segments(bag)
+    with progress_bar([given.bag]) as bar:
+        pieces = thinned_segments(Bag(given.bag, bar.update, topics))
     picture = BytesIO()
     with np.errstate(all="ignore"):  # recorded numbers may be anything
         draw(pieces).savefig(picture, format="png")
@@ -39,6 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> console.Parser:
     parser = console.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
     parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    add_topic_argument(parser)
     parser.add_argument("-o", "--out", metavar="OUT.png", required=True, help="the picture to write")
     parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")
     return parser

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import atexit
+import fcntl
 import importlib
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
@@ -37,7 +38,7 @@ class Compiler:
         self._function, self._signature, self._folder = function, signature, folder
         self._process: subprocess.Popen[bytes] | None = None
         if folder and not mark(folder, function).exists() and sys.executable:
-            self._process = _started(function, signature)
+            self._process = _started([function], signature)
             atexit.register(self._end)
 
     @classmethod
@@ -71,26 +72,43 @@ class Compiler:
         atexit.unregister(self._end)
 
 
-def _started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes]:
+def fill_together(functions: Sequence[Callable[..., None]], signature: str) -> None:
+    """Compile what the cache does not have yet, and wait: in one other process, as the first takes it the longest."""
+    missing = [f for f in functions if (folder := cache_folder(f)) and not mark(folder, f).exists()]
+    if missing and find_spec("numba") and sys.executable:
+        process = _started(missing, signature)
+        try:
+            process.wait()
+        finally:
+            process.kill()
+
+
+def _started(functions: Sequence[Callable[..., None]], signature: str) -> subprocess.Popen[bytes]:
     """Start the process, in a session of its own: the terminal's signals go to the work, which ends this process."""
     code = (
-        "import sys; sys.path[:] = sys.argv[4:]; from lie_rigid_body.compilation.compiler import fill; "
-        "fill(*sys.argv[1:4])"
+        "import sys; sys.path[:] = sys.argv[3:]; from lie_rigid_body.compilation.compiler import fill; "
+        "[fill(*name.split(':'), sys.argv[2]) for name in sys.argv[1].split()]"
     )
+    names = " ".join(f"{function.__module__}:{function.__name__}" for function in functions)
     quiet = subprocess.DEVNULL
     return subprocess.Popen(
-        [sys.executable, "-c", code, function.__module__, function.__name__, signature, *sys.path],
+        [sys.executable, "-c", code, names, signature, *sys.path],
         stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True,
     )  # fmt: skip
 
 
 def fill(module: str, name: str, signature: str) -> None:
-    """Compile a function into the cache; this is what the other process runs."""
+    """Compile a function into the cache; this is what the other process runs. Of runs side by side one does it."""
     function: Callable[..., None] = getattr(importlib.import_module(module), name)
     folder = cache_folder(function)
-    if _compiled(function, signature, folder) is None or folder is None:
+    if folder is None:
         raise SystemExit(1)
-    mark(folder, function).touch()
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not mark(folder, function).exists():
+            if _compiled(function, signature, folder) is None:
+                raise SystemExit(1)
+            mark(folder, function).touch()
 
 
 def _compiled(function: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from typing import Final
 
 from lie_rigid_body.compilation.cache import is_kept
-from lie_rigid_body.compilation.compiler import Compiler
+from lie_rigid_body.compilation.compiler import Compiler, fill_together
 
 LONG_CALL: Final = 1_000
 """Units of work: shorter calls do not count. The calls of a live node are shorter: it never starts a compiler."""
@@ -74,3 +74,10 @@ class Work:
             self._may_be_kept = False  # looked for once: finding its name takes a while
             return find_spec("numba") is not None and is_kept(self._plain)
         return False
+
+
+def compile_together(works: Sequence[Work]) -> bool:
+    """Wait until functions of one signature are all compiled, or loaded from the cache; False where numba cannot."""
+    if missing := [work for work in works if work._compiled is None]:
+        fill_together([work._plain for work in missing], missing[0]._signature)
+    return sum(work.compile() for work in works) == len(works)

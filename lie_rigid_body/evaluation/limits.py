@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -58,18 +59,36 @@ class Limits:
         total_deg : ndarray, shape (N,)
             Total error, degrees.
         """
+        worst = []
+        for start, _ in self.max_after:
+            late = np.flatnonzero(t_s >= start)
+            k = late[np.argmax(total_deg[late])] if late.size else None
+            worst.append(None if k is None else (float(t_s[k]), float(total_deg[k])))
+        return self.broken_by(rms(total_deg), worst, float(t_s[-1]))
+
+    def broken_by(self, rms_deg: float, worst: Sequence[tuple[float, float] | None], end_s: float) -> tuple[str, ...]:
+        """One sentence for each limit that is broken by the facts of a run.
+
+        Parameters
+        ----------
+        rms_deg : float
+            Of the total error, degrees.
+        worst : sequence of (float, float) or None
+            For each of `max_after` the time, s, and size, degrees, of the largest error from then on; None if there is
+            no sample.
+        end_s : float
+            Time of the last sample since the first, s.
+        """
         sentences = []
-        root = rms(total_deg)
-        if self.max_rms_deg is not None and root > self.max_rms_deg:
-            sentences.append(f"the error is {root:.4g}° rms, above the limit of {self.max_rms_deg:g}°")
-        for start, limit in self.max_after:
-            late = total_deg[t_s >= start]
-            if not late.size:
-                sentences.append(f"the estimate ends at {t_s[-1]:g} s, before the limit after {start:g} s begins")
-            elif late.max() > limit:
-                when = t_s[t_s >= start][np.argmax(late)]
+        if self.max_rms_deg is not None and rms_deg > self.max_rms_deg:
+            sentences.append(f"the error is {rms_deg:.4g}° rms, above the limit of {self.max_rms_deg:g}°")
+        for (start, limit), largest in zip(self.max_after, worst, strict=True):
+            if largest is None:
+                sentences.append(f"the estimate ends at {end_s:g} s, before the limit after {start:g} s begins")
+            elif largest[1] > limit:
+                when, size = largest
                 sentences.append(
-                    f"the error is {late.max():.4g}° at {when:g} s, above the limit of {limit:g}° after {start:g} s"
+                    f"the error is {size:.4g}° at {when:g} s, above the limit of {limit:g}° after {start:g} s"
                 )
         return tuple(sentences)
 

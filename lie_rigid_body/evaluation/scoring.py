@@ -130,6 +130,7 @@ def evaluate(
     covariance_axes: str = "world",
     converged_deg: float | None = None,
     longest_lag_s: float = LONGEST_LAG_S,
+    diagnosed: bool = True,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
 
@@ -149,6 +150,8 @@ def evaluate(
         Total error below which the estimate counts as converged, degrees.
     longest_lag_s : float
         Longest lag that is looked for, s; at most a quarter of the run.
+    diagnosed : bool
+        Whether lag and mistaken conventions are looked for, which takes most of the time.
 
     Returns
     -------
@@ -171,7 +174,9 @@ def evaluate(
     uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
     limit = settling_limit(t_s, total) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
-    (lag_s, lag_standard_error_s), found = _diagnosis(estimate, truth, longest_lag_s)
+    (lag_s, lag_standard_error_s), found = (
+        _diagnosis(estimate, truth, longest_lag_s) if diagnosed else ((None, None), ())
+    )
     remarks = (
         *estimate.remarks,
         *_absence(estimate.stamps_ns, len(known), truth),

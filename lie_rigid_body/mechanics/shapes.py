@@ -7,6 +7,7 @@ results with `MassMoments` to build other bodies of them. Equation numbers are t
 from __future__ import annotations
 
 import operator
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,9 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.mechanics.mass_moments import MassMoments
+
+THINNEST: Final = 0.02
+"""Shortest side of a box that is to be seen, as a share of the longest."""
 
 
 def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
@@ -84,6 +88,30 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
         If the mass or a length is not positive.
     """
     return _centred(mass, _lengths("edges", edges) ** 2 / 12)
+
+
+def box_sides(principal_moments: ArrayLike) -> Array:
+    """The sides of a box with these ratios of principal moments, to draw a body of which nothing but those is known.
+
+    Parameters
+    ----------
+    principal_moments : array_like, shape (3,)
+        kg m².
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Sides along the principal axes; the longest is 1, and none is below `THINNEST`.
+
+    Notes
+    -----
+    I₁ = m (b² + c²)/12 and its permutations give a² ∝ I₂ + I₃ − I₁.
+    """
+    moments = np.asarray(principal_moments, dtype=np.float64)
+    moments = moments / moments.max()
+    sides = np.sqrt(np.maximum(moments.sum() - 2.0 * moments, 0.0))
+    visible: Array = np.maximum(sides / sides.max(), THINNEST)
+    return visible
 
 
 def cylinder(mass: float, radius: float, height: float) -> MassMoments:

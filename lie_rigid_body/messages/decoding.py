@@ -34,11 +34,14 @@ class Decoded:
         Their float64 fields in order.
     frame_ids : tuple of str
         The distinct frame names, in order of appearance.
+    frames : ndarray of int64, shape (N,)
+        Which of them each message has; zeros for messages without a header.
     """
 
     stamps_ns: Integers | None
     numbers: Array
     frame_ids: tuple[str, ...]
+    frames: Integers
 
     __repr__ = short_repr
 
@@ -78,15 +81,14 @@ def decode_places(
     """
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
-    frames: dict[int, str] = {}
+    frames = _Frames(len(starts))
     sizes, content = ends - starts, np.frombuffer(data, dtype=np.uint8)
     for size in sorted(set(sizes.tolist())):
         indices = np.flatnonzero(sizes == size)
         rows = np.lib.stride_tricks.sliding_window_view(content, size)[starts[indices]]
         for alike in _alike(rows, stamped=stamped):
             _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
-    distinct = tuple(dict.fromkeys(frames[i] for i in sorted(frames)))
-    return Decoded(stamps if stamped else None, values, distinct)
+    return Decoded(stamps if stamped else None, values, *frames.in_order())
 
 
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
@@ -99,7 +101,7 @@ def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
 
 
 def _decode_alike(
-    rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: dict[int, str]
+    rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: _Frames
 ) -> None:
     head, at = rows[0].tobytes(), int(indices[0])
     order = byte_order(head, first + at)
@@ -110,7 +112,7 @@ def _decode_alike(
     values[indices] = _column(rows, start, 8 * count, f"{order}f8").reshape(-1, count)
     if stamped:
         stamps[indices] = _stamps(rows, order, first + indices)
-        _collect_frames(rows[:, FRAME : FRAME + length], indices, first, frames)
+        frames.add(rows[:, FRAME : FRAME + length], indices, first)
 
 
 def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:
@@ -126,14 +128,35 @@ def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
     return sec * NS + nanosec
 
 
-def _collect_frames(texts: Bytes, indices: Integers, first: int, frames: dict[int, str]) -> None:
-    """Note each frame name where it first appears among these messages."""
-    if texts.shape[1] == 0 or (texts == texts[:1]).all():
-        frames[int(indices[0])] = text_of(texts[0].tobytes(), first + int(indices[0]))
-        return
-    names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
-    for name, at in zip(*np.unique(names, return_index=True), strict=True):
-        frames[int(indices[at])] = text_of(bytes(name), first + int(indices[at]))
+class _Frames:
+    """The frame names of messages, collected in any order."""
+
+    def __init__(self, count: int) -> None:
+        self._numbers: dict[str, int] = {}
+        self._of_messages = np.zeros(count, dtype=np.int64)
+
+    def add(self, texts: Bytes, indices: Integers, first: int) -> None:
+        """Take the names of some messages, given as bytes."""
+        if texts.shape[1] == 0 or (texts == texts[:1]).all():
+            self._of_messages[indices] = self._number(texts[0].tobytes(), first + int(indices[0]))
+            return
+        names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
+        distinct, at, inverse = np.unique(names, return_index=True, return_inverse=True)
+        pairs = zip(distinct, indices[at].tolist(), strict=True)
+        numbers = np.array([self._number(bytes(name), first + index) for name, index in pairs])
+        self._of_messages[indices] = numbers[inverse]
+
+    def _number(self, text: bytes, index: int) -> int:
+        return self._numbers.setdefault(text_of(text, index), len(self._numbers))
+
+    def in_order(self) -> tuple[tuple[str, ...], Integers]:
+        """The distinct names in order of appearance, and which of them each message has."""
+        if len(self._numbers) <= 1:
+            return tuple(self._numbers), self._of_messages
+        _, at = np.unique(self._of_messages, return_index=True)
+        order = np.argsort(at)
+        names = tuple(self._numbers)
+        return tuple(names[i] for i in order.tolist()), np.argsort(order)[self._of_messages]
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:

@@ -11,12 +11,13 @@ which gives the number of terms: the series is summed until what is left is belo
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, sqrt
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.compilation import kernel
 from lie_rigid_body.mechanics import RigidBody, State
 
 LONGEST_TURN: Final = 32.0
@@ -27,6 +28,11 @@ TURN_PER_SUBSTEP: Final = 0.25
 
 _REMAINDER: Final = 1e-17
 """Largest remainder of the series, relative to its first term."""
+
+_MOST_TERMS: Final = 40
+
+WORK_AREA: Final = 10 * (_MOST_TERMS + 1)
+"""Length of the array in which `follow` works."""
 
 _BLOCK: Final = 4096
 """States whose coefficients fit into a processor's cache together."""
@@ -52,9 +58,8 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longes
     State
         Attitudes on the continuous path from the given ones, so with the sign that continuity asks for.
     """
-    turn = rate_bound * (float(np.max(spans, initial=0.0)) if longest is None else longest)
-    substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
-    terms = _terms(turn / substeps)
+    longest = float(np.max(spans, initial=0.0)) if longest is None else longest
+    substeps, terms = substeps_and_terms(rate_bound * longest)
     # components in rows: each operation then runs along memory
     attitude, momentum = (np.array(v.T, order="C") for v in (states.attitude_xyzw, body.body_momentum(states)))
     for first in range(0, len(spans), _BLOCK):
@@ -68,9 +73,15 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longes
     )
 
 
+def substeps_and_terms(turn: float) -> tuple[int, int]:
+    """The number of substeps over a turn, rad, and of terms in each."""
+    substeps = max(1, math.ceil(turn / TURN_PER_SUBSTEP))
+    return substeps, _terms(turn / substeps)
+
+
 def _terms(turn: float) -> int:
     """The number of terms: the n-th of the rate is at most Ω turnⁿ."""
-    return 2 if turn == 0.0 else min(40, 2 + math.ceil(math.log(_REMAINDER) / math.log(turn)))
+    return 2 if turn == 0.0 else min(_MOST_TERMS, 1 + math.ceil(math.log(_REMAINDER) / math.log(turn)))
 
 
 def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tuple[Array, Array]:
@@ -86,7 +97,58 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
         momenta.append(dp / (n + 1))
         attitudes.append(0.5 * dq / (n + 1))
         rates.append(_apply(body.inverse_inertia, momenta[-1]))
-    return quaternion.normalize(_horner(attitudes, span).T).T, _horner(momenta, span)
+    q = _horner(attitudes, span)
+    return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), _horner(momenta, span)
+
+
+@kernel
+def follow(work: Any, inverse: Any, q: Quadruple, p: Triple, span: float, terms: int) -> tuple[Quadruple, Triple]:
+    """Attitude and body momentum of one state a span later, normalised: `_substep` compiled, to the same bits.
+
+    Parameters
+    ----------
+    work : ndarray, shape (WORK_AREA,)
+        To keep coefficients in: of each order momentum, rate and attitude.
+    inverse : ndarray, shape (9,)
+        Of the inertia, row by row.
+    q, p, span, terms
+        As of `_substep`.
+    """
+    for k in range(3):
+        work[k] = p[k]
+    for k in range(4):
+        work[6 + k] = q[k]
+    for n in range(terms + 1):
+        at = 10 * n
+        for k in range(3):
+            work[at + 3 + k] = (
+                work[at] * inverse[3 * k] + work[at + 1] * inverse[3 * k + 1] + work[at + 2] * inverse[3 * k + 2]
+            )
+        if n == terms:
+            break
+        px = py = pz = qx = qy = qz = qw = 0.0
+        for i in range(n + 1):
+            m, r = 10 * i, 10 * (n - i) + 3
+            a, b, c = work[r], work[r + 1], work[r + 2]
+            px += work[m + 1] * c - work[m + 2] * b
+            py += work[m + 2] * a - work[m] * c
+            pz += work[m] * b - work[m + 1] * a
+            x, y, z, w = work[m + 6], work[m + 7], work[m + 8], work[m + 9]
+            qx += w * a + y * c - z * b
+            qy += w * b + z * a - x * c
+            qz += w * c + x * b - y * a
+            qw += -(x * a + y * b + z * c)
+        at += 10
+        work[at], work[at + 1], work[at + 2] = px / (n + 1), py / (n + 1), pz / (n + 1)
+        work[at + 6], work[at + 7] = 0.5 * qx / (n + 1), 0.5 * qy / (n + 1)
+        work[at + 8], work[at + 9] = 0.5 * qz / (n + 1), 0.5 * qw / (n + 1)
+    for n in range(terms - 1, -1, -1):
+        for k in range(10):
+            work[10 * terms + k] = work[10 * terms + k] * span + work[10 * n + k]
+    at = 10 * terms
+    x, y, z, w = work[at + 6], work[at + 7], work[at + 8], work[at + 9]
+    size = sqrt((x * x + y * y) + (z * z + w * w))
+    return (x / size, y / size, z / size, w / size), (work[at], work[at + 1], work[at + 2])
 
 
 def _apply(tensor: Array, vectors: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -11,6 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import Decoded, decode
 from lie_rigid_body.messages.definitions import (
     IMU,
     ODOMETRY,
@@ -32,6 +33,8 @@ _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] 
 }
 ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
 """The message types that hold an attitude with a stamp."""
+NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
+"""What is wrong about a topic of Imu in which no message has an orientation."""
 _POSE_COVARIANCE: Final = slice(7, 43)
 """Fields of the 6 × 6 covariance after a pose."""
 _IMU_COVARIANCE: Final = slice(4, 13)
@@ -91,19 +94,50 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     track = _find(path, contents, topic)
     if track.message_type in _FRAMED:
         return _framed_track(path, track, frames)
-    count, first = _PLACES[track.message_type]
-    _, stamps, read = stamped_columns(path, track, count)
+    _, stamps, read = stamped_columns(path, track, _PLACES[track.message_type][0])
     if len(read.frame_ids) > 1:
         raise BagError(f"{path}: topic {topic} is of the frames {listed(read.frame_ids)}: record those of one body")
+    found = _plain_track(track.topic, track.message_type, stamps, read)
+    if not found.stamps_ns.size:
+        raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
+    return found
+
+
+def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
+    """The attitudes in messages of a topic, by frame and child frame; without those that say that they have none.
+
+    Parameters
+    ----------
+    topic : str
+    message_type : str
+        One of `ATTITUDE_TYPES`.
+    payloads : sequence of bytes
+
+    Raises
+    ------
+    BagError
+        If they cannot be read, or messages that tell of one frame each differ in it.
+    """
+    if message_type in _FRAMED:
+        found = _FRAMED[message_type](list(payloads))
+        return {frames: _framed(topic, message_type, frames, numbers) for frames, numbers in found.items()}
+    read = decode(payloads, _PLACES[message_type][0], stamped=True)
+    if len(read.frame_ids) > 1:
+        raise BagError(f"topic {topic} is of the frames {listed(read.frame_ids)}: let one node publish it")
+    assert read.stamps_ns is not None
+    track = _plain_track(topic, message_type, read.stamps_ns, read)
+    return {(track.frame, ""): track}
+
+
+def _plain_track(topic: str, message_type: str, stamps: Integers, read: Decoded) -> AttitudeTrack:
+    first = _PLACES[message_type][1]
     known = np.full(len(read.numbers), True)
-    if track.message_type == IMU:
+    if message_type == IMU:
         known = read.numbers[:, _IMU_COVARIANCE.start] != -1.0
-    if not known.any():
-        raise BagError(f"{path}: topic {topic} has no orientation, its covariance says -1: give the output of a filter")
     numbers = read.numbers[known]
-    attitude = numbers[:, first : first + 4]
+    covariance = _covariance(message_type, numbers)
     return AttitudeTrack(
-        track.topic, track.message_type, stamps[known], attitude, _covariance(track, numbers), read.frame_ids[0]
+        topic, message_type, stamps[known], numbers[:, first : first + 4], covariance, read.frame_ids[0]
     )
 
 
@@ -114,12 +148,17 @@ def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
         topics = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
         raise BagError(f"{path} has no topic {topic}; attitudes are on {listed(topics) or 'none of its topics'}")
     if not usable:
-        kind, *kinds, last = (name.rpartition("/")[2] for name in (found[0].message_type, *ATTITUDE_TYPES))
-        raise BagError(f"{path}: topic {topic} is of {kind}: give {', '.join(kinds)} or {last}")
+        raise BagError(f"{path}: topic {topic} {wrong_type(found[0].message_type)}")
     if len(usable) > 1 or not usable[0].count:
         what = "messages of several types" if len(usable) > 1 else "no message"
         raise BagError(f"{path} has {what} on {topic}: record it again while one estimator runs")
     return usable[0]
+
+
+def wrong_type(message_type: str) -> str:
+    """Why a topic of a type holds no attitudes, for an error."""
+    kind, *kinds, last = (name.rpartition("/")[2] for name in (message_type, *ATTITUDE_TYPES))
+    return f"is of {kind}: give {', '.join(kinds)} or {last}"
 
 
 def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> AttitudeTrack:
@@ -133,14 +172,17 @@ def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> Attitud
         pairs = listed([f"{frame} to {child}" for frame, child in found])
         what = f"none of which is {' to '.join(wanted)}" if wanted else "of which none is known as the body's"
         raise BagError(f"{path}: topic {track.topic} tells of {pairs}, {what}: record one body, or name its frames so")
-    numbers = np.array(found[frames].numbers)
-    stamps = np.array(found[frames].stamps_ns, dtype=np.int64)
-    return AttitudeTrack(track.topic, track.message_type, stamps, numbers[:, 3:7], _covariance(track, numbers), *frames)
+    return _framed(track.topic, track.message_type, frames, found[frames])
 
 
-def _covariance(track: RawTrack, numbers: Array) -> Array | None:
-    if track.message_type == IMU:
+def _framed(topic: str, message_type: str, frames: Frames, found: FramedNumbers) -> AttitudeTrack:
+    numbers, stamps = np.array(found.numbers), np.array(found.stamps_ns, dtype=np.int64)
+    return AttitudeTrack(topic, message_type, stamps, numbers[:, 3:7], _covariance(message_type, numbers), *frames)
+
+
+def _covariance(message_type: str, numbers: Array) -> Array | None:
+    if message_type == IMU:
         return numbers[:, _IMU_COVARIANCE].reshape(-1, 3, 3)
-    if track.message_type in (POSE_WITH_COVARIANCE_STAMPED, ODOMETRY):
+    if message_type in (POSE_WITH_COVARIANCE_STAMPED, ODOMETRY):
         return numbers[:, _POSE_COVARIANCE].reshape(-1, 6, 6)[:, 3:, 3:]
     return None

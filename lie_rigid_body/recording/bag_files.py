@@ -1,4 +1,4 @@
-"""The MCAP files that a bag is made of, read one after the other."""
+"""The files that a bag is made of, read one after the other."""
 
 from __future__ import annotations
 
@@ -6,16 +6,27 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.mcap_reader import McapContents, read_file
 from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
+
+Progress: TypeAlias = Callable[[int], object]
+"""Takes notice of how many bytes more were read."""
+
+METADATA: Final = "metadata.yaml"
+"""The file that makes a folder a rosbag2 bag."""
 
 LARGEST_METADATA: Final = 2**20
-"""Largest size of the metadata.yaml of a folder, bytes."""
+"""Its largest size, bytes."""
+
+
+def unheard(count: int) -> None:
+    """Take no notice of progress."""
 
 
 class BagFiles:
@@ -24,7 +35,7 @@ class BagFiles:
     Parameters
     ----------
     path : str or Path
-        An MCAP file, or a rosbag2 folder of them.
+        An MCAP file, or an SQLite file of rosbag2, or a rosbag2 folder of either.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
 
@@ -34,9 +45,9 @@ class BagFiles:
         If the path or its metadata cannot be read, or name no files.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
-        self.path, self._progress = Path(path), progress
-        self._metadata = self.path / "metadata.yaml"
+    def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
+        self.path, self.progress = Path(path), progress
+        self._metadata = self.path / METADATA
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None
             self._files = _files(self.path, self._information)
@@ -47,8 +58,9 @@ class BagFiles:
         """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
         for file in self._files:
             before = 0
-            for position in read_file(file, wanted, contents):
-                self._progress(position - before)
+            read = read_database if file.suffix == SUFFIX else read_file
+            for position in read(file, wanted, contents):
+                self.progress(position - before)
                 before = position
                 yield position
 
@@ -69,11 +81,11 @@ class BagFiles:
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
-    """The MCAP files of a bag, in the order of recording."""
+    """The files of a bag, in the order of recording."""
     if not path.is_dir():
         return [path]
     files = (
-        sorted(path.glob("*.mcap"), key=_natural)
+        sorted(path.glob("*.mcap") if any(path.glob("*.mcap")) else path.glob(f"*{SUFFIX}"), key=natural_order)
         if information is None
         else [path / str(name) for name in information["relative_file_paths"]]
     )
@@ -99,5 +111,6 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
     return information
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+def natural_order(path: Path) -> list[tuple[int, str]]:
+    """A key that sorts paths by their names, numbers in them by their values."""
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", str(path))]

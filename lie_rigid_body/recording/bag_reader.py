@@ -4,28 +4,33 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from types import MappingProxyType
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.batch import FAULTS
+from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
+from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
+from lie_rigid_body.recording.sensor_reader import VALUES, SensorMessages, SensorTopic, sensor_messages
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
-_FAULTS: Final = FAULTS.removeprefix("~")
-_WHY: Final = {"scenario": ", which tells body, motion and frames, whatever --inertia says"}
+NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
+"""No topic is called otherwise."""
+_OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,8 @@ class TwistTrack:
 
 
 Track = TypeVar("Track", PoseTrack, TwistTrack)
+TakeReadings: TypeAlias = Callable[[Mapping[str, SensorMessages]], object]
+"""Takes messages of sensors, by relative topic names."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +116,10 @@ class Recording:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
+    sensors : dict of str to SensorTopic
+        The topics of the body's sensors, by their relative names.
+    readings : dict of str to SensorMessages
+        Their messages.
     """
 
     library: str
@@ -121,6 +132,8 @@ class Recording:
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
+    sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
+    readings: Mapping[str, SensorMessages] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -139,8 +152,11 @@ class Recording:
         """Whether twists have stamps of their own."""
         return self.twists.stamps_ns is not None
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
         """All poses and twists, as `Bag.batches` reads them."""
+        take({name: self.readings[name] for name in sensors})
         yield self.poses, self.twists
 
 
@@ -153,10 +169,17 @@ class Bag:
         An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
+    topics : mapping of str to str, optional
+        Topics that are called otherwise, by their relative names. See `bodies`.
+    in_memory : bool, optional
+        Whether poses and twists are kept when it is read first, so that no later pass reads it again.
 
     Attributes
     ----------
+    body : str
+        Namespace of its body, which has to be the only one; `all_of` reads the others.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
+    sensors
         As in `Recording`.
     pose_topic, twist_topic : str
     stamped : bool
@@ -168,42 +191,111 @@ class Bag:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
 
-    def __init__(self, path: str | Path, progress: Callable[[int], object] = lambda count: None) -> None:
-        self._path, self._files = Path(path), BagFiles(path, progress)
-        contents = self._files.contents((STRING,))
+    def __init__(
+        self,
+        path: str | Path,
+        progress: Progress = unheard,
+        topics: Mapping[str, str] = NO_TOPICS,
+        *,
+        in_memory: bool = False,
+    ) -> None:
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING, *_OF_THE_TRUTH) if in_memory else (STRING,))
+        self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
+
+    @classmethod
+    def all_of(
+        cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
+    ) -> tuple[Bag, ...]:
+        """A bag for each body of a file or folder, which is read once to find them."""
+        files = BagFiles(path, progress)
+        contents = files.contents((STRING,))
+        bags, found = [], bodies(files.path, contents, topics)
+        for body in found:
+            bag = cls.__new__(cls)
+            bag._take(files, contents, body)
+            bag.others = _others(contents, [t for each in found for t in (*each.tracks, *each.sensors.values())])
+            bags.append(bag)
+        return tuple(bags)
+
+    def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
+        self._path, self._files, self.body = files.path, files, body.name
         self._types = {track.message_type for track in contents.tracks.values()}
-        pose = _find(self._path, contents, "pose", POSE_STAMPED)
-        twist = _find(self._path, contents, "twist", TWIST_STAMPED, TWIST)
-        scenario = _find(self._path, contents, "scenario", STRING)
-        own = (pose, twist, scenario)
-        for track in own:
+        own, sensors = body.tracks, body.sensors
+        known = (*own, *sensors.values())
+        for track in known:
             require_cdr(self._path, track)
+        pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
+        self._outlines, self._count = contents.outlines, pose.count + twist.count
         self.library = contents.library
         self.scenario_texts = texts(self._path, scenario)
         self.expected_samples = _expected_samples(self._path, contents)
         self.published_otherwise = sum(track.published_otherwise for track in own)
-        self.others = _others(contents, own)
-        self.undefined = tuple(track.topic for track in own if not _is_defined(self._path, track))
+        self.others = _others(contents, known)
+        self.undefined = tuple(track.topic for track in known if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
+        self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
+        self.sensors = {
+            name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
+            for name, track in sensors.items()
+        }
 
-    def batches(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """All poses and twists in file order, some ten thousand at a time."""
-        contents, decoded = McapContents(), [0, 0]
-        for position in itertools.chain(self._files.read(contents, (self._pose[1], self._twist[1])), [None]):
-            tracks = [contents.tracks.get(key) for key in (self._pose, self._twist)]
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """All poses and twists in file order, some ten thousand at a time.
+
+        Parameters
+        ----------
+        sensors : collection of str, optional
+            Those of ``self.sensors`` that are read as well.
+        take : callable, optional
+            Called with the messages of these that stand among the poses and twists of a batch, before it comes.
+        """
+        if not sensors and self._kept is not None:
+            yield self._kept
+            return
+        if not sensors and may_read_again(self._outlines, self._count):
+            yield from self._batches_again()
+            return
+        keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
+        for (poses, before), (twists, done), *others in self._pieces(self._pose, self._twist, *keys.values()):
+            take(
+                {
+                    name: sensor_messages(self._path, *key, *pieces)
+                    for (name, key), pieces in zip(keys.items(), others, strict=True)
+                }
+            )
+            yield self._poses(poses, before), self._twists(twists, done)
+
+    def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
+        """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
+        contents, before = McapContents(), [0] * len(keys)
+        for position in itertools.chain(self._files.read(contents, {kind for _, kind in keys}), [None]):
+            tracks = [contents.tracks.get(key) for key in keys]
             waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
             if position is None or waiting >= _BATCH:
                 pieces = [[] if track is None else track.take() for track in tracks]
-                yield self._poses(pieces[0], decoded[0]), self._twists(pieces[1], decoded[1])
-                decoded = [n + sum(len(p.starts) for p in taken) for n, taken in zip(decoded, pieces, strict=True)]
+                yield list(zip(pieces, before, strict=True))
+                before = [n + sum(len(p.starts) for p in taken) for n, taken in zip(before, pieces, strict=True)]
             for track in contents.tracks.values():
-                if (track.topic, track.message_type) not in (self._pose, self._twist):
+                if (track.topic, track.message_type) not in keys:
                     track.take()
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
+
+    def _batches_again(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        pose = TopicReader(self._path, self._pose, messages.POSE_NUMBERS, stamped=True)
+        twist = TopicReader(self._path, self._twist, messages.TWIST_NUMBERS, stamped=self.stamped)
+        for outline, data in chunks(self._outlines, self._files.progress):
+            for topic in (pose, twist):
+                topic.add(data, outline.channels.get(topic.key, ()))
+            if pose.count + twist.count >= _BATCH:
+                yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
+        yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
 
     def messages_of(self, types: Collection[str]) -> McapContents:
         """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
@@ -211,7 +303,9 @@ class Bag:
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        poses, twists = zip(*self.batches(), strict=True)
+        readings: list[Mapping[str, SensorMessages]] = []
+        names = [name for name, sensor in self.sensors.items() if sensor.message_type in VALUES]
+        poses, twists = zip(*self.batches(names, readings.append), strict=True)
         return Recording(
             self.library,
             self.scenario_texts,
@@ -223,22 +317,28 @@ class Bag:
             self.undefined,
             self.without_checksum,
             self.was_cut_off,
+            self.sensors,
+            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
         )
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
         with named(self._path, self._pose[0]):
-            log_times, decoded = columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first)
-        assert decoded.stamps_ns is not None
-        numbers = decoded.numbers
-        return PoseTrack(self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids)
+            return self._pose_track(*columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first))
 
     def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
         with named(self._path, self._twist[0]):
-            log_times, decoded = columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first)
+            return self._twist_track(*columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first))
+
+    def _pose_track(self, log_times: Integers, decoded: Decoded) -> PoseTrack:
+        assert decoded.stamps_ns is not None
         numbers = decoded.numbers
-        return TwistTrack(
-            self._twist[0], log_times, decoded.stamps_ns, numbers[:, 3:], numbers[:, :3], decoded.frame_ids
+        return PoseTrack(
+            self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:7], numbers[:, :3], decoded.frame_ids
         )
+
+    def _twist_track(self, log_times: Integers, decoded: Decoded) -> TwistTrack:
+        stamps, numbers = decoded.stamps_ns if self.stamped else None, decoded.numbers
+        return TwistTrack(self._twist[0], log_times, stamps, numbers[:, 3:6], numbers[:, :3], decoded.frame_ids)
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -258,11 +358,13 @@ def read_bag(path: str | Path) -> Recording:
     BagError
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
-    return Bag(path).load()
+    return Bag(path, in_memory=True).load()
 
 
 def _joined(tracks: Sequence[Track]) -> Track:
     """Tracks that continue each other as one."""
+    if len(tracks) == 1:
+        return tracks[0]
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks])
         for name, value in vars(tracks[0]).items()
@@ -272,9 +374,9 @@ def _joined(tracks: Sequence[Track]) -> Track:
     return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
-def _others(contents: McapContents, own: tuple[RawTrack, ...]) -> tuple[str, ...]:
+def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
-    topics = [f"{track.topic} ({track.count} messages)" for track in rest]
+    topics = [f"topic {track.topic} ({track.count} messages), which no scenario determines" for track in rest]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 
@@ -289,28 +391,6 @@ def _is_defined(path: Path, track: RawTrack) -> bool:
             "others read it: restore a copy, or record again"
         )
     return True
-
-
-def _find(path: Path, contents: McapContents, ending: str, *types: str) -> RawTrack:
-    """The one track of these types whose topic has the given last name, or else the only one of these types."""
-    alike = [track for (_, message_type), track in contents.tracks.items() if message_type in types]
-    alike = [track for track in alike if not track.topic.endswith(_FAULTS)]
-    found = [track for track in alike if track.topic.rpartition("/")[2] == ending]
-    if not found and len(alike) == 1:
-        found = alike  # remapped
-    if not found:
-        wanted = f"topic .../{ending} ({' or '.join(types)}{_WHY.get(ending, '')})"
-        raise BagError(f"{path} has no {wanted}: record it; there are {_list(contents)}")
-    if len(found) > 1:
-        names = listed([f"{track.topic} ({track.message_type})" for track in found])
-        raise BagError(f"{path} has several topics .../{ending}: {names}: record those of one body")
-    if not found[0].count:
-        raise BagError(f"{path} has no message on {found[0].topic}: record it while the body is published")
-    return found[0]
-
-
-def _list(contents: McapContents) -> str:
-    return listed([topic for topic, _ in contents.tracks]) or "no topic at all"
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:

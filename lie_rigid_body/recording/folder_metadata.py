@@ -48,10 +48,11 @@ def _faults(folder: Path, said: Mapping[str, Any], contents: McapContents) -> li
     listed = {str(name) for name in said["relative_file_paths"]}
     faults = [
         ("relative_file_paths", f"{path.name} is left out")
-        for path in sorted(folder.glob("*.mcap"))
+        for path in sorted([*folder.glob("*.mcap"), *folder.glob("*.db3")])
         if path.name not in listed
     ]
-    faults += _differs("storage_identifier", said.get("storage_identifier", "mcap"), "mcap")
+    storage = "sqlite3" if spans[0].name.endswith(".db3") else "mcap"
+    faults += _differs("storage_identifier", said.get("storage_identifier", storage), storage)
     faults += _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")
     faults += _span_faults("", said, whole)
     if "topics_with_message_count" in said:

@@ -5,6 +5,7 @@ A reader that seeks believes them: a message that an index leaves out would not 
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from dataclasses import dataclass
 from typing import Final, TypeVar
@@ -56,7 +57,6 @@ _IN_SUMMARY: Final = frozenset(
     }
 )
 _IN_CHUNK: Final = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
-_ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
 
 R = TypeVar("R", Schema, Channel)
 
@@ -188,6 +188,11 @@ class Inventory:
         return len(self._chunks)
 
     @property
+    def chunk_places(self) -> array[int]:
+        """The bytes where the records of the chunks begin."""
+        return array("q", (chunk.chunk_start_offset for chunk in self._chunks))
+
+    @property
     def span(self) -> tuple[int, int, int]:
         """Count of messages, and the first and last time when one was logged, ns."""
         return self._counts.total(), self._first, self._last
@@ -258,15 +263,13 @@ class Inventory:
         _require(self._table is not None, "a message index follows no chunk")
         assert self._table is not None
         channel, size = int.from_bytes(content[:2], "little"), int.from_bytes(content[2:6], "little")
-        entries = np.frombuffer(content[6 : 6 + size], dtype=_ENTRY)
-        if (entries["start"][1:] < entries["start"][:-1]).any():
-            entries = np.sort(entries, order="start")
+        # log time and start of each; beyond 63 bits neither is that of a message
+        entries = np.frombuffer(content[6 : 6 + size], dtype="<i8").reshape(-1, 2)
         own = self._table.channels == channel
-        same = np.array_equal(entries["start"], self._table.starts[own])
-        _require(
-            same and np.array_equal(entries["log_time"], self._table.log_times[own]),
-            f"the index of channel {channel} is not that of its chunk's messages",
-        )
+        found = np.stack([self._table.log_times[own], self._table.starts[own]], axis=-1)
+        if not np.array_equal(entries, found):
+            entries = entries[np.argsort(entries[:, 1], kind="stable")]
+        _require(np.array_equal(entries, found), f"the index of channel {channel} is not that of its chunk's messages")
         _require(channel not in self._indexed, f"a chunk has two indexes of channel {channel}")
         self._indexed.add(channel)
         index = self._chunks[-1]

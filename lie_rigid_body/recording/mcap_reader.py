@@ -5,8 +5,10 @@ The `mcap` library's own reader takes the end of a file for the end of a record;
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
+from array import array
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -44,6 +46,7 @@ from lie_rigid_body.recording.inventory import (
     MessageTable,
     require_in_chunk,
 )
+from lie_rigid_body.recording.message_scan import FIND, FoundMessages
 from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import short_repr
 
@@ -73,6 +76,8 @@ _KEPT_PER_BYTE: Final = 200
 """Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
 _PER_MESSAGE: Final = 100
 """About the bytes that a message takes beside its content."""
+_COUNTED_AT_ONCE: Final = 10_000
+"""Messages after which it is asked anew whether compiled code pays."""
 _SMALL_SHARE: Final = 4
 """Messages that take less than this part of a chunk are copied out of it, so that the rest is not kept."""
 _OTHER_FORMATS: Final = {
@@ -144,6 +149,28 @@ class FileSpan:
     __repr__ = short_repr
 
 
+@dataclass(frozen=True)
+class Outline:
+    """Where the messages of a file are, that was found whole.
+
+    Parameters
+    ----------
+    path : Path
+    state : tuple of int
+        Which file it was, and what it would not be any more if it changed.
+    chunks : array of int
+        The bytes where the records of its chunks begin; empty if messages stand outside of chunks.
+    channels : dict of (topic, message type) to list of int
+    """
+
+    path: Path
+    state: tuple[int, ...]
+    chunks: array[int]
+    channels: dict[tuple[str, str], list[int]]
+
+    __repr__ = short_repr
+
+
 @dataclass
 class McapContents:
     """The messages and metadata of a file, or of several that continue each other.
@@ -157,6 +184,7 @@ class McapContents:
         Metadata records by name.
     attachments : int
     files : list of FileSpan
+    outlines : list of Outline
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
     kept, most_kept : int
@@ -168,6 +196,7 @@ class McapContents:
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
     files: list[FileSpan] = field(default_factory=list)
+    outlines: list[Outline] = field(default_factory=list)
     without_checksum: int = 0
     kept: int = 0
     most_kept: int = 0
@@ -178,6 +207,15 @@ class McapContents:
     def message_count(self) -> int:
         """Messages on all topics."""
         return sum(track.count for track in self.tracks.values())
+
+    def allow(self, size: int) -> None:
+        """Allow for the messages of a file of so many bytes."""
+        self.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * size)
+
+    def keep(self, size: int, messages: int) -> bool:
+        """Count so many bytes of messages as kept; whether that is more than allowed."""
+        self.kept += size + messages * _PER_MESSAGE
+        return self.kept > self.most_kept
 
 
 def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
@@ -200,14 +238,27 @@ def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterat
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    with _opened(path) as stream:
+    with opened(path) as stream:
         try:
             yield from _FileReader(path, stream, wanted, into).read()
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
 
 
-def _opened(path: Path) -> BinaryIO:
+def state_of(stream: BinaryIO) -> tuple[int, ...]:
+    """Which file an open one is, and what changes when it is written to."""
+    status = os.fstat(stream.fileno())
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
+
+
+def opened(path: Path) -> BinaryIO:
+    """A bag's file, open to be read.
+
+    Raises
+    ------
+    BagError
+        If it cannot be.
+    """
     try:
         return open_file(path)
     except InputError as error:
@@ -224,14 +275,14 @@ class _FileReader:
     def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
-        into.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * self._size)
+        into.allow(self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
         self._inventory = Inventory()
         self._loose = bytearray()
         self._loose_ends = [0]
         self._before = into.message_count
-        self._taken = 0
+        self._taken = self._counted = 0
         self._crc = 0  # of the data section, then of the summary
         self._data_crc = 0
         self._bare_chunks = 0
@@ -331,8 +382,15 @@ class _FileReader:
         elif opcode == Opcode.FOOTER:
             self._inventory.finish(_parse(Footer.read, content), self._position)
             self._into.files.append(FileSpan(self._path.name, *self._inventory.span))
+            self._into.outlines.append(self._outline())
             if not self._data_crc:
                 self._into.without_checksum += self._bare_chunks or not self._inventory.chunk_count
+
+    def _outline(self) -> Outline:
+        channels: dict[tuple[str, str], list[int]] = {}
+        for number, track in self._channels.items():
+            channels.setdefault((track.topic, track.message_type), []).append(number)
+        return Outline(self._path, state_of(self._stream), self._inventory.chunk_places, channels)
 
     def _header(self, header: Header) -> None:
         if header.profile not in _PROFILES:
@@ -361,7 +419,7 @@ class _FileReader:
         except ValueError as error:
             raise self._damaged(str(error)) from None
         size = len(data)
-        runs = MessageRuns(data, self._indexed_offsets())
+        runs = self._runs(data)
         parts: list[MessageTable] = []
         while position < size:
             run = runs.at(position)
@@ -383,6 +441,12 @@ class _FileReader:
         self._inventory.chunk(chunk, table, self._position, length)
         self._bare_chunks += not chunk.uncompressed_crc
         self._messages(table)
+
+    def _runs(self, data: bytes) -> MessageRuns | FoundMessages:
+        new = self._taken - self._counted
+        find = FIND.compiled_for(new if new > _COUNTED_AT_ONCE else 0)
+        self._counted += new if new > _COUNTED_AT_ONCE else 0
+        return MessageRuns(data, self._indexed_offsets()) if find is None else FoundMessages(find, data)
 
     def _indexed_offsets(self) -> Integers:
         """Where the message indexes that follow say that messages begin: hints, that nothing depends on but speed."""
@@ -411,19 +475,24 @@ class _FileReader:
     def _messages(self, table: MessageTable) -> None:
         self._inventory.messages(table)
         self._taken += len(table.starts)
-        for channel in np.flatnonzero(np.bincount(table.channels)).tolist():
-            track, own = self._channels[channel], np.flatnonzero(table.channels == channel)
+        otherwise = table.log_times != table.publish_times
+        any_otherwise = bool(otherwise.any())
+        counts = np.bincount(table.channels)
+        for channel in np.flatnonzero(counts).tolist():
+            track = self._channels[channel]
+            track.count += int(counts[channel])
+            if not any_otherwise and track.message_type not in self._wanted:
+                continue
+            own = np.flatnonzero(table.channels == channel)
             log_times = table.log_times[own]
-            track.count += len(own)
-            track.published_otherwise += int(np.count_nonzero(log_times != table.publish_times[own]))
+            track.published_otherwise += int(np.count_nonzero(otherwise[own]))
             if track.message_type in self._wanted:
                 piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
                 track.pieces.append(piece)
-                self._keep(len(piece.data) + len(own) * _PER_MESSAGE)
+                self._keep(len(piece.data), len(own))
 
-    def _keep(self, count: int) -> None:
-        self._into.kept += count
-        if self._into.kept > self._into.most_kept:
+    def _keep(self, size: int, messages: int) -> None:
+        if self._into.keep(size, messages):
             raise self._too_large(f"messages of {self._into.kept} bytes in a file of {self._size}")
 
     def _ends_well(self) -> bool:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from lie_rigid_body import console
-
-_BEGIN: Final = "--ros-args"
-_END: Final = "--"
 
 DESCRIPTION: Final = "Run the live ROS 2 node."
 EPILOG: Final = """
@@ -53,25 +50,9 @@ class Arguments:
 
 def parse(argv: Sequence[str]) -> Arguments:
     """Read a command line, without the program's name."""
-    own, ros = split(argv)
+    own, ros = console.split_ros_arguments(argv)
     parser = console.Parser("sim", DESCRIPTION)
     parser.epilog = EPILOG
     console.add_scenario_arguments(parser)
     found = parser.parse_args(own)
     return Arguments(found.scenario, tuple(found.params_file), tuple(found.assignments), tuple(ros))
-
-
-def split(argv: Iterable[str]) -> tuple[list[str], list[str]]:
-    """The node's own arguments, and those for ROS: from ``--ros-args`` to ``--`` or the end."""
-    own: list[str] = []
-    ros: list[str] = []
-    target = own
-    for argument in argv:
-        if argument == _BEGIN:
-            target = ros
-        if target is ros and argument == _END:
-            target = own
-            continue
-        if argument != _BEGIN:
-            target.append(argument)
-    return own, [_BEGIN, *ros] if ros else []

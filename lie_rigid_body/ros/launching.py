@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
@@ -115,3 +115,43 @@ def shut_down_if_failed(event: Any, context: object) -> object | None:
     from launch.actions import Shutdown
 
     return Shutdown(reason=f"{event.process_name} failed") if event.returncode else None
+
+
+def fail_unless_shut_down(event: Any, context: Any) -> None:
+    """Fail when a part ends by itself: launch ends the rest, and its exit status is 1.
+
+    Parameters
+    ----------
+    event : launch.events.process.ProcessExited
+    context : launch.LaunchContext
+
+    Raises
+    ------
+    LieRigidBodyError
+    """
+    if not context.is_shutdown:
+        raise LieRigidBodyError(f"{event.process_name} ended with status {event.returncode}: the rest is ended as well")
+
+
+def end_with_status(event: Any, context: Any) -> object | None:
+    """End everything with the evaluator; its exit status above 0 makes that of launch 1.
+
+    Parameters
+    ----------
+    event : launch.events.process.ProcessExited
+    context : launch.LaunchContext
+
+    Returns
+    -------
+    launch.actions.Shutdown or None
+
+    Raises
+    ------
+    LieRigidBodyError
+    """
+    from launch.actions import Shutdown
+
+    if event.returncode:
+        why = "a limit is broken" if event.returncode == 1 else "there was nothing to score"
+        raise LieRigidBodyError(f"{event.process_name} ended with status {event.returncode}: {why}")
+    return None if context.is_shutdown else Shutdown(reason="the evaluation is complete")

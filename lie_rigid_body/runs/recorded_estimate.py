@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import declared_segments
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
@@ -54,7 +54,12 @@ class RecordedEstimate:
     __repr__ = short_repr
 
 
-def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None = None) -> RecordedEstimate:
+def recorded_estimate(
+    bag: str | Path,
+    topic: str,
+    truth_bag: str | Path | None = None,
+    progress: Callable[[int], object] = lambda count: None,
+) -> RecordedEstimate:
     """Read an estimate and the truth.
 
     Parameters
@@ -65,6 +70,8 @@ def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None 
         Of the estimate: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage.
     truth_bag : str or Path, optional
         The bag with the truth, if it is another one.
+    progress : callable, optional
+        Called with the number of bytes that were read since it was called last.
 
     Returns
     -------
@@ -78,39 +85,30 @@ def recorded_estimate(bag: str | Path, topic: str, truth_bag: str | Path | None 
         If a declared scenario is impossible.
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
-    contents = BagFiles(path).contents(_TYPES)
+    contents = BagFiles(path, progress).contents(_TYPES)
     if truth_bag is None:
-        return _beside(path, contents, topic, _TrueMotion(path, contents, topic))
-    other = Path(truth_bag)
-    return _beside(path, contents, topic, _TrueMotion(other, BagFiles(other).contents(_TYPES), ""))
+        true = _true_motion(path, contents, topic)
+    else:
+        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "")
+    track = read_attitudes(path, contents, topic, true.frames)
+    return held_against(track, true, true.until(int(track.stamps_ns.max())))
 
 
-class _TrueMotion:
-    """What a bag tells of the truth: scenarios, poses, or both.
+@dataclass(frozen=True)
+class TrueMotion:
+    """What is told of the truth: scenarios, poses, or both.
 
     Parameters
     ----------
-    path : Path
-    contents : McapContents
-    estimate_topic : str
-        Not the truth, whatever its name.
+    segments : tuple of Segment
+        In the order of their starts; empty if no scenario is known.
+    poses : AttitudeTrack or None
     """
 
-    def __init__(self, path: Path, contents: McapContents, estimate_topic: str) -> None:
-        self.path = path
-        candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
-        scenario = _only(path, candidates, "scenario", STRING, estimate_topic)
-        self.segments: tuple[Segment, ...] = ()
-        if scenario is not None:
-            self.segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
-            pose_topic = f"{_namespace(scenario)}/pose"
-            candidates = [track for track in candidates if track.topic == pose_topic]
-        pose = _only(path, candidates, "pose", POSE_STAMPED, estimate_topic)
-        self.poses = None if pose is None else read_attitudes(path, contents, pose.topic)
-        if scenario is None and pose is None:
-            raise BagError(
-                f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth"
-            )
+    segments: tuple[Segment, ...]
+    poses: AttitudeTrack | None
+
+    __repr__ = short_repr
 
     @property
     def frames(self) -> tuple[str, str] | None:
@@ -137,25 +135,35 @@ class _TrueMotion:
         return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
 
 
-def _beside(path: Path, contents: McapContents, topic: str, true: _TrueMotion) -> RecordedEstimate:
-    track = read_attitudes(path, contents, topic, true.frames)
+def _true_motion(path: Path, contents: McapContents, estimate_topic: str) -> TrueMotion:
+    """The truth in a bag, in which the topic of the estimate is not the truth, whatever its name."""
+    candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
+    scenario = _only(path, candidates, "scenario", STRING, estimate_topic)
+    segments: tuple[Segment, ...] = ()
+    if scenario is not None:
+        segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
+        candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
+    pose = _only(path, candidates, "pose", POSE_STAMPED, estimate_topic)
+    if scenario is None and pose is None:
+        raise BagError(
+            f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth"
+        )
+    return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
+
+
+def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
+    """An estimate and its truth, with what a reader of the score should know of them."""
     covariance = track.covariance
     usable = covariance is not None and is_given(covariance)
-    return RecordedEstimate(
-        track,
-        true.until(int(track.stamps_ns.max())),
-        true.source,
-        true.segments,
-        covariance if usable else None,
-        tuple(_notes(track, true)),
-    )
+    notes = tuple(_notes(track, true))
+    return RecordedEstimate(track, truth, true.source, true.segments, covariance if usable else None, notes)
 
 
-def _notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
+def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
     if true.poses is None:
         start, first = true.segments[0].start_ns, int(track.stamps_ns[0])
         yield (
-            f"The truth is that of the scenario alone, from {start / 1e9:.9g} s on; the estimate begins "
+            f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
             f"{(first - start) / 1e9:.9g} s after that."
         )
     yield from _frame_notes(track, true)
@@ -164,7 +172,7 @@ def _notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
         yield f"There is no NEES: {fault}."
 
 
-def _frame_notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
+def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
     """Names of frames that are not those of the truth. An Imu is stamped with the frame of the sensor (REP-145)."""
     world = true.frames[0] if true.frames else true.poses.frame if true.poses else ""
     ours = {world}
@@ -184,17 +192,37 @@ def _frame_notes(track: AttitudeTrack, true: _TrueMotion) -> Iterator[str]:
 
 
 def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:
-    """The one track of a type whose topic has the given last name; of several that in the namespace of the estimate."""
-    found = [t for t in tracks if t.message_type == kind and t.topic.rpartition("/")[2] == ending]
+    """The track of a type that `nearest` finds."""
+    found = {t.topic: t for t in tracks if t.message_type == kind}
+    try:
+        topic = nearest(found, ending, estimate_topic)
+    except InputError as error:
+        raise BagError(f"{path} has {error}: record those of one body") from None
+    return None if topic is None else found[topic]
+
+
+def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | None:
+    """The one topic with the given last name; of several that in the namespace of the estimate.
+
+    Raises
+    ------
+    InputError
+        If there are several, and none, or more than one, in its namespace.
+    """
+    found = [topic for topic in topics if topic.rpartition("/")[2] == ending]
     if len(found) > 1:
-        near = [t for t in found if _namespace(t) and estimate_topic.startswith(f"{_namespace(t)}/")]
+        near = [topic for topic in found if namespace(topic) and estimate_topic.startswith(f"{namespace(topic)}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:
-        topics = listed([track.topic for track in found])
-        raise BagError(f"{path} has several topics .../{ending}: {topics}: record those of one body")
+        raise InputError(f"several topics .../{ending}: {listed(sorted(found))}")
     return found[0] if found else None
 
 
-def _namespace(scenario: RawTrack) -> str:
-    """The namespace of the node that publishes a private topic."""
-    return scenario.topic.rsplit("/", 2)[0]
+def namespace(private_topic: str) -> str:
+    """The namespace of the node that publishes a private topic, such as that of the scenario."""
+    return private_topic.rsplit("/", 2)[0]
+
+
+def pose_beside(scenario_topic: str) -> str:
+    """The topic of the poses of the node that publishes a scenario."""
+    return f"{namespace(scenario_topic)}/pose"

@@ -145,3 +145,7 @@ class AttitudeSensor:
         roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
         error = self._across * drawn + self._about * roll[:, np.newaxis] * b
         return quaternion.multiply(states.attitude_xyzw, quaternion.exp(error))
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings."""
+        self._noise.skip(count)

@@ -73,6 +73,11 @@ class Delivery:
             number["clock_skew"],
         )
 
+    @property
+    def is_off(self) -> bool:
+        """Whether the clock that stamps errs."""
+        return bool(self.clock_offset_ns or self.clock_skew)
+
     def lost(self, first: int, times_ns: Integers) -> Booleans:
         """Which of some readings never arrive.
 

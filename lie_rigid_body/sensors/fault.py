@@ -61,6 +61,13 @@ class Fault:
         """Its text."""
         return json.dumps(vars(self))
 
+    def _is_one(self) -> bool:
+        """Whether it is a fault, and not only has the fields of one."""
+        times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
+        size = 0.0 if self.size is None else self.size
+        names = self.kind in KINDS and self.sensor in SENSORS and self.axis in (*AXES, "")
+        return names and all(type(time) is int for time in times) and type(size) in (int, float)
+
     @classmethod
     def from_json(cls, text: str) -> Fault:
         """The fault that a text tells.
@@ -72,7 +79,7 @@ class Fault:
         """
         try:
             fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
-            if fault.kind in KINDS and fault.sensor in SENSORS and isinstance(fault.begin_ns, int):
+            if fault._is_one():
                 return fault
         except (ValueError, TypeError, RecursionError):
             pass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 from lie_rigid_body.arrays import Array, Integers
@@ -86,6 +86,11 @@ class ImuModel:
         )
 
     @property
+    def support(self) -> float:
+        """Specific force of what holds the mass centre, along z of the world frame, m/s²; 0 in free fall."""
+        return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
+
+    @property
     def faulty(self) -> tuple[Faulty | None, ...]:
         """What may have faults."""
         return (self.delivery, self.gyro.faults, self.accelerometer.faults)
@@ -146,11 +151,9 @@ class Imu:
     """
 
     def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, before: State) -> None:
-        support = model.gravity if model.accelerometer_mode == "pivot_gravity" else 0.0
-        self._rate: GyroRate = (
-            IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
-        )
-        self._force = SpecificForce(body, model.lever_arm, support)
+        self._model = model
+        self._rate = _rate(model, before_ns, before)
+        self._force = SpecificForce(body, model.lever_arm, model.support)
         self._gyro = Triad(
             model.gyro,
             model.rate,
@@ -192,7 +195,42 @@ class Imu:
         InputError
             If the rate is integrated and the stamps do not rise.
         """
-        angular_velocity, gyro_bias = self._gyro.read(stamps_ns, self._rate.over(stamps_ns, states))
-        linear_acceleration, accelerometer_bias = self._accelerometer.read(stamps_ns, self._force.at(states))
+        signals, model = self.signals(stamps_ns, states), self._model
+        return replace(
+            signals,
+            angular_velocity=model.gyro.converter.read(signals.angular_velocity),
+            linear_acceleration=model.accelerometer.converter.read(signals.linear_acceleration),
+        )
+
+    def signals(self, stamps_ns: Integers, states: State) -> ImuReadings:
+        """The next readings before the converters; see `measure`."""
+        angular_velocity, gyro_bias = self._gyro.signal(stamps_ns, self._rate.over(stamps_ns, states))
+        linear_acceleration, accelerometer_bias = self._accelerometer.signal(stamps_ns, self._force.at(states))
         orientation = None if self._orientation is None else self._orientation.measure(states)
         return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias, orientation)
+
+    def biases(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
+        return self._gyro.bias(stamps_ns), self._accelerometer.bias(stamps_ns)
+
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`.
+
+        Parameters
+        ----------
+        count : int
+        before_ns : int
+            Time of the last of them, ns.
+        before : State
+            The body's state at that time.
+        """
+        self._rate = _rate(self._model, before_ns, before)
+        self._gyro.skip(count)
+        self._accelerometer.skip(count)
+        if self._orientation is not None:
+            self._orientation.skip(count)
+
+
+def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
+    """What the gyro measures from a time, ns, and the state at it on."""
+    return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()

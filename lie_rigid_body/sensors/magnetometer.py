@@ -161,13 +161,22 @@ class Magnetometer:
         ndarray, shape (N, 3)
             T, on the body axes, which are the sensor's.
         """
+        return self._converter.read(self.signal(times_ns, states))
+
+    def signal(self, times_ns: Integers, states: State) -> Array:
+        """The next readings before the converter; see `measure`."""
         world_field = self._field
         if self._disturbance is not None:
             world_field = world_field + self._disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
         distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
-        signal = distorted + self._noise.take(len(field))
+        signal = np.asarray(distorted + self._noise.take(len(field)))
         if self._faults is None:
-            return self._converter.read(signal)
-        readings = self._converter.read(self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns)))
-        return self._faults.stuck(times_ns, readings)
+            return signal
+        return self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns))
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`."""
+        self._noise.skip(count)
+        if self._faults is not None:
+            self._faults.skip(count)

@@ -23,6 +23,9 @@ from lie_rigid_body.arrays import Array, Integers
 
 BLOCK: Final = 256
 """Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""
+_WORDS_PER_COUNT: Final = 4
+"""Words that Philox 4×64 makes of one value of its counter."""
+_SKIPPED_AT_ONCE: Final = 65_536
 
 
 @unique
@@ -51,6 +54,10 @@ class RandomVectors(Protocol):
         """The next ``count`` vectors, shape (count, 3)."""
         ...
 
+    def skip(self, count: int) -> None:
+        """Leave out the next ``count`` vectors."""
+        ...
+
 
 class WhiteNoise:
     """Independent normal vectors of mean 0.
@@ -66,13 +73,28 @@ class WhiteNoise:
     """
 
     def __init__(self, seed: int, source: int, sigma: float) -> None:
-        self._words = np.random.Philox(key=np.array([seed, source], dtype=np.uint64))
+        self._key = np.array([seed, source], dtype=np.uint64)
+        self._words = np.random.Philox(key=self._key)
+        self._taken = 0
         self._sigma = sigma
 
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
+        self._taken += 3 * count
         numbers = uniform(self._words.random_raw(3 * count))
         return self._normal(numbers).reshape(count, 3)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation on each axis."""
+        return self._sigma
+
+    def skip(self, count: int) -> None:
+        """Leave out the next ``count`` vectors, in a time that does not depend on how many."""
+        self._taken += 3 * count
+        blocks, rest = divmod(self._taken, _WORDS_PER_COUNT)
+        self._words = np.random.Philox(counter=blocks, key=self._key)
+        self._words.random_raw(rest)
 
     def _normal(self, numbers: Array) -> Array:
         if self._sigma == 0.0:
@@ -136,6 +158,14 @@ class RandomWalk:
         self._next = path[count:]
         return path[:count]
 
+    def skip(self, count: int) -> None:
+        """Leave out the next ``count`` vectors, whose steps have to be drawn all the same, if there are any."""
+        if self._steps.sigma == 0.0:
+            self._steps.skip(count)
+            return
+        for done in range(0, count, _SKIPPED_AT_ONCE):
+            self.draw(min(count - done, _SKIPPED_AT_ONCE))
+
 
 class BlockBuffer:
     """A buffer of random vectors, drawn in blocks and taken in any number.
@@ -156,3 +186,10 @@ class BlockBuffer:
             self._ready = np.concatenate([self._ready, self._vectors.draw(max(missing, BLOCK))])
         taken, self._ready = self._ready[:count], self._ready[count:]
         return taken
+
+    def skip(self, count: int) -> None:
+        """Leave out the next ``count`` vectors."""
+        drawn = min(count, len(self._ready))
+        self._ready = self._ready[drawn:]
+        if count > drawn:
+            self._vectors.skip(count - drawn)

@@ -66,3 +66,7 @@ class Orientation:
             return states.attitude_xyzw
         error = self._sigma * self._noise.take(len(states.attitude_xyzw))
         return quaternion.multiply(quaternion.exp(error), states.attitude_xyzw)
+
+    def skip(self, count: int) -> None:
+        """Leave out the next orientations."""
+        self._noise.skip(count)

@@ -103,3 +103,7 @@ class SunSensor:
         if self._is_perfect:
             return sun
         return quaternion.rotate(quaternion.exp(self._noise.take(len(sun))), sun)
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings."""
+        self._noise.skip(count)

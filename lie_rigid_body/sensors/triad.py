@@ -142,11 +142,26 @@ class Triad:
         bias : ndarray, shape (N, 3)
             What it adds to them.
         """
-        bias = self._bias.take(len(truth))
+        signal, bias = self.signal(times_ns, truth)
+        return self._converter.read(signal), bias
+
+    def signal(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
+        """The same before the converter, with all faults: one that repeats a signal repeats its reading."""
+        bias = self._with_drift(times_ns, self._bias.take(len(truth)))
+        signal = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
+        return signal if self._faults is None else self._faults.disturbed(times_ns, signal), bias
+
+    def bias(self, times_ns: Integers) -> Array:
+        """The biases in the next readings, which are left out, shape (N, 3)."""
+        self._noise.skip(len(times_ns))
+        return self._with_drift(times_ns, self._bias.take(len(times_ns)))
+
+    def _with_drift(self, times_ns: Integers, bias: Array) -> Array:
+        return bias if self._faults is None else bias + self._faults.bias(times_ns)
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `read`."""
+        self._noise.skip(count)
+        self._bias.skip(count)
         if self._faults is not None:
-            bias = bias + self._faults.bias(times_ns)
-        noisy = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
-        if self._faults is None:
-            return self._converter.read(noisy), bias
-        readings = self._converter.read(self._faults.disturbed(times_ns, noisy))
-        return self._faults.stuck(times_ns, readings), bias
+            self._faults.skip(count)

@@ -166,31 +166,44 @@ class FaultyTriad:
         return np.asarray(share[:, np.newaxis] * self._drift)
 
     def disturbed(self, times_ns: Integers, signal: Array) -> Array:
-        """The signal of the next readings with bursts, spikes and saturation, shape (N, 3)."""
+        """The signal of the next readings with bursts, spikes, saturation and what is stuck, shape (N, 3)."""
+        return self._stuck(times_ns, self._saturated(times_ns, self._added(times_ns, signal)))
+
+    def skip(self, count: int) -> None:
+        """Leave out the next readings, which an axis that is stuck then does not repeat."""
+        self._burst.skip(count)
+        self._count += count
+
+    def _added(self, times_ns: Integers, signal: Array) -> Array:
+        """With bursts and spikes."""
         model = self._model
         if model.noise_bursts is not None:
             burst = self._burst.take(len(signal))
             signal = signal + np.where(model.noise_bursts.at(times_ns)[:, np.newaxis] >= 0, burst, 0.0)
         signal = signal + model.spikes(self._count, times_ns)
         self._count += len(signal)
+        return signal
+
+    def _saturated(self, times_ns: Integers, signal: Array) -> Array:
+        model = self._model
         if model.saturation is None:
             return signal
         saturated = np.clip(signal, -model.saturation_level, model.saturation_level)
         return np.where(model.saturation.at(times_ns)[:, np.newaxis] >= 0, saturated, signal)
 
-    def stuck(self, times_ns: Integers, readings: Array) -> Array:
-        """The next readings, those of a stuck axis as before, shape (N, 3)."""
-        if self._model.stuck is None or not len(readings):
-            return readings
-        numbers, readings = self._model.stuck.at(times_ns), readings.copy()
+    def _stuck(self, times_ns: Integers, signal: Array) -> Array:
+        """The same, on a stuck axis that of the reading before: so it repeats that reading, whatever the converter."""
+        if self._model.stuck is None or not len(signal):
+            return signal
+        numbers, signal = self._model.stuck.at(times_ns), signal.copy()
         axes = axis_of(self._model.stuck.draws(np.maximum(numbers, 0))[:, 0])
         for number in np.unique(numbers[numbers >= 0]):
             rows = np.flatnonzero(numbers == number)
             axis, first = int(axes[rows[0]]), int(rows[0])
-            before = readings[first - 1] if first else self._last
+            before = signal[first - 1] if first else self._last
             if before is not None:
-                readings[rows, axis] = before[axis]
+                signal[rows, axis] = before[axis]
             else:
-                readings[rows, axis] = readings[first, axis]
-        self._last = readings[-1].copy()
-        return readings
+                signal[rows, axis] = signal[first, axis]
+        self._last = signal[-1].copy()
+        return signal

@@ -64,9 +64,14 @@ class SampleClock:
                 f"sample {first + count - 1} would be stamped {last} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
                 "ns: start earlier, or sample for a shorter time",
             )
-        if d == 1 and n <= MAX_EPOCH_NS and epoch + first * n >= 0:
-            return epoch + n * np.arange(first, first + count, dtype=np.int64)
-        return np.array([epoch + _round_ratio(k * n, d) for k in range(first, first + count)], dtype=np.int64)
+        if not count or 2 * (d + count * n) > MAX_EPOCH_NS or epoch + _round_ratio(first * n, d) < 0:
+            return np.array([epoch + _round_ratio(k * n, d) for k in range(first, first + count)], dtype=np.int64)
+        # as `_round_ratio`, but for what comes before the first, which may be beyond int64
+        before, rest = divmod(2 * first * n + d, 2 * d)
+        quotients, remainders = np.divmod(rest + 2 * n * np.arange(count, dtype=np.int64), 2 * d)
+        quotients += epoch + before
+        quotients -= (remainders == 0) & (quotients - epoch & 1 == 1)
+        return quotients
 
     def count_before(self, duration: Fraction) -> int:
         """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""

@@ -4,23 +4,33 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-pytest.importorskip("distributed")
-parquet = pytest.importorskip("pyarrow.parquet")
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.run import Row
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.cli.record import main as record
 
-from lie_rigid_body.cli.campaign import main  # noqa: E402
-from lie_rigid_body.cli.record import main as record  # noqa: E402
-
+# not loaded here: the process that only collects these tests does without
+pytestmark = pytest.mark.skipif(
+    not (find_spec("distributed") and find_spec("pyarrow")), reason="distributed or pyarrow is not installed"
+)
 COMMAND = [sys.executable, "-m", "lie_rigid_body", "campaign"]
 DEADLINE = 120.0
+MANY = 9
 CAMPAIGN = """
 runs: 6
 seed: 7
@@ -35,12 +45,26 @@ vary:
   motion: {distribution: choice, values: [moving_chart, closed_form]}
   sensor_seed: {distribution: run}
 """
+ESTIMATED = CAMPAIGN + "estimator: estimator_of_a_campaign:from_truth\n"
+ESTIMATOR = """
+def from_truth(run):
+    if dict(run.scenario.sensor_parameters)["sensor_seed"] == 2:
+        raise RuntimeError("it is lost")
+    return run.truth.attitude_xyzw
+"""
+SCORES = ["total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s"]
 
 
-def written(folder: Path, text: str = CAMPAIGN) -> Path:
+def written(folder: Path, text: str = ESTIMATED) -> Path:
     path = folder / "campaign.yaml"
     path.write_text(text)
     return path
+
+
+def table_of(out: Path) -> Any:
+    from pyarrow import parquet
+
+    return parquet.read_table(out / "runs.parquet")
 
 
 def bytes_of(out: Path) -> dict[str, bytes]:
@@ -48,27 +72,35 @@ def bytes_of(out: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A campaign on two workers."""
+def out(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A campaign on two workers, with an estimator in the working directory that fails in one run."""
     folder = tmp_path_factory.mktemp("campaign")
-    assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "2"]) == 0
-    return folder / "out"
+    (folder / "estimator_of_a_campaign.py").write_text(ESTIMATOR)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [*sys.path])
+        patch.chdir(folder)
+        assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "2"]) == 0
+        yield folder / "out"
 
 
 def test_the_table_has_a_row_for_each_run(out: Path) -> None:
-    table = parquet.read_table(out / "runs.parquet")
+    table = table_of(out)
     vary = ["initial_attitude_xyzw", "initial_body_rate", "inertia", "gyro_noise_density", "motion", "sensor_seed"]
-    assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag"]
+    assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag", *SCORES, "estimator_error"]
     assert table["run"].to_pylist() == list(range(6))
     assert table["certified"].to_pylist() == [True] * 6
     assert all(0.0 < accuracy < 1e-13 for accuracy in table["attitude_accuracy_rad"].to_pylist())
     assert [(out / bag).is_file() for bag in table["bag"].to_pylist()] == [True] * 6
+    of_truth = pytest.approx(0.0, abs=1e-12)
+    for name in SCORES:
+        assert table[name].to_pylist() == [of_truth, of_truth, None, of_truth, of_truth, of_truth]
+    assert table["estimator_error"].to_pylist() == [None, None, "RuntimeError: it is lost", None, None, None]
     assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(6)]
 
 
 def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
-    for row in parquet.read_table(out / "runs.parquet").to_pylist():
-        given = {name: row[name] for name in list(row)[1:-3]} | {"rate": 100.0, "imu_rate": 100.0}
+    for row in table_of(out).to_pylist():
+        given = {name: row[name] for name in list(row)[1:7]} | {"rate": 100.0, "imu_rate": 100.0}
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
         again = tmp_path / "again.mcap"
         options = ["--scenario", "tumbling_cubesat", "--duration", "0.25", "--force", "--quiet"]
@@ -89,20 +121,74 @@ def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path) -
         other = tmp_path / "other"
         assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", cluster.scheduler_address]) == 0
     assert bytes_of(other) == bytes_of(out)
-    assert parquet.read_table(other / "runs.parquet").equals(parquet.read_table(out / "runs.parquet"))
+    assert table_of(other).equals(table_of(out))
 
 
 def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()}
     assert main([str(written(tmp_path)), "--out", str(out)]) == 0
     assert {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()} == before
-    assert "6 runs, 6 certified" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "6 runs, 6 certified" in said
+    assert "5 scored, median " in said
+    assert "° rms; run 2 is not: RuntimeError: it is lost" in said
+
+
+def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    whole = (copy / "runs.jsonl").read_text()
+    (copy / "runs.jsonl").write_text(whole[:-9])
+    campaign, rows = Campaign.from_file(written(tmp_path)), list[Row]()
+    with Journal(campaign, out) as journal:
+        rows += journal.rows.values()
+    with Journal(campaign, copy) as journal:
+        assert list(journal.rows.values()) == rows[:-1]
+        journal.add(rows[-1])
+    assert (copy / "runs.jsonl").read_text() == whole
+
+
+def test_an_estimator_without_any_score_is_an_error(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
+    with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
+        rows = [replace(row, scores={**scores, "estimator_error": "it is lost"}) for row in journal.rows.values()]
+    heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
+    (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
+    said = capsys.readouterr()
+    assert "0 scored; run 0 is not: it is lost" in said.out
+    assert "gave no score in any run" in said.err
+    assert table_of(copy)["estimator_error"].to_pylist() == ["it is lost"] * 6
+
+
+def test_a_page_shows_the_runs_and_their_residuals(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("plotly")
+    report = tmp_path / "report.html"
+    given = [str(written(tmp_path)), "--out", str(out), "--report", str(report)]
+    assert main(given) == 0
+    assert f"wrote {report}" in capsys.readouterr().out
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size <= 6_000_000
+    assert "6 of 6 runs CERTIFIED" in text
+    rows = table_of(out).to_pylist()
+    for row in rows:
+        assert f"<td>{row['run']}</td>" in text
+        assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
+    drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
+    assert {"kinetic energy [rel]", "world momentum x [rel]", "closed form [rad]"} <= counts.keys()
+    assert counts["closed form [rad]"] == 6
+    assert main(given) == 2
+    assert "--force to replace it" in capsys.readouterr().err
 
 
 @pytest.fixture
 def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """A process with a campaign that has finished a run and has many before it."""
-    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 16").replace("0.25", "8.0")), tmp_path / "out"
+    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", f"runs: {MANY}").replace("0.25", "8.0")), tmp_path / "out"
     process = subprocess.Popen(
         [*COMMAND, str(path), "--out", str(out), "--workers", "2"],
         stdout=-1,
@@ -136,12 +222,27 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert complained.count("\n") == 1, complained
     [line] = complained.splitlines()
     done = finished(out)
-    assert f"interrupted after {len(done)} of 16 runs" in line
+    assert f"interrupted after {len(done)} of {MANY} runs" in line
     assert len(done) == len({*done}) >= 1
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
-    assert main([str(out.parent / "campaign.yaml"), "--out", str(out)]) == 0
-    assert sorted(finished(out)) == list(range(16))
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 0
+    assert sorted(finished(out)) == list(range(MANY))
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+
+
+@pytest.mark.slow
+def test_a_kill_costs_the_runs_at_work_and_nothing_is_done_twice(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    process, out = slow
+    process.kill()
+    process.communicate(timeout=DEADLINE)
+    done = finished(out)
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 0
+    assert finished(out)[: len(done)] == done
+    assert sorted(finished(out)) == list(range(MANY))
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(MANY)]
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+    assert table_of(out)["certified"].to_pylist() == [True] * MANY
 
 
 @pytest.mark.slow
@@ -153,8 +254,8 @@ def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Pop
     os.kill(workers[0], signal.SIGKILL)
     said, complained = process.communicate(timeout=DEADLINE)
     assert (process.returncode, complained) == (0, "")
-    assert "16 runs, 16 certified" in said
-    assert sorted(finished(out)) == list(range(16))
+    assert f"{MANY} runs, {MANY} certified" in said
+    assert sorted(finished(out)) == list(range(MANY))
 
 
 def children(pid: int) -> list[int]:
@@ -187,6 +288,9 @@ def command(pid: int) -> str:
             "runs: 9\nseed: 1\nduration: 1.0\nvary: {rate: {distribution: choice, values: [1.0, -1.0]}}",
             "rate: -1 is outside",
         ),
+        ("runs: 1\nseed: 1\nduration: 1.0\nestimator: math", "'math' names no function"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nestimator: 'nowhere.at:all'", "cannot be imported: ModuleNotFoundError"),
+        ("runs: 1\nseed: 1\nduration: 1.0\nestimator: math:pi", "'math' has no function 'pi'"),
         ("[]", "no campaign"),
         ("{", "not readable as YAML"),
     ],

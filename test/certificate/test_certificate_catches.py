@@ -31,7 +31,14 @@ SCENARIOS: dict[str, dict[str, object]] = {
 COUNT = 300
 
 
-@pytest.fixture(scope="module", params=SCENARIOS)
+# each way of moving in every run, with all that a declaration can hold; every law looks at both alike
+QUICK = {"closed form", "products"}
+
+
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SCENARIOS],
+)
 def bag(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"
     simulation = Simulation(Scenario.from_parameters(SCENARIOS[request.param]))

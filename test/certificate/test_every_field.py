@@ -41,7 +41,20 @@ def rows() -> dict[tuple[str, str], str]:
 @pytest.fixture(scope="module")
 def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"
-    parameters: dict[str, object] = {"motion": "closed_form", "rate": RATE, "epoch_ns": 10**18, "imu_rate": 4.0}
+    parameters: dict[str, object] = {
+        "motion": "closed_form",
+        "rate": RATE,
+        "epoch_ns": 10**18,
+        "imu_rate": 4.0,
+        "magnetometer_rate": 2.0,
+        "accelerometer_lever_arm": [0.1, 0.2, 0.0],
+        "gyro_noise_density": 1e-3,
+        "gyro_bias_random_walk": 1e-3,
+        "magnetometer_noise_density": 1e-8,
+        "attitude_sensor_rate": 4.0,
+        "attitude_sensor_roll_noise": 1e-3,
+        "sun_sensor_rate": 2.0,
+    }
     simulation = Simulation(Scenario.from_parameters(parameters))
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
@@ -154,6 +167,9 @@ def in_yaml(change: Callable[[dict[str, Any]], object]) -> Forgery:
             "/lie_rigid_body/scenario": ("std_msgs/msg/String", 1),
             "/imu/data_raw": ("sensor_msgs/msg/Imu", 6),
             "/imu/bias": ("sensor_msgs/msg/Imu", 6),
+            "/imu/mag": ("sensor_msgs/msg/MagneticField", 3),
+            "/attitude/pose": ("geometry_msgs/msg/PoseWithCovarianceStamped", 6),
+            "/sun/direction": ("geometry_msgs/msg/Vector3Stamped", 3),
         }
         total = sum(count for _, count in counts.values())
         content: dict[str, Any] = {
@@ -201,6 +217,12 @@ CAUGHT = "refused, or a law broken"
 CERTIFIED = "certified, and not all of it"
 LATER = 3 * 10**9
 POSE, TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
+
+
+def renamed(frame: bytes) -> Callable[[bytes], bytes]:
+    return lambda data: data.replace(frame, frame[::-1])
+
+
 FORGERIES: dict[tuple[str, str], Forgery] = {
     ("Magic", "start"): in_bytes(b"MCAP0", b"MCAP1"),
     ("Magic", "end"): in_bytes(b"MCAP0", b"MCAP1", -1),
@@ -215,7 +237,7 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     ("Schema", "a repeat"): in_bytes(b"PoseStamped", b"PoseStumped", -1),
     ("Channel", "id"): in_records(Channel=lambda r: {"id": r.id + 20}),
     ("Channel", "schema_id"): in_records(Channel=lambda r: {"schema_id": r.schema_id % 3 + 1}),
-    ("Channel", "topic"): text("Channel", "topic", "/pose", "/pros"),
+    ("Channel", "topic"): text("Channel", "topic", "/twist", "/twiss"),
     ("Channel", "message_encoding"): text("Channel", "message_encoding", "cdr", "xml"),
     ("Channel", "metadata"): in_records(
         Channel=lambda r: {"metadata": {k: v.replace("10", "11") for k, v in r.metadata.items()}}
@@ -302,6 +324,37 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     ("TwistStamped", "header.frame_id"): in_payload("/twist", lambda data: data.replace(b"base", b"bass")),
     ("TwistStamped", "twist.linear"): in_payload("/twist", patched(-48, "<d", lambda v: v + 1e-300)),
     ("TwistStamped", "twist.angular"): in_payload("/twist", patched(-16, "<d", lambda v: v * (1 + 1e-13))),
+    **{
+        (record, f"header.{field}"): in_payload(topic, change, 2)
+        for record, topic, frame in (
+            ("Imu", "/imu/data_raw", b"imu_link"),
+            ("MagneticField", "/imu/mag", b"imu_link"),
+            ("PoseWithCovarianceStamped", "/attitude/pose", b"world"),
+            ("Vector3Stamped", "/sun/direction", b"base_link"),
+        )
+        for field, change in (
+            ("stamp.sec", patched(4, "<i", lambda v: v + 1)),
+            ("stamp.nanosec", patched(8, "<I", lambda v: v + 1)),
+            ("frame_id", renamed(frame)),
+        )
+    },
+    ("PoseWithCovarianceStamped", "pose.position"): in_payload("/attitude/pose", patched(-344, "<d", lambda v: 1.0), 2),
+    ("PoseWithCovarianceStamped", "pose.orientation"): in_payload(
+        "/attitude/pose", patched(-320, "<d", lambda v: v + 1e-12), 2
+    ),
+    ("PoseWithCovarianceStamped", "pose.covariance"): in_payload(
+        "/attitude/pose", patched(-8, "<d", lambda v: 1.001 * v), 2
+    ),
+    ("Vector3Stamped", "vector"): in_payload("/sun/direction", patched(-8, "<d", lambda v: v + 1e-12), 2),
+    ("Imu", "orientation"): in_payload("/imu/data_raw", patched(-37 * 8, "<d", lambda v: 0.1), 2),
+    ("Imu", "orientation_covariance"): in_payload("/imu/bias", patched(-33 * 8, "<d", lambda v: 0.0), 2),
+    ("Imu", "angular_velocity"): in_payload("/imu/data_raw", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("Imu", "angular_velocity, a bias"): in_payload("/imu/bias", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("Imu", "angular_velocity_covariance"): in_payload("/imu/data_raw", patched(-17 * 8, "<d", lambda v: 2 * v), 2),
+    ("Imu", "linear_acceleration"): in_payload("/imu/data_raw", patched(-12 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("Imu", "linear_acceleration_covariance"): in_payload("/imu/data_raw", patched(-8, "<d", lambda v: 1e-9), 2),
+    ("MagneticField", "magnetic_field"): in_payload("/imu/mag", patched(-80, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("MagneticField", "magnetic_field_covariance"): in_payload("/imu/mag", patched(-72, "<d", lambda v: 2 * v), 2),
     ("String", "length"): in_payload("/lie_rigid_body/scenario", patched(4, "<I", lambda v: v + 9), 0),
     ("String", "data"): in_payload("/lie_rigid_body/scenario", lambda data: data[:9] + b"\xff" + data[10:], 0),
     ("scenario", "software"): json_value("software", "lie_rigid_body 99"),
@@ -323,7 +376,8 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
         "/lie_rigid_body/scenario", lambda d: encode_string(d[8:-1].decode().replace("{", '{"rate": 9.0, ', 1)), 0
     ),
     ("scenario", "an unknown name"): json_value("inertial", [1.0, 2.0, 3.0]),
-    ("scenario", "the sensors' parameters"): json_value("imu_rate", 2.0),
+    ("scenario", "the sensors' parameters"): json_value("sensor_seed", 1),
+    ("scenario", "those that no reading shows"): json_value("gravity", 1.62),
     ("metadata.yaml", "version"): in_yaml(lambda y: y.update(version=8)),
     ("metadata.yaml", "storage_identifier"): in_yaml(lambda y: y.update(storage_identifier="sqlite3")),
     ("metadata.yaml", "relative_file_paths"): hidden_file,
@@ -361,7 +415,7 @@ def test_the_honest_copy_is_certified_and_says_what_is_not(honest: Path, tmp_pat
     assert found.passed, found.messages
     said = "; ".join(found.not_certified)
     assert "parts without a checksum: 1" in said
-    assert "/imu/data_raw (6 messages)" in said
+    assert found.sensors == ("/imu/data_raw", "/imu/bias", "/imu/mag", "/attitude/pose", "/sun/direction")
     assert "1 attachments" in said
 
 

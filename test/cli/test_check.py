@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -109,6 +110,28 @@ def test_a_bag_that_breaks_a_law(tmp_path, capsys):
     assert content["passed"] is False
     assert content["certified"] is None
     assert content["messages"]
+
+
+SENSORS: dict[str, Any] = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}
+
+
+def test_sensors_are_certified_and_what_no_scenario_determines_is_listed(tmp_path, capsys):
+    from lie_rigid_body import simulate
+
+    bag = tmp_path / "sensors.mcap"
+    simulate(duration=1.0, **SENSORS).to_bag(bag)
+    assert main([str(bag)]) == 0
+    out = capsys.readouterr().out
+    assert "Every reading is what its scenario determines: /imu/data_raw, /imu/bias," in out
+    assert max(map(len, out.splitlines()[1:])) <= 80
+    rows = [line.split() for line in out.splitlines()]
+    for name, *units in (("gyro,", "rad/s"), ("accelerometer", "bias,", "m/s²"), ("magnetometer",)):
+        assert any(row[: 1 + len(units)] == [name, *units] and row[-1] == "holds" for row in rows)
+    assert main([str(bag), "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["certified_sensors"] == ["/imu/data_raw", "/imu/bias", "/imu/mag"]
+    laws = {law["name"]: law for law in content["segments"][0]["laws"]}
+    assert (laws["gyro"]["unit"], laws["gyro"]["checked"], laws["gyro"]["holds"]) == ("rad/s", 200, True)
 
 
 def test_another_inertia(bag, capsys):

@@ -12,8 +12,10 @@ import pytest
 from estimates import Make, beside, messages, write
 
 from lie_rigid_body import Run, simulate
+from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SIZE = np.radians(0.5)
 P = np.eye(3) * SIZE**2
@@ -112,6 +114,16 @@ def test_the_truth_in_another_bag_or_by_the_scenario_alone(own, bag, stamps, noi
     assert by_poses["truth"] == "poses"
     # the geodesic from one sample of the truth to the next misses it by |ω̇| h²/8 at most
     assert by_poses["total_deg"]["rms"] == pytest.approx(rms, abs=0.02)
+
+
+def test_progress_tells_every_byte_read(own, bag):
+    steps: list[int] = []
+    recorded_estimate(bag, "/filter/Imu", own, steps.append)
+    size = bag.stat().st_size + own.stat().st_size
+    assert 0.3 * size < sum(steps) <= size  # all but the index at the end, which is much of a small file
+    with progress_bar([bag, own], passes=1) as bar:
+        assert bar.total == size
+        assert bar.disable  # as stderr is no terminal
 
 
 def test_limits_are_the_exit_status(bag, capsys):

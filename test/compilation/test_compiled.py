@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.compilation import Loop
 from lie_rigid_body.compilation import loop as loops
+from lie_rigid_body.compilation.cache import cache_folder, mark
 from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
 from lie_rigid_body.compilation.work import LONG_CALL
@@ -151,6 +153,19 @@ def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
     started(compiler).kill()
     assert compiler is not None
     assert compiler.result() is None
+
+
+@needs_numba
+def test_of_runs_side_by_side_one_compiles(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    folder = cache_folder(munthe_kaas_loop.advance)
+    assert folder is not None
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        process = started(Compiler.of(munthe_kaas_loop.advance, SIGNATURE))
+        mark(folder, munthe_kaas_loop.advance).touch()  # as another process does at its end
+    assert process.wait(60) == 0
+    assert list(folder.rglob("*.nb?")) == []
 
 
 def test_nothing_is_compiled_or_imported_at_the_start():

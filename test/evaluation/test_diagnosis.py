@@ -17,6 +17,7 @@ MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 FRD = [1.0, 0.0, 0.0, 0.0]
 motions = pytest.mark.parametrize("motion", MOTIONS)
+SAMPLES_LATE = [-1.0, -0.3, 0.123, 30.0]
 two_motions = pytest.mark.parametrize("motion", ["dzhanibekov", pytest.param("slow_tumble", marks=pytest.mark.slow)])
 
 FAULTS = {
@@ -36,8 +37,16 @@ def noisy(motion, lag_s=0.0, size_deg=NOISE_DEG, seed=3):
     return quaternion.multiply(attitude(motion, lag_s), turns(size_deg, seed))
 
 
-@motions
-@pytest.mark.parametrize("fault", FAULTS)
+def half_of(values):
+    """Each motion with every other of the values; the rest of the pairs takes long."""
+    return [
+        pytest.param(motion, value, marks=pytest.mark.slow if (i + j) % 2 else ())
+        for i, motion in enumerate(MOTIONS)
+        for j, value in enumerate(values)
+    ]
+
+
+@pytest.mark.parametrize(("motion", "fault"), half_of(FAULTS))
 def test_a_fault_is_named_with_what_is_left(motion, fault):
     score = evaluate(STAMPS, FAULTS[fault](noisy(motion)), truth_of(motion))
     assert codes(score) == [fault]
@@ -84,8 +93,7 @@ def test_the_declination_is_measured_beside_the_convergence_of_a_filter(motion):
     assert angle == pytest.approx(4.09, abs=0.25)
 
 
-@motions
-@pytest.mark.parametrize("samples_late", [-1.0, -0.3, 0.123, 30.0])
+@pytest.mark.parametrize(("motion", "samples_late"), half_of(SAMPLES_LATE))
 def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     lag_s = samples_late * PERIOD_NS / 1e9
     rate = np.sqrt(np.mean(np.sum(MOTIONS[motion].at(STAMPS).body_rate ** 2, axis=-1)))

@@ -11,7 +11,7 @@ from lie_rigid_body.lie import quaternion, series, so3
 
 ANGLES = [
     *(float(a) for a in np.logspace(-300, -20, 15)),
-    *(float(a) for a in np.logspace(-19, np.log10(3.1), 120)),
+    *(float(a) for a in np.logspace(-19, np.log10(3.1), 60)),
     *(series.SERIES_LIMIT * (1.0 + s) for s in (-1e-9, -1e-16, 0.0, 1e-15, 1e-9)),
     *(float(np.pi - d) for d in (1e-2, 1e-5, 1e-8, 1e-12, 4e-16, 0.0)),
 ]
@@ -85,7 +85,7 @@ def test_exp_has_fifteen_digits_in_every_direction():
 @pytest.mark.parametrize("name", EXACT)
 def test_off_diagonal_part_keeps_its_digits_at_tiny_angles(name):
     """Next to the identity the interesting part is tiny: it, too, must be right to 15 digits of itself."""
-    v = vectors()[: 4 * 40]
+    v = vectors()[: 4 * 28]
     for vector, computed in zip(v, so3.vee(getattr(so3, name)(v)), strict=True):
         linear, _ = EXACT[name]
         theta = exact_angle(vector)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from mpmath import mp, quad
 from scipy.integrate import nquad
 
 from lie_rigid_body import InputError, RigidBody
 from lie_rigid_body.mechanics import ball, box, cylinder, disc, ellipsoid, moments_of_density, rod
+from lie_rigid_body.mechanics.shapes import THINNEST, box_sides
 
 DIMENSIONS = range(1, 7)
 
@@ -168,3 +171,19 @@ def test_impossible_shapes_are_refused(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+sides = st.floats(0.05, 1.0)
+
+
+@given(sides, sides, sides)
+def test_the_box_to_draw_has_the_moments_of_the_body(a, b, c):
+    moments = np.sort([b * b + c * c, a * a + c * c, a * a + b * b])
+    # rising moments: the longest side comes first
+    expected = np.sort([a, b, c])[::-1] / max(a, b, c)
+    np.testing.assert_allclose(box_sides(moments), expected, rtol=0, atol=1e-6)
+
+
+def test_a_flat_body_and_a_rod_can_be_seen():
+    np.testing.assert_allclose(box_sides([1.0, 1.0, 2.0]), [1.0, 1.0, THINNEST])
+    np.testing.assert_allclose(box_sides([1e-9, 1.0, 1.0]), [1.0, THINNEST, THINNEST], rtol=1e-3)

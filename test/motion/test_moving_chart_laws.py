@@ -131,7 +131,7 @@ def test_going_on_from_any_state_on_the_way_is_the_same_motion(course: Course, s
     assert difference(onward, whole) <= 4e-15 * (1.0 + growth(course.angle))
 
 
-@settings(max_examples=100)
+@settings(max_examples=60)
 @given(course=COURSES, body_turn=TURNS)
 def test_steps_and_closed_form_are_the_same_motion(course: Course, body_turn):
     """Two derivations that share no formula; what steps round, to 1e-18, grows."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -70,8 +71,9 @@ def test_a_python_without_venv_is_named_with_the_remedy(tmp_path: Path) -> None:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess[str]:
-    # A make that runs these tests would make this one a part of itself.
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS", "PYTHON"))}
+    # A make that runs these tests would make this one a part of itself, and hand on its ARGS.
+    theirs = ("MAKE", "MFLAGS", "PYTHON", "ARGS")
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(theirs)}
     return subprocess.run(
         ("make", *arguments), cwd=ROOT, env=kept, capture_output=True, text=True, timeout=60, check=False
     )
@@ -96,3 +98,30 @@ def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
     done = make("test-oldest", "PYTHON_ROS=none")
     assert done.returncode == 0
     assert "left out" in done.stderr
+
+
+# A Python that is found, makes an environment of itself alone, and has a pip that ends with 3 when told to.
+PYTHON_WITH_PIP = """#!/bin/sh
+case "$*" in
+    *-c*) echo "$0" ;;
+    "-m venv "*) mkdir -p "$3/bin" && cp "$0" "$3/bin/python" ;;
+    "-m pip "*) echo "Requirement already satisfied: numpy"; echo "Collecting mcap"; exit "$PIP_STATUS" ;;
+esac
+"""
+
+
+@pytest.mark.parametrize("status", [0, 3])
+def test_a_set_up_shows_what_is_fetched_and_fails_with_pip(tmp_path: Path, status: int) -> None:
+    shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
+    for name in ("setup.py", "setup.cfg", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    python = executable(tmp_path / "python3", PYTHON_WITH_PIP)
+    environment = {**os.environ, "PYTHON": str(python), "PIP_STATUS": str(status)}
+    done = subprocess.run(
+        ("scripts/environment.sh", "headless"),
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == status
+    assert done.stdout.splitlines() == ([] if status else [str(tmp_path / ".venv-headless")])
+    assert (tmp_path / ".venv-headless/complete").exists() == (status == 0)
+    assert done.stderr.splitlines()[1:] == ["Collecting mcap"]

@@ -138,13 +138,14 @@ def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -
 
 def assert_colcon_test_runs_pytest(workspace: Path, *options: str) -> None:
     merged = [option for option in options if option == "--merge-install"]
-    one = ("--pytest-args", "test/test_import_walls.py")
+    one = ("--pytest-args", "test/packaging/test_development.py")
     colcon(workspace, "test", "--return-code-on-test-failure", *merged, *one)
     result = (workspace / "build/lie_rigid_body/pytest.xml").read_text(encoding="utf-8")
     assert 'failures="0"' in result
-    assert "test_every_module_keeps_to_its_room" in result
+    assert "test_linters_are_pinned_to_one_version" in result
 
 
+@SLOW  # the same command as colcon's, which the test above has in every run
 def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> None:
     """What bloom's Debian rules do."""
     root = tmp_path / "root"

@@ -11,6 +11,8 @@ import zstandard
 from test_bag_reader import rewrite
 
 from lie_rigid_body import BagError, Run, simulate
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.wording import LONGEST_LINE
 
 IMU, BIAS = "/imu/data_raw", "/imu/bias"
 
@@ -62,3 +64,41 @@ def test_messages_that_are_no_readings_are_refused_by_topic(
     )
     with pytest.raises(BagError, match=said):
         Run.from_bag(path)
+
+
+FAULTS = "/lie_rigid_body/faults"
+
+
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sensors") / "faulty.mcap"
+    simulate(duration=1.0, rate=10.0, imu_rate=50.0, imu_dropout_probability=0.3, imu_latency=0.01).to_bag(path)
+    return path
+
+
+def test_faults_are_read_beside_a_scenario_of_another_name(faulty: Path, tmp_path: Path) -> None:
+    """Another recorder's log times are of its own clock, and a text of its own is no scenario."""
+    renamed = rewrite(faulty, tmp_path / "x.mcap", lambda topic: topic.replace("scenario", "text"))
+    read, whole = Run.from_bag(renamed), Run.from_bag(faulty)
+    assert read.faults == whole.faults
+    assert len(read.faults) > 5
+    assert read.imu is not None
+    assert whole.imu is not None
+    assert (whole.imu.arrival_ns - whole.imu.t_ns == 10_000_000).all()
+    assert np.array_equal(read.imu.arrival_ns, read.imu.t_ns)
+
+
+STUCK = '{"kind": "stuck", "sensor": "gyro", "axis": "x", "begin_ns": 7, "end_ns": null, "size": 0.1}'
+
+
+NO_FAULTS = [STUCK.replace("7", "true"), STUCK.replace("0.1", "[]"), "{}", "[1]", '{"kind": "x"}', "{" * 500, ""]
+
+
+@pytest.mark.parametrize("text", NO_FAULTS)
+def test_what_tells_of_no_fault_is_refused_in_one_line(faulty: Path, tmp_path: Path, text: str) -> None:
+    path = rewrite(
+        faulty, tmp_path / "x.mcap", change=lambda number, name, data: encode_string(text) if name == FAULTS else data
+    )
+    with pytest.raises(BagError, match="tells of no fault") as refusal:
+        Run.from_bag(path)
+    assert len(str(refusal.value)) <= LONGEST_LINE + len(str(path))

@@ -14,7 +14,8 @@ from typing import Any
 import pytest
 import yaml
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import parse_assignment, scenario_files
@@ -27,12 +28,23 @@ OF_ONE_NODE = {"world_frame", "body_frame", "imu_frame", "record_path", "publish
 ARGUMENTS = {
     "sim.launch.py": {"scenario", "params_file", "namespace", "name", "record", "rviz"} | NAMES,
     "bodies.launch.py": {"bodies", "params_file", "spacing", "record", "rviz"} | NAMES - OF_ONE_NODE,
+    "estimator.launch.py": {
+        *("package", "executable", "parameters", "estimator_params_file", "remappings", "estimate"),
+        *("max_rms", "max_after", "duration", "wait", "report", "plot", "scenario", "params_file", "namespace"),
+        *NAMES,
+    },
 }
+WITH_VIEWS = ["sim.launch.py", "bodies.launch.py"]
+ESTIMATOR = "estimator.launch.py"
 EXECUTABLES = {
     "lie_rigid_body": "sim",
     "tf2_ros": "static_transform_publisher",
     "rviz2": "rviz2",
+    "imu_filter_madgwick": "imu_filter_madgwick_node",
+    "imu_complementary_filter": "complementary_filter_node",
+    "mine": "filter",
 }
+OF_VIEWS = ["lie_rigid_body", "tf2_ros", "rviz2"]
 
 Node = dict[str, Any]
 Launch = Callable[..., list[Node]]
@@ -82,6 +94,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Path
         path = found[package] = tmp_path / prefix / "lib" / package / executable
         path.parent.mkdir(parents=True)
         path.touch(mode=0o755)
+    found["lie_rigid_body"].with_name("evaluate").touch(mode=0o755)
     return found
 
 
@@ -108,7 +121,7 @@ def test_arguments_are_described_and_switches_have_two_values(file: str, describ
     assert len(declared) == len(ARGUMENTS[file])
     assert all(settings["description"] for _, settings in declared)
     choices = {name: settings["choices"] for name, settings in declared if "choices" in settings}
-    assert choices == {"record": ["true", "false"], "rviz": ["true", "false"]}
+    assert choices == ({} if file == ESTIMATOR else {"record": ["true", "false"], "rviz": ["true", "false"]})
 
 
 def test_what_is_given_reaches_the_node_and_nothing_else(launch: Launch, tmp_path: Path) -> None:
@@ -215,6 +228,13 @@ def test_rviz_shows_every_body(launch: Launch) -> None:
         ("sim.launch.py", {"scenario": "dzanibekov"}, "'dzanibekov' is unknown: did you mean dzhanibekov"),
         ("sim.launch.py", {"rate": "-1.0"}, "rate: -1 is outside"),
         ("sim.launch.py", {"rte": "1.0"}, "rte:=1.0: sim.launch.py has no argument 'rte': did you mean rate"),
+        (ESTIMATOR, {"package": "mine"}, "executable: that of mine is not known: give executable:=NAME"),
+        (ESTIMATOR, {"max_rms": "1"}, "'1' is not an angle such as 1deg"),
+        (ESTIMATOR, {"max_after": "10s"}, "'10s' is not a time and an angle"),
+        (ESTIMATOR, {"parameters": "gain=1"}, "gain=1"),
+        (ESTIMATOR, {"remappings": "imu=data"}, "remappings: 'imu=data' is not FROM:=TO"),
+        (ESTIMATOR, {"imu_rate": "-1.0"}, "imu_rate: -1 is outside"),
+        (ESTIMATOR, {"rviz": "true"}, "estimator.launch.py has no argument 'rviz'"),
     ],
 )
 def test_unusable_input_is_told_in_one_line(launch: Launch, file: str, given: dict[str, str], said: str) -> None:
@@ -223,8 +243,8 @@ def test_unusable_input_is_told_in_one_line(launch: Launch, file: str, given: di
     assert len(str(refusal.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("file", ARGUMENTS)
-@pytest.mark.parametrize("package", EXECUTABLES)
+@pytest.mark.parametrize("file", WITH_VIEWS)
+@pytest.mark.parametrize("package", OF_VIEWS)
 def test_nothing_is_started_before_everything_is_found(
     launch: Launch, installed: dict[str, Path], file: str, package: str
 ) -> None:
@@ -246,7 +266,16 @@ def test_arguments_of_a_launch_file_that_includes_this_one_are_its_own(
     assert launch("sim.launch.py", **{"launch-prefix": "nice"})  # an option of ros2 launch itself
 
 
-@pytest.mark.parametrize("file", ARGUMENTS)
+@pytest.mark.parametrize("package", ["lie_rigid_body", "mine"])
+def test_no_evaluation_is_started_before_everything_is_found(
+    launch: Launch, installed: dict[str, Path], package: str
+) -> None:
+    installed[package].chmod(0o644)
+    with pytest.raises(InputError, match=f"{package} is not there: nothing was started"):
+        launch(ESTIMATOR, package="mine", executable="filter")
+
+
+@pytest.mark.parametrize("file", WITH_VIEWS)
 def test_when_one_part_ends_nothing_is_left_running(launch: Launch, file: str) -> None:
     nodes = launch(file, rviz="true")
     ended = SimpleNamespace(process_name="rviz2-3", returncode=0)
@@ -257,6 +286,65 @@ def test_when_one_part_ends_nothing_is_left_running(launch: Launch, file: str) -
             continue
         assert node["on_exit"](ended, None) is None
         assert node["on_exit"](failed, None) == "end everything: rviz2-3 failed"
+
+
+def test_filters_that_are_known_read_both_sensors_and_are_evaluated(launch: Launch) -> None:
+    for package, parameters in (
+        ("imu_filter_madgwick", {"world_frame": "enu", "use_mag": True, "publish_tf": False}),
+        ("imu_complementary_filter", {"use_mag": True, "publish_tf": False}),
+    ):
+        sim, estimator, evaluator = launch(ESTIMATOR, package=package)
+        assert [node["executable"] for node in (sim, estimator, evaluator)] == ["sim", EXECUTABLES[package], "evaluate"]
+        assert (estimator["package"], estimator["parameters"], estimator["remappings"]) == (package, [parameters], [])
+        assert evaluator["remappings"] == [("estimate", "imu/data")]
+        scenario = launching.scenario_of_node(sim["arguments"], "lie_rigid_body", "")
+        assert scenario.sensors.imu is not None
+        assert scenario.sensors.magnetometer is not None
+        given = scenario.parameters()
+        assert (given["accelerometer_mode"], given["gyro_rate"]) == ("pivot_gravity", "integrated")
+
+
+def test_any_filter_gets_its_parameters_topics_and_limits(launch: Launch, tmp_path: Path) -> None:
+    file = tmp_path / "sensors.yaml"
+    file.write_text("/**: {ros__parameters: {imu_rate: 20.0, accelerometer_mode: free_fall}}")
+    own = {"package": "mine", "executable": "filter", "parameters": "gain:=0.5 field:='[1.0, 2.0]'"}
+    topics = {"remappings": "imu:=imu/data_raw", "estimate": "/mine/pose", "namespace": "a"}
+    limits = {"max_rms": "1deg", "max_after": "1s:3deg 10s:2deg", "duration": "60", "report": "a.html"}
+    sim, estimator, evaluator = launch(ESTIMATOR, params_file=str(file), **own, **topics, **limits)
+    assert estimator["parameters"] == [{"gain": 0.5, "field": [1.0, 2.0]}]
+    assert estimator["remappings"][0] == ("imu", "imu/data_raw")
+    assert ("/imu/mag", "imu/mag") in estimator["remappings"]  # some filters ask for the names without namespace
+    assert {node["namespace"] for node in (sim, estimator, evaluator)} == {"a"}
+    assert sim["arguments"] == ["--scenario", "tumbling_cubesat", "--params-file", str(file)]  # it has an IMU
+    assert evaluator["remappings"] == [("estimate", "/mine/pose")]
+    asked = request.parse(evaluator["arguments"])
+    assert (asked.max_rms, asked.max_after, asked.duration, asked.report) == (
+        "1deg",
+        ["1s:3deg", "10s:2deg"],
+        60.0,
+        "a.html",
+    )
+
+
+def test_the_end_of_the_evaluator_is_that_of_the_launch(launch: Launch) -> None:
+    sim, estimator, evaluator = launch(ESTIMATOR)
+    running, ending = SimpleNamespace(is_shutdown=False), SimpleNamespace(is_shutdown=True)
+
+    def ended(status: int) -> SimpleNamespace:
+        return SimpleNamespace(process_name="it-3", returncode=status)
+
+    assert evaluator["on_exit"](ended(0), running) == "end everything: the evaluation is complete"
+    assert evaluator["on_exit"](ended(0), ending) is None
+    # launch ends everything after an exception, with status 1
+    for context in (running, ending):
+        with pytest.raises(LieRigidBodyError, match="status 1: a limit is broken"):
+            evaluator["on_exit"](ended(1), context)
+        with pytest.raises(LieRigidBodyError, match="status 2: there was nothing to score"):
+            evaluator["on_exit"](ended(2), context)
+    for node in (sim, estimator):
+        assert node["on_exit"](ended(0), ending) is None
+        with pytest.raises(LieRigidBodyError, match="it-3 ended with status -6: the rest is ended as well"):
+            node["on_exit"](ended(-6), running)
 
 
 @pytest.mark.skipif(find_spec("launch_ros") is None, reason="launch_ros is not installed: PyPI does not have it")

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
+from functools import partial
 
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
@@ -76,20 +77,20 @@ def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> No
 
 
 @pytest.mark.ros
-def test_scenario_control_and_parameters_without_the_ros2_command() -> None:
-    with SimulatorProcess("-p", "rate:=50.0", "--ros-args", "-r", "__ns:=/quiet") as simulator:
+def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.CaptureFixture[str]) -> None:
+    asked = partial(answer, capfd)
+    with SimulatorProcess("-p", "rate:=50.0", "--ros-args", "-r", "__ns:=/quiet"):
         node = "/quiet/lie_rigid_body"
-        assert json.loads(asked("--scenario", f"{node}/scenario", domain=simulator.domain))["rate"] == 50.0
-        assert asked("--pause", f"{node}/pause", domain=simulator.domain).startswith("time stands still at ")
-        assert asked("--step", f"{node}/step", domain=simulator.domain).startswith("sent the sample stamped ")
-        assert asked("--resume", f"{node}/resume", domain=simulator.domain) == "time goes on"
-        assert asked("--set", "rate:=40", "--node", node, domain=simulator.domain) == f"{node} has rate 40"
-        assert asked("--get", "rate", "--node", node, domain=simulator.domain) == "40.0"
+        assert json.loads(asked("--scenario", f"{node}/scenario"))["rate"] == 50.0
+        assert asked("--pause", f"{node}/pause").startswith("time stands still at ")
+        assert asked("--step", f"{node}/step").startswith("sent the sample stamped ")
+        assert asked("--resume", f"{node}/resume") == "time goes on"
+        assert asked("--set", "rate:=40", "--node", node) == f"{node} has rate 40"
+        assert asked("--get", "rate", "--node", node) == "40.0"
         long = f"inertia:=[{', '.join(['1.0'] * 100)}]"
-        refused = asked("--set", long, "--node", node, domain=simulator.domain, status=2)
-        assert f"{node} refuses --set inertia: " in refused
+        assert f"{node} refuses --set inertia: " in asked("--set", long, "--node", node, status=2)
         for option, said in (("--set", "paused:=true"), "call ~/pause"), (("--get", "rte"), "no such parameter"):
-            assert said in asked(*option, "--node", node, domain=simulator.domain, status=2)
+            assert said in asked(*option, "--node", node, status=2)
 
 
 @pytest.mark.ros
@@ -102,11 +103,8 @@ def test_no_answer_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: p
         assert "is the node running?" in line
 
 
-def asked(*arguments: str, domain: int, status: int = 0) -> str:
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    done = subprocess.run(
-        (*LISTEN, *arguments), capture_output=True, text=True, timeout=DEADLINE, check=False, env=environment
-    )
-    assert done.returncode == status, done.stderr
+def answer(capfd: pytest.CaptureFixture[str], *arguments: str, status: int = 0) -> str:
+    assert main(arguments) == status
+    said, complained = capfd.readouterr()
     # the middleware may complain on either before
-    return (done.stdout if status == 0 else done.stderr).splitlines()[-1]
+    return (said if status == 0 else complained).splitlines()[-1]

@@ -83,3 +83,26 @@ def test_where_arrays_lie_in_memory_changes_nothing() -> None:
     for _ in range(60):
         held.append(np.empty(rng.integers(1, 3000)))
         assert imu_bytes(imu(**EVERYTHING), []) == first
+
+
+@pytest.mark.parametrize("gyro_rate", ["instantaneous", "integrated"])
+@given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 300)), min_size=1, max_size=4))
+def test_readings_behind_others_that_are_left_out_are_the_same(gyro_rate: str, parts: list[tuple[int, int]]) -> None:
+    settings = {**EVERYTHING, "gyro_rate": gyro_rate}
+    whole, fields = imu(**settings).measure(T, STATES), magnetometer(**settings).measure(T, STATES)
+    sensor, bare, compass, at = imu(**settings), imu(**settings), magnetometer(**settings), 0
+    for left_out, wanted in parts:
+        at += left_out
+        if at + wanted > COUNT:
+            break
+        if left_out:
+            for one in (sensor, bare):
+                one.skip(left_out, int(T[at - 1]), STATES[at - 1])
+            compass.skip(left_out)
+        rows = slice(at, at + wanted)
+        read, biases = sensor.measure(T[rows], STATES[rows]), bare.biases(T[rows])
+        for name in FIELDS:
+            assert getattr(read, name).tobytes() == getattr(whole, name)[rows].tobytes()
+        assert [bias.tobytes() for bias in biases] == [getattr(whole, name)[rows].tobytes() for name in FIELDS[2:]]
+        assert compass.measure(T[rows], STATES[rows]).tobytes() == fields[rows].tobytes()
+        at += wanted

@@ -40,6 +40,19 @@ def test_far_stamps_lose_no_nanosecond(k, rate):
         assert abs(int(clock.stamps_ns(k, 1)[0]) - exact) <= Fraction(1, 2)
 
 
+@given(
+    st.integers(0, MAX_EPOCH_NS // 2),
+    st.sampled_from([3.0, 0.7, 333.3, 59.94, 1e-6, 1e9, 3e8, 0.1234567890123, 2e9 / 3.0]),
+    st.integers(-10, 10**14),
+    st.integers(0, 20),
+)
+def test_many_stamps_are_those_one_by_one(epoch, rate, first, count):
+    clock = SampleClock(epoch, rate)
+    one_by_one = [clock.stamp_ns(k) for k in range(first, first + count)]
+    if not count or one_by_one[-1] <= MAX_EPOCH_NS:
+        assert clock.stamps_ns(first, count).tolist() == one_by_one
+
+
 def test_stamps_end_with_the_message_type():
     clock = SampleClock(MAX_EPOCH_NS - 10_000_000, 100.0)
     assert clock.stamps_ns(0, 2)[-1] == MAX_EPOCH_NS

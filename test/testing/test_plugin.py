@@ -17,6 +17,7 @@ from lie_rigid_body.testing import assert_attitude
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "lie_rigid_body.testing"
+SLOW = pytest.mark.slow
 
 
 def run_pytest(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -50,9 +51,13 @@ def test_loading_it_loads_nothing_heavy():
 
 
 @pytest.mark.long
-def test_the_worked_example_passes():
-    done = run_pytest(ROOT / "examples" / "complementary_filter", "-q")
-    outcome(done, passed=2 * len(GRADES) + 2)
+@pytest.mark.parametrize(
+    ("left_out", "passed"),
+    [("tumbling_cubesat", len(GRADES) + 2), pytest.param("none", 2 * len(GRADES) + 2, marks=SLOW)],
+)
+def test_the_worked_example_passes(left_out, passed):
+    done = run_pytest(ROOT / "examples" / "complementary_filter", "-q", "-k", f"not {left_out}")
+    outcome(done, passed=passed)
 
 
 def test_runs_by_marker_by_parametrize_and_all_of_them(tmp_path):

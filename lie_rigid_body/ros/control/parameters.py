@@ -53,7 +53,7 @@ class NodeParameters:
 
     def __init__(self, node: Node, given: Mapping[str, object]) -> None:
         self._node = node
-        values = read_parameters({**given, **_overrides(node)})
+        values = read_parameters({**given, **overrides(node)})
         values.update(Scenario.from_parameters(values).parameters())
         for parameter in PARAMETERS:
             node.declare_parameter(
@@ -160,7 +160,7 @@ def ros_value(value: Value) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _overrides(node: Node) -> dict[str, object]:
+def overrides(node: Node) -> dict[str, object]:
     """All values that ROS arguments and files give the node, also under names that it does not declare."""
     with node.handle:
         overrides = node.handle.get_parameters(RosParameter)

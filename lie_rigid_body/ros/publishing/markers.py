@@ -15,7 +15,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.pace import FOREVER
@@ -23,10 +24,6 @@ from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 TOPIC: Final = "markers"
-LONGEST_SIDE: Final = 1.0
-"""Longest side of the box, m: an inertia alone does not determine the size of a body."""
-THINNEST: Final = 0.02
-"""Shortest side of the box, m, so that a flat body stays visible."""
 ARROW: Final = 1.0
 """Length of the arrows at the start of a segment, m."""
 TRAIL: Final = 600
@@ -61,7 +58,7 @@ class Markers(Sink):
         scenario = segment.scenario
         start, body = scenario.start(), scenario.body()
         self._frame, self._body = scenario.world_frame, body
-        self._sides = box_sides(body)
+        self._sides = box_sides(body.principal_moments)  # m: an inertia alone does not determine the size of a body
         # the box lies along the principal axes
         self._box = quaternion.from_matrix(body.principal_axes)
         self._rate_scale = _scale(start.body_rate)
@@ -116,28 +113,6 @@ class Markers(Sink):
         marker.header.frame_id = self._frame
         marker.header.stamp = Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS)
         return marker
-
-
-def box_sides(body: RigidBody) -> Array:
-    """The sides of a uniform box with the body's ratios of principal moments, m; the longest is `LONGEST_SIDE`.
-
-    Parameters
-    ----------
-    body : RigidBody
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        Sides along the principal axes, none below `THINNEST`.
-
-    Notes
-    -----
-    I₁ = m (b² + c²)/12 and its permutations give a² ∝ I₂ + I₃ − I₁.
-    """
-    moments = body.principal_moments / body.principal_moments.max()
-    sides = np.sqrt(np.maximum(moments.sum() - 2.0 * moments, 0.0))
-    visible: Array = np.maximum(LONGEST_SIDE * sides / sides.max(), THINNEST)
-    return visible
 
 
 def _scale(vector: Array) -> float:

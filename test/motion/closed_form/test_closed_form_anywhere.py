@@ -44,7 +44,7 @@ def test_very_many_motions_are_right_at_any_time(second_moments, rate, attitude,
     require_truth(second_moments, rate, attitude, body_turn, t_ns, factor)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(SECOND_MOMENTS, RATES, TURNS, TURNS, STAMPS)
 def test_a_world_turned_beforehand_turns_every_attitude(second_moments, rate, attitude, world, t_ns: int):
     body, start = body_of(second_moments), State(unit(attitude), rate)
@@ -54,7 +54,7 @@ def test_a_world_turned_beforehand_turns_every_attitude(second_moments, rate, at
     assert difference(seen, expected) <= 2e-15
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(SECOND_MOMENTS, RATES, TURNS, TURNS, ANGLES, st.floats(1e-3, 1e3))
 def test_the_frame_of_the_body_and_the_unit_of_inertia_do_not_matter(
     second_moments, rate, attitude, body_turn, angle: float, unit_of_inertia: float

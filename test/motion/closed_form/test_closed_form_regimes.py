@@ -29,8 +29,8 @@ def check(inertia, rate, attitude, sign: int, angles: list[float]) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("regime", REGIMES)
 def test_each_regime_is_the_solution_of_the_equations_of_motion(regime):
-    for i, (inertia, rate) in enumerate(list(regime())[:: 3 if regime in (steady, with_products) else 9]):
-        check(inertia, rate, ATTITUDES[i % 3], (-1) ** i, [0.01, 2.9])
+    for i, (inertia, rate) in enumerate(list(regime())[:: 4 if regime in (steady, with_products) else 14]):
+        check(inertia, rate, ATTITUDES[i % 3], (-1) ** i, [2.9])
 
 
 @pytest.mark.slow
@@ -59,7 +59,7 @@ FAR_REGIMES = [regime for regime in REGIMES if regime is not steady]
 @pytest.mark.parametrize("regime", FAR_REGIMES)
 def test_each_regime_is_right_after_ten_thousand_million_radians(regime):
     cases = [case for case in regime() if is_quick(*case)]
-    for i, (inertia, rate) in enumerate(cases[:: 2 if len(cases) < 12 else 6]):
+    for i, (inertia, rate) in enumerate(cases[:: 3 if len(cases) < 12 else 11]):
         check_far(inertia, rate, ATTITUDES[i % 3], (-1) ** i)
 
 

@@ -97,7 +97,8 @@ def test_the_libration_is_the_periodic_part_of_the_third_kind(m1: str, character
         drift = np.zeros(len(us)) if m1 in CIRCULAR else drift_of(m1, characteristic)
         factor = mp.sqrt((1 - nu) * (m - nu) / -nu)
         complete, quarter = mp.ellippi(nu, m), mp.ellipk(m)
-        for i, u in enumerate(us):
+        for i in [*range(0, len(us), 3), len(us) - 1]:  # many digits take their time
+            u = us[i]
             amplitude = mp.asin(mp.ellipfun("sn", u, m=m))
             truth = factor * (mp.ellippi(nu, amplitude, m) - complete * u / quarter) + mp.pi * u / (2 * quarter)
             angle = np.arctan2(values.sine[i], values.cosine[i]) + drift[i]

@@ -274,9 +274,15 @@ def test_constants_have_the_same_bits_alone_and_together():
         np.testing.assert_array_equal(together[i, : len(alone.table)], alone.table[:, 0])
 
 
-@pytest.mark.parametrize("m1", [0.9, 0.5 * MIXED[0], 0.5 * MIXED[1], 0.03, 2.0**-10 * MIXED[0], 2.0**-10 * MIXED[1]])
-@pytest.mark.parametrize("ends", [(0.7, 1.0), (1.0, 0.7)])
-@pytest.mark.parametrize("fan", [1.0 + 1e-9, 2.2, 9.0])
+COMPLEMENTS = [0.9, 0.5 * MIXED[0], 0.5 * MIXED[1], 0.03, 2.0**-10 * MIXED[0], 2.0**-10 * MIXED[1]]
+FANS = [1.0 + 1e-9, 2.2, 9.0]
+ENDS = [(0.7, 1.0), (1.0, 0.7)]
+
+
+@pytest.mark.parametrize(
+    ("m1", "ends", "fan"),
+    [(m1, ENDS[(i + j) % 2], fan) for i, m1 in enumerate(COMPLEMENTS) for j, fan in enumerate(FANS)],
+)
 def test_states_are_right_after_ten_thousand_million_radians(m1: float, ends: tuple[float, float], fan: float):
     moments = moments_for(ends[0], ends[1], fan)
     c1 = abs(ends[1] - ends[0]) * ends[1]

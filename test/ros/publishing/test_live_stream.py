@@ -25,7 +25,7 @@ RATE = 200
 PERIOD_NS = 5_000_000
 STALL = 1.5
 """s; a node warns when it is later than 1 s."""
-COUNTS = {"reset": 600, "stalled": 500}
+COUNTS = {"reset": 400, "stalled": 500}
 
 
 @dataclass

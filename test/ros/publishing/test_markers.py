@@ -8,11 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body import RigidBody
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
@@ -21,33 +18,13 @@ from lie_rigid_body.simulation import Simulation
 if find_spec("rclpy"):
     from visualization_msgs.msg import Marker, MarkerArray
 
-    from lie_rigid_body.ros.publishing.markers import LONGEST_SIDE, THINNEST, Markers, box_sides
+    from lie_rigid_body.ros.publishing.markers import Markers
 
 pytestmark = pytest.mark.ros
 
 NS = 1_000_000_000
 INERTIA = [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]
 MATRIX = np.array([[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
-sides = st.floats(0.05, 1.0)
-
-
-def inertia_of_box(a: float, b: float, c: float) -> np.ndarray:
-    """Principal moments of a uniform box of mass 12, in rising order."""
-    return np.sort([b * b + c * c, a * a + c * c, a * a + b * b])
-
-
-@given(sides, sides, sides)
-def test_the_box_has_the_moments_of_the_body(a: float, b: float, c: float) -> None:
-    body = RigidBody(inertia_of_box(a, b, c))
-    found = box_sides(body)
-    # rising moments: the longest side comes first
-    expected = np.sort([a, b, c])[::-1] / max(a, b, c)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
-
-
-def test_a_flat_body_and_a_rod_can_be_seen() -> None:
-    np.testing.assert_allclose(box_sides(RigidBody([1.0, 1.0, 2.0])), [LONGEST_SIDE, LONGEST_SIDE, THINNEST])
-    np.testing.assert_allclose(box_sides(RigidBody([1e-9, 1.0, 1.0])), [LONGEST_SIDE, THINNEST, THINNEST], rtol=1e-3)
 
 
 class Publisher:

@@ -8,7 +8,7 @@ import pytest
 from broken_bag import stamps_in_whole_chunks
 from fake_time import NS, ScriptedRun
 
-from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.ros.timing.pace import FOREVER
@@ -34,17 +34,19 @@ class Crash(Sink):
         self.writer = writer
         self.lost_ns: list[int] = []
         self._read: tuple[int, int] = (-1, 0)
+        self._sent_ns = 0
 
     def begin_segment(self, segment: object) -> None: ...
 
-    def write(self, batch: object) -> None: ...
+    def write(self, batch: Batch) -> None:
+        self._sent_ns = int(batch.samples.stamps_ns[-1]) - NS
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         self.writer.wait()  # the disk takes no time here
         if (size := self.writer.path.stat().st_size) != self._read[0]:
             stamps = stamps_in_whole_chunks(self.writer.path)
             self._read = size, stamps[-1] - NS if stamps else 0
-        self.lost_ns.append(steady_ns - self._read[1])
+        self.lost_ns.append(self._sent_ns - self._read[1])
         return FOREVER
 
 

@@ -350,7 +350,7 @@ ACTIONS = ["pause", "resume", "reset", "stop", "step", "steps", "half", "double"
 
 
 @given(st.lists(st.tuples(st.integers(0, 20 * MS), st.sampled_from(ACTIONS)), max_size=20))
-@settings(max_examples=60)
+@settings(max_examples=40)
 def test_no_stamp_is_lost_or_doubled_whatever_comes(rain: list[tuple[int, str]]) -> None:
     run, at = ScriptedRun(rate=333.3, imu_rate=1000.0, magnetometer_rate=77.0), 0
     live = run.live

@@ -18,7 +18,7 @@ def as_table(title: str, read: RecordedEstimate, score: Score, limits: Limits) -
     return "\n".join(lines)
 
 
-def as_json(bag: str, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
+def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
     """The score as JSON-serialisable data, with where it is from."""
     return {
         "bag": bag,
@@ -33,10 +33,10 @@ def as_json(bag: str, read: RecordedEstimate, score: Score, *, series: bool) -> 
 def extent(read: RecordedEstimate, score: Score) -> str:
     """What was compared with what, in a sentence."""
     kind = read.track.message_type.replace("/msg/", "/")
-    first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))
+    first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
     return (
-        f"{score.samples} of {kind}, stamped {first:.9g} s to {last:.9g} s, against the truth ({read.source}) at "
+        f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth ({read.source}) at "
         f"these stamps{left_out}"
     )
 

@@ -1,0 +1,392 @@
+"""Readings of the sensors computed anew from a scenario, and between which bounds a faithful reading lies.
+
+A reading is computed as the simulation does, with the same noise, but from the exact motion. The declared stepper may
+err from that by the limits of the certificate, δω of the body rate and δA of the attitude. They reach a reading through
+
+- gyro: δω, or that of the mean rate over an interval;
+- accelerometer: Euler's equations and the lever arm r: |δ(ω̇×r + ω×(ω×r))| ≤ (√2 + 2) Ω |r| |δω|, and g δA;
+- magnetometer: |B| δA;
+- orientation, attitude sensor: δA/2, as a quaternion has half angles; its covariance: 2 |σ_r² − σ_c²| δA;
+- sun sensor: δA;
+
+and through scale factors or soft iron, of which a row has the norm |s|. Noise adds nothing to that but round-off: its
+words are the same everywhere, and what libraries make of them differs in last bits. A bias that walks sums them up, and
+its roundings, k of them, at random. Faults of axes come and go at times that the seed determines exactly, and are part
+of the signal. At last the sensor saturates and rounds, which keeps the order of numbers: a faithful reading lies
+between what becomes of the two ends, which is one number, unless a step lies between them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Final, Protocol
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.certificate.tolerance import SHARED, Tolerance, tolerance
+from lie_rigid_body.lie import so3
+from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.motion.drift import U
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer
+from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.triad import TriadModel
+from lie_rigid_body.sensors.triad_faults import TriadFaults
+from lie_rigid_body.simulation import SampleClock, Segment
+
+ROUNDINGS: Final = 32.0
+"""Roundings of a reading, in units of u and of the sum of its parts' sizes."""
+LARGEST_DEVIATE: Final = 8.3
+"""No normal deviate is larger: they are made of 53-bit numbers."""
+_DEVIATE: Final = 16.0
+"""Difference of a normal deviate between libraries, in units of u."""
+_WALK: Final = 8.0
+"""Factor of random walks, in standard deviations."""
+_OF_CENTRIPETAL: Final = math.sqrt(2.0) + 2.0
+BLOCK: Final = 8192
+"""Readings that are computed at once."""
+_CONTINUOUS: Final = Converter(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What readings should be.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N, 3)
+        Before saturation and quantisation.
+    uncertainty : ndarray, shape (N, 3)
+        How far that of a faithful recording may be from it.
+    converter : Converter
+    """
+
+    signal: Array
+    uncertainty: Array
+    converter: Converter = _CONTINUOUS
+
+    def __getitem__(self, rows: Integers) -> Expected:
+        return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
+
+    def residuals(self, recorded: Array) -> tuple[Array, Array]:
+        """Distance of recorded readings from these, and how far they may be, of the axis that is worst; shape (N,)."""
+        read = self.converter.read
+        value, low, high = read(self.signal), read(self.signal - self.uncertainty), read(self.signal + self.uncertainty)
+        distance = np.abs(recorded - value)
+        allowed = np.where(recorded > value, high - value, value - low)
+        if self.converter.resolution:
+            allowed = np.where((recorded == value) | (read(recorded) == recorded), allowed, 0.0)
+        axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)[:, np.newaxis]
+        return np.take_along_axis(distance, axis, 1)[:, 0], np.take_along_axis(allowed, axis, 1)[:, 0]
+
+
+class Readings(Protocol):
+    """The readings of one topic in one segment, in order."""
+
+    @property
+    def motion_error(self) -> float:
+        """How far the declared motion that the readings are of may err, rad, before any cap."""
+        ...
+
+    @property
+    def walks(self) -> bool:
+        """Whether every reading depends on all before it, so that those that are left out have to be computed."""
+        ...
+
+    @property
+    def repeats(self) -> bool:
+        """Whether a reading may repeat one before it, so that those that are left out have to be computed in full."""
+        ...
+
+    @property
+    def next(self) -> int:
+        """Number of the reading that comes next."""
+        ...
+
+    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+        """Each vector of so many readings, from number ``first`` on, which is ``next`` or beyond it."""
+        ...
+
+
+def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:
+    """The clock of a sensor of a rate, and the number of its first reading in a segment."""
+    clock = SampleClock(segment.scenario.epoch_ns, rate)
+    return clock, clock.count_until(segment.start_ns - 1)
+
+
+class Times:
+    """The times of a sensor's readings in a segment, and its exact motion.
+
+    Parameters
+    ----------
+    segment : Segment
+    rate : float
+        Readings per second.
+    """
+
+    def __init__(self, segment: Segment, rate: float) -> None:
+        self._clock, self.first = sensor_clock(segment, rate)
+        self._start_ns, self.motion = segment.start_ns, _motion(segment.scenario)
+        self.next = self.first
+
+    def before(self, number: int) -> int:
+        """Time of the reading before a number, ns since the segment's start."""
+        return self._clock.stamp_ns(number - 1) - self._start_ns
+
+    def advance(self, first: int, count: int) -> int:
+        """Go on behind readings; return how many were left out before them."""
+        left_out, self.next = first - self.next, first + count
+        return left_out
+
+    def elapsed_ns(self, first: int, count: int) -> Integers:
+        """Times of readings, ns since the segment's start."""
+        return self._clock.stamps_ns(first, count) - self._start_ns
+
+    def blocks_ns(self, first: int, count: int) -> Iterator[Integers]:
+        """The same in blocks."""
+        for done in range(0, count, BLOCK):
+            yield self.elapsed_ns(first + done, min(BLOCK, count - done))
+
+    def since_start(self, first: int, count: int) -> Array:
+        """How many readings of the segment come before each of these, shape (count, 1)."""
+        return np.arange(first - self.first, first - self.first + count, dtype=np.float64)[:, np.newaxis]
+
+
+class ImuReadings:
+    """What an IMU reads.
+
+    Parameters
+    ----------
+    segment : Segment
+    duration : float
+        Of the segment, s.
+    """
+
+    def __init__(self, segment: Segment, duration: float) -> None:
+        model = _imu_of(segment)
+        self._times, self._model = Times(segment, model.rate), model
+        self._imu = _imu(self._times, model, segment)
+        self._tolerance = limits_of(segment, model.rate, duration)
+        self.motion_error = motion_error_of(self._tolerance, duration)
+        self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
+        fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
+        self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
+        self.walks, self.repeats = _walks(model), _repeats(model.gyro.faults, model.accelerometer.faults)
+        self._of_orientation = 0.0 if model.orientation is None else sum(vars(model.orientation).values())
+        self._gyro = _Uncertainty(model.gyro, model.rate, fastest)
+        self._accelerometer = _Uncertainty(
+            model.accelerometer, model.rate, 2.0 * fastest * fastest * arm + model.support
+        )
+
+    @property
+    def next(self) -> int:
+        """Number of the reading that comes next."""
+        return self._times.next
+
+    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+        """Orientation, if it tells one, angular velocity and specific force."""
+        times, model = self._times, self._model
+        if left_out := times.advance(first, count):
+            self._leave_out(first, left_out)
+        elapsed = times.elapsed_ns(first, count)
+        signals = self._imu.signals(elapsed, times.motion.at(elapsed))
+        t, k, limits = seconds(elapsed), times.since_start(first, count), self._tolerance
+        relative = limits.rate(t)
+        rate = limits.fastest * relative if self._span is None else limits.mean_rate(t, self._span)
+        force = np.asarray(self._force_of_rate * relative)
+        if model.support:
+            force += model.support * limits.attitude(t)
+        orientation = signals.orientation_xyzw
+        oriented = () if orientation is None else (turned(orientation, limits.attitude(t), self._of_orientation),)
+        return (
+            *oriented,
+            Expected(signals.angular_velocity, self._gyro.at(rate, k), model.gyro.converter),
+            Expected(signals.linear_acceleration, self._accelerometer.at(force, k), model.accelerometer.converter),
+        )
+
+    def _leave_out(self, first: int, count: int) -> None:
+        """Go on to a reading from so many before it."""
+        times = self._times
+        if not self.repeats:
+            before_ns = times.before(first)
+            self._imu.skip(count, before_ns, times.motion.at(before_ns))
+            return
+        for elapsed in times.blocks_ns(first - count, count):
+            self._imu.signals(elapsed, times.motion.at(elapsed))
+
+
+class BiasReadings:
+    """The true biases of an IMU.
+
+    Parameters
+    ----------
+    segment : Segment
+    """
+
+    def __init__(self, segment: Segment) -> None:
+        model = _imu_of(segment)
+        self._times, self._triads, self._rate = (
+            Times(segment, model.rate),
+            (model.gyro, model.accelerometer),
+            model.rate,
+        )
+        self._imu = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
+        self.walks, self.repeats, self.motion_error = _walks(model), False, 0.0
+
+    @property
+    def next(self) -> int:
+        """Number of the reading that comes next."""
+        return self._times.next
+
+    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+        """Biases of gyro and accelerometer."""
+        if left_out := self._times.advance(first, count):
+            self._imu.skip(left_out, 0, self._times.motion.at(0))
+        k = self._times.since_start(first, count)
+        pairs = zip(self._imu.biases(self._times.elapsed_ns(first, count)), self._triads, strict=True)
+        return tuple(
+            Expected(bias, np.broadcast_to(_bias_uncertainty(triad, self._rate, k), bias.shape))
+            for bias, triad in pairs
+        )
+
+
+class FieldReadings:
+    """What a magnetometer reads; nothing of it walks.
+
+    Parameters
+    ----------
+    segment : Segment
+    duration : float
+        Of the segment, s.
+    """
+
+    def __init__(self, segment: Segment, duration: float) -> None:
+        model = segment.scenario.sensors.magnetometer
+        assert model is not None
+        self._times, self._sensor = Times(segment, model.rate), Magnetometer(model)
+        self._tolerance, self._converter = limits_of(segment, model.rate, duration), model.converter
+        self.walks, self.repeats = False, _repeats(model.faults)
+        self.motion_error = motion_error_of(self._tolerance, duration)
+        passing = 0.0 if model.disturbance is None else model.disturbance.size
+        field = float(so3.norm(np.array(model.field))) + passing
+        self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
+        noise = LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
+        self._rounding = (
+            ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + _size_of(model.faults, model.rate))
+        )
+
+    @property
+    def next(self) -> int:
+        """Number of the reading that comes next."""
+        return self._times.next
+
+    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+        """The field."""
+        if left_out := self._times.advance(first, count):
+            self._leave_out(first, left_out)
+        elapsed = self._times.elapsed_ns(first, count)
+        turned = self._tolerance.attitude(seconds(elapsed))[:, np.newaxis]
+        signal = self._sensor.signal(elapsed, self._times.motion.at(elapsed))
+        return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
+
+    def _leave_out(self, first: int, count: int) -> None:
+        """Go on to a reading from so many before it."""
+        if not self.repeats:
+            self._sensor.skip(count)
+            return
+        for elapsed in self._times.blocks_ns(first - count, count):
+            self._sensor.signal(elapsed, self._times.motion.at(elapsed))
+
+
+@lru_cache(maxsize=SHARED)
+def _motion(scenario: Scenario) -> ClosedForm:
+    """The exact motion of a scenario, which its sensors share."""
+    return ClosedForm(scenario.body(), scenario.start())
+
+
+def seconds(elapsed_ns: Integers) -> Array:
+    """Times in s."""
+    return np.asarray(elapsed_ns * 1e-9, dtype=np.float64)
+
+
+def _walks(model: ImuModel) -> bool:
+    return bool(model.gyro.bias_random_walk or model.accelerometer.bias_random_walk)
+
+
+def _repeats(*faults: TriadFaults | None) -> bool:
+    return any(of_one is not None and of_one.stuck is not None for of_one in faults)
+
+
+def _size_of(faults: TriadFaults | None, rate: float) -> float:
+    """Largest size of what faults add to a signal."""
+    if faults is None:
+        return 0.0
+    burst = 0.0 if faults.noise_bursts is None else faults.burst_density * math.sqrt(rate)
+    spike = faults.spike_size if faults.spike_probability else 0.0
+    return LARGEST_DEVIATE * (burst + faults.drift) + spike
+
+
+def turned(attitude_xyzw: Array, angle: Array, noise: float) -> Expected:
+    """Attitudes that may be turned by angles, rad, shape (N,), and by a noise of so many rad in all."""
+    uncertainty = 0.5 * angle + ROUNDINGS * U * (1.0 + LARGEST_DEVIATE * noise)
+    return Expected(attitude_xyzw, np.broadcast_to(uncertainty[:, np.newaxis], attitude_xyzw.shape))
+
+
+def _imu_of(segment: Segment) -> ImuModel:
+    model = segment.scenario.sensors.imu
+    assert model is not None
+    return model
+
+
+def _imu(times: Times, model: ImuModel, segment: Segment) -> Imu:
+    before_ns = times.before(times.first)
+    return Imu(model, segment.scenario.body(), before_ns, times.motion.at(before_ns))
+
+
+def limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
+    """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
+    scenario = segment.scenario
+    own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
+    has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
+    return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
+
+
+def motion_error_of(limits: Tolerance, duration: float) -> float:
+    """How far the attitude may err at the end of a duration, s, before any cap, rad."""
+    return float(limits.attitude_uncapped(np.array([duration]))[0])
+
+
+class _Uncertainty:
+    """How far readings of a triad may be from those of the exact motion.
+
+    Parameters
+    ----------
+    model : TriadModel
+    rate : float
+        Readings per second.
+    largest : float
+        Bound of the true quantity, in the body frame.
+    """
+
+    def __init__(self, model: TriadModel, rate: float, largest: float) -> None:
+        self._model, self._rate = model, rate
+        self._gain = np.abs(model.scale_factor)  # the rows of a rotation have the norm 1
+        noise = LARGEST_DEVIATE * model.noise_density * math.sqrt(rate)
+        self._rounding = ROUNDINGS * U * (self._gain * largest + noise + _size_of(model.faults, rate))
+
+    def at(self, error: Array, k: Array) -> Array:
+        """For errors of the true quantity, shape (N,), at readings with so many before them, shape (N, 1)."""
+        bias = _bias_uncertainty(self._model, self._rate, k)
+        return np.asarray(self._gain * error[:, np.newaxis] + self._rounding + bias)
+
+
+def _bias_uncertainty(model: TriadModel, rate: float, k: Array) -> Array:
+    """Round-off of a bias after k steps, shape (N, 1): of its deviates, and of the sums, each of the bias' size."""
+    walked = np.sqrt(k)
+    size = LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
+    drift = 0.0 if model.faults is None else LARGEST_DEVIATE * model.faults.drift
+    return np.asarray(U * ((_DEVIATE + ROUNDINGS + _WALK * walked) * size + (_DEVIATE + ROUNDINGS) * drift))

@@ -1,0 +1,344 @@
+"""The messages of one sensor's topic in one segment, held against what the scenario determines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any, Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.law_result import Judgement, LawResult
+from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
+from lie_rigid_body.certificate.readings import (
+    BLOCK,
+    BiasReadings,
+    FieldReadings,
+    ImuReadings,
+    Readings,
+    sensor_clock,
+)
+from lie_rigid_body.certificate.segments import SurveyedSegment
+from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages import decode
+from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, BatchEncoder
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.sensor_reader import VALUES as FIELDS
+from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
+from lie_rigid_body.sensors import SensorModel
+from lie_rigid_body.simulation import SampleClock, Samples, Segment, SensorSamples, Taken
+from lie_rigid_body.simulation.arrivals import Arrivals
+
+MOST_LEFT_OUT: Final = 200_000_000
+"""Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
+_MOST_IN_VAIN: Final = 1_000_000
+"""Missing readings that are computed with their neighbours, beyond one for each that is not missing."""
+_HELD_BACK: Final = 1024
+"""Readings that wait for others which stand behind them in the file, though they come first."""
+_LAWS: Final = {
+    IMU_DATA: (
+        ("IMU orientation", "", "orientation", slice(0, 4)),
+        ("gyro", "rad/s", "angular velocity", slice(4, 7)),
+        ("accelerometer", "m/s²", "linear acceleration", slice(7, 10)),
+    ),
+    IMU_BIAS: (
+        ("gyro bias", "rad/s", "angular velocity", slice(4, 7)),
+        ("accelerometer bias", "m/s²", "linear acceleration", slice(7, 10)),
+    ),
+    MAG: (("magnetometer", "T", "magnetic field", slice(0, 3)),),
+    ATTITUDE: (
+        ("attitude sensor", "", "orientation", slice(0, 4)),
+        ("attitude sensor covariance", "rad²", "covariance", slice(4, 40)),
+    ),
+    SUN: (("sun sensor", "", "direction", slice(0, 3)),),
+}
+"""Of each topic the laws of its readings: name, unit, field of the message, and its columns in `SensorMessages`."""
+_READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
+    IMU_DATA: ImuReadings,
+    MAG: FieldReadings,
+    ATTITUDE: AttitudeReadings,
+    SUN: SunReadings,
+}
+_ALIKE: Final = {
+    IMU_DATA: "IMU frame and covariances",
+    IMU_BIAS: "IMU bias frame and covariances",
+    MAG: "magnetometer frame and covariances",
+    ATTITUDE: "attitude sensor frame and position",
+    SUN: "sun sensor frame",
+}
+"""Of each topic the law of its fields that are the same in every message."""
+_OFF: Final = "{field} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
+VALUES: Final = frozenset(law[0] for laws in _LAWS.values() for law in laws)
+"""The laws of readings, which depend on how this software computes noise."""
+
+
+class Work:
+    """How many readings may still be computed that the bag lacks."""
+
+    def __init__(self) -> None:
+        self._walked = self._in_vain = 0
+
+    def allows(self, walked: int, in_vain: int, recorded: int) -> bool:
+        """Take so many more, unless they are too many.
+
+        Parameters
+        ----------
+        walked : int
+            Left out, but for what a bias walks in them.
+        in_vain : int
+            Computed because recorded ones stand before and after them.
+        recorded : int
+            Computed, and held against recorded ones.
+        """
+        if self._walked + walked > MOST_LEFT_OUT or self._in_vain + in_vain > _MOST_IN_VAIN:
+            return False
+        self._walked += walked
+        self._in_vain = max(0, self._in_vain + in_vain - recorded)
+        return True
+
+
+class TopicLaws:
+    """One topic's readings of a segment as they come.
+
+    Parameters
+    ----------
+    found : SurveyedSegment
+    successors : sequence of Segment
+        Those that begin where this one ends.
+    name, topic : str
+        The topic's relative and full name.
+    work : Work
+
+    Attributes
+    ----------
+    clock : SampleClock or None
+        Of the sensor; None if the scenario has no such sensor.
+    first : int
+        Number of the first reading of the segment.
+    tally : StampTally
+    strays : int
+        Readings of a sensor that the scenario has not.
+    is_too_far : bool
+        Whether the readings were not compared, as too many are missing.
+    """
+
+    def __init__(
+        self, found: SurveyedSegment, successors: Sequence[Segment], name: str, topic: str, work: Work
+    ) -> None:
+        self.found, self.name, self.topic, self._work = found, name, topic, work
+        self._successors, segment = successors, found.segment
+        self.end_ns = successors[0].start_ns - 1 if successors else None
+        self.strays, self.is_too_far, self._is_finished, self._motion_error = 0, False, False, 0.0
+        model = model_of(segment.scenario, name)
+        self.clock: SampleClock | None = None
+        self._arrivals: Arrivals | None = None
+        self._is_late, self.first = model is not None and model.delivery is not None, 0
+        if model is not None:
+            self.clock, self.first = sensor_clock(segment, model.rate)
+            self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
+        self.tally = StampTally(self.clock or segment.clock(), "reading")
+        self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
+        laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
+        self._columns = [columns for *_, columns in laws]
+        self._values = [
+            Judgement(law, unit, _OFF.format(field=field, unit=f" {unit}" if unit else ""), "reading")
+            for law, unit, field, _ in laws
+        ]
+        self._readings: Readings | None = None
+        none, width = np.empty(0, dtype=np.int64), sum(width for _, width in FIELDS[SENSOR_TOPICS[name]])
+        self._fixed = np.full(width, fill_value=True)
+        for columns in self._columns:
+            self._fixed[columns] = False
+        self._waiting = _Recorded(none, none, np.empty((0, width)))
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the sensor is there after the segment as well."""
+        return all(model_of(later.scenario, self.name) is not None for later in self._successors)
+
+    @property
+    def last_sample_ns(self) -> int:
+        """Stamp of the truth's last sample before the segment ends, ns."""
+        assert self.end_ns is not None
+        clock = self.found.segment.clock()
+        return clock.stamp_ns(clock.count_until(self.end_ns) - 1)
+
+    def arrived_until(self, time_ns: int) -> int:
+        """How many readings of the clock, from number 0 on, arrive at or before a time."""
+        assert self._arrivals is not None
+        return self._arrivals.count_until(time_ns)
+
+    def logged_otherwise(self, messages: SensorMessages) -> int:
+        """How many of some messages are not logged when they arrive."""
+        if self.clock is None or self._arrivals is None or not self._is_late or not len(messages):
+            return int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
+        numbers = number_samples(self.clock, messages.stamps_ns)
+        off = 0
+        for some in np.unique(numbers // BLOCK):
+            rows = np.flatnonzero(numbers // BLOCK == some)
+            low, high = int(numbers[rows].min()), int(numbers[rows].max())
+            if low < self.first:
+                off += len(rows)
+                continue
+            times, _, _ = self._arrivals.of(self.clock.stamps_ns(low, high - low + 1))
+            off += int(np.count_nonzero(times[numbers[rows] - low] != messages.log_times_ns[rows]))
+        return off
+
+    def lost(self, last: int) -> Integers:
+        """Numbers of the readings of the segment that never arrived, up to a number; far behind the truth's none."""
+        segment, clock = self.found.segment, self.clock
+        model = model_of(segment.scenario, self.name)
+        none = np.empty(0, dtype=np.int64)
+        if clock is None or model is None or model.delivery is None:
+            return none
+        # a forged stamp may lie years ahead
+        truth_ns = (self.found.last_ns or segment.start_ns) + round(2 * NS / segment.scenario.rate) + NS
+        parts, end = [none], min(last + 1, clock.count_until(truth_ns))
+        for first in range(self.first, end, BLOCK):
+            stamps = clock.stamps_ns(first, min(BLOCK, end - first))
+            parts.append(first + np.flatnonzero(model.delivery.lost(first - self.first, stamps - segment.start_ns)))
+        return np.concatenate(parts)
+
+    def add(self, messages: SensorMessages) -> None:
+        """Take the messages that come next."""
+        if self.clock is None:
+            self.strays += len(messages)
+            return
+        numbers = number_samples(self.clock, messages.stamps_ns)
+        self.tally.add(messages.stamps_ns)
+        self._alike.add(np.where(self._is_unlike(messages), 1.0, 0.0), 0.0, numbers, messages.stamps_ns)
+        if not self._is_finished:
+            self._waiting = self._waiting.followed_by(_Recorded(numbers, messages.stamps_ns, messages.values))
+            self._compare(max(0, len(self._waiting.numbers) - _HELD_BACK))
+
+    def finish(self) -> None:
+        """Compare those that wait; later ones are compared no more."""
+        if not self._is_finished:
+            self._compare(len(self._waiting.numbers))
+            self._is_finished, self._readings = True, None
+
+    def results(self) -> Iterator[LawResult]:
+        """How near the laws of the messages' content came to their limits."""
+        for law in [*([] if self.is_too_far else self._values), self._alike]:
+            yield self._named(law.result())
+
+    def _named(self, law: LawResult) -> LawResult:
+        """A law whose message, if it is broken, tells topic, time, and whether the stepper is to blame."""
+        if law.holds or law.stamp_ns is None:
+            return law
+        time_s = (law.stamp_ns - self.found.segment.start_ns) / 1e9
+        message = f"{self.topic:.60}: {law.message}, {time_s:.9g} s after the start"
+        if law.name in VALUES and self._motion_error > ATTITUDE_CAP:
+            message += (
+                f": between these readings the declared stepper errs by up to {self._motion_error:.2g} rad, "
+                f"a ground truth by {ATTITUDE_CAP:g} at most"
+            )
+        return replace(law, message=message)
+
+    def _is_unlike(self, messages: SensorMessages) -> Booleans:
+        """Which messages have another frame or other fixed fields than the scenario makes them have.
+
+        What was read before a reset, and sent after it, is of the scenario then in force.
+        """
+        segment, later = self.found.segment, [successor.scenario for successor in self._successors]
+        unlike = ~_are_of([segment.scenario], self.name, messages)
+        sent_ns = messages.log_times_ns if self._is_late else messages.stamps_ns
+        if later and unlike.any():
+            unlike &= ~(_are_of(later, self.name, messages) & (sent_ns > self.last_sample_ns))
+        _, _, values = _fixed_fields(segment.scenario)[self.name]
+        return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
+
+    def _compare(self, count: int) -> None:
+        """Compare the first of those that wait."""
+        ready, self._waiting = self._waiting[:count], self._waiting[count:]
+        if self.is_too_far or not count:
+            return
+        readings = self._readings = self._readings or _readings(self.name, self.found)
+        self._motion_error = readings.motion_error
+        ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
+        while len(ready.numbers):
+            first = int(ready.numbers[0])
+            end = int(np.searchsorted(ready.numbers, first + BLOCK))
+            block, ready = ready[:end], ready[end:]
+            count = int(block.numbers[-1]) - first + 1
+            left_out, between = first - readings.next, max(0, count - end)
+            in_vain = between + left_out if readings.repeats else between
+            if not self._work.allows(left_out if readings.walks else 0, in_vain, end):
+                self.is_too_far = True
+                return
+            for law, columns, expected in zip(self._values, self._columns, readings.take(first, count), strict=True):
+                own = expected if count == end else expected[block.numbers - first]
+                law.add(*own.residuals(block.values[:, columns]), block.numbers, block.stamps_ns)
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """Recorded readings by their numbers, rising."""
+
+    numbers: Integers
+    stamps_ns: Integers
+    values: Array
+
+    def followed_by(self, later: _Recorded) -> _Recorded:
+        """These and later ones, in order."""
+        both = _Recorded(
+            np.concatenate([self.numbers, later.numbers]),
+            np.concatenate([self.stamps_ns, later.stamps_ns]),
+            np.concatenate([self.values, later.values]),
+        )
+        return both if (np.diff(both.numbers) >= 0).all() else both[np.argsort(both.numbers, kind="stable")]
+
+    def __getitem__(self, rows: slice | Integers) -> _Recorded:
+        return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
+
+
+def _readings(name: str, found: SurveyedSegment) -> Readings:
+    """What a topic should hold in a segment."""
+    if name == IMU_BIAS:
+        return BiasReadings(found.segment)
+    return _READINGS[name](found.segment, found.duration)
+
+
+def model_of(scenario: Scenario, name: str) -> SensorModel | None:
+    """The sensor of a topic, if the scenario has it."""
+    sensors = scenario.sensors
+    if name in (IMU_DATA, IMU_BIAS):
+        return sensors.imu
+    return {MAG: sensors.magnetometer, ATTITUDE: sensors.attitude_sensor, SUN: sensors.sun_sensor}[name]
+
+
+def _tells_no_orientation(scenario: Scenario, name: str) -> bool:
+    imu = scenario.sensors.imu
+    return name == IMU_DATA and imu is not None and imu.orientation is None
+
+
+def _are_of(scenarios: Sequence[Scenario], name: str, messages: SensorMessages) -> Booleans:
+    """Which messages have the frame and the fixed fields that one of these scenarios makes them have."""
+    alike = [known[name] for known in map(_fixed_fields, scenarios) if name in known]
+    own = [
+        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields, _ in alike)
+        for frame, rest in messages.kinds
+    ]
+    return np.array(own, dtype=bool)[messages.kind]
+
+
+@lru_cache(maxsize=4)
+def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
+    """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
+    at, zero = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
+    truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
+    row = partial(SensorSamples[Any], at, at, np.zeros(1, dtype=np.bool_))
+    imu, identity = ReadingsOfImu(zero, zero, zero, zero), np.array([[0.0, 0.0, 0.0, 1.0]])
+    taken = Taken(truth, row(imu), row(zero), row(identity), row(zero))
+    found = {}
+    for messages in BatchEncoder(scenario).encode(taken).sensors:
+        fields = varying_fields(SENSOR_TOPICS[messages.topic])
+        decoded = decode(messages.payloads, len(fields), stamped=True)
+        found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields], decoded.numbers[0, fields]
+    return found

@@ -1,0 +1,166 @@
+"""The verdicts on many bags, found by parallel processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing.connection import wait as wait_for
+from typing import TYPE_CHECKING, Any, Final
+
+from lie_rigid_body import console
+from lie_rigid_body.cli.bag_progress import progress_bar
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.wording import short_repr
+
+if TYPE_CHECKING:
+    from lie_rigid_body.certificate import Certificate
+
+_LOOK_EVERY: Final = 0.2
+"""Time between two looks at how far the bags have been read, s."""
+_KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
+_read: Any = None
+"""Bytes that were read of each bag, which processes share."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The certificate of one body of a bag, or why there is none.
+
+    Parameters
+    ----------
+    bag : str
+        As the user gave it.
+    body : str or None
+        Its namespace, where the bag has several bodies.
+    certificate : Certificate or None
+    reason : str
+        Why the bag cannot be judged, in one line.
+    """
+
+    bag: str
+    body: str | None
+    certificate: Certificate | None
+    reason: str = ""
+
+    __repr__ = short_repr
+
+    @property
+    def name(self) -> str:
+        """The bag, and the body where there are several."""
+        return self.bag if self.body is None else f"{self.bag} {self.body}"
+
+    @property
+    def status(self) -> int:
+        """The exit status that it alone would have."""
+        if self.certificate is None:
+            return console.UNUSABLE
+        return console.SUCCESS if self.certificate.passed else console.BROKEN
+
+
+Judge = Callable[[str, Callable[[int], object]], list[Judgement]]
+
+
+def judge(
+    inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
+) -> list[Judgement]:
+    """The judgements of all bodies of a bag; whatever is wrong with it is its judgement."""
+    from lie_rigid_body.certificate import certify
+    from lie_rigid_body.recording.bag_reader import Bag
+
+    try:
+        bags = Bag.all_of(bag, progress, topics)
+        return [Judgement(bag, each.body or "/" if len(bags) > 1 else None, certify(each, inertia)) for each in bags]
+    except Exception as error:
+        if os.environ.get(console.DEBUG):
+            traceback.print_exc()
+        return [Judgement(bag, None, None, console.explanation(error))]
+
+
+def judge_all(
+    bags: Sequence[str], inertia: Sequence[float] | None = None, topics: Mapping[str, str] | None = None
+) -> list[Judgement]:
+    """The judgements of bags, in their order, by as many processes as there are cores.
+
+    Parameters
+    ----------
+    bags : sequence of str
+    inertia : sequence of float, optional
+        To be used in place of the declared one, kg m².
+    topics : mapping of str to str, optional
+        Topics that are called otherwise, by their relative names.
+    """
+    one = partial(judge, inertia, topics or {})
+    with Interruption() as interruption:
+        found = _by_processes(one, bags, len(os.sched_getaffinity(0)), interruption)
+        for i, judgements in enumerate(found):
+            if judgements is None:  # a process that died took others with it: each again, in a process of its own
+                (again,) = _by_processes(one, [bags[i]], 1, interruption)
+                found[i] = again or [Judgement(bags[i], None, None, _KILLED)]
+    return [judgement for judgements in found for judgement in judgements or []]
+
+
+def _by_processes(
+    one: Judge, bags: Sequence[str], most: int, interruption: Interruption
+) -> list[list[Judgement] | None]:
+    """The judgements of each bag, by so many processes at most, or None where one died."""
+    import lie_rigid_body.certificate  # once, for all processes
+
+    assert lie_rigid_body.certificate
+    context = multiprocessing.get_context("fork")
+    read = context.RawArray("q", len(bags))  # without a lock, which a process that is killed would keep
+    with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin, (read,))) as pool:
+        futures = [pool.submit(_judge_there, one, bag, i) for i, bag in enumerate(bags)]
+        with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
+            _show_progress(futures, bags, read)
+        return [None if isinstance(future.exception(), BrokenProcessPool) else future.result() for future in futures]
+
+
+@contextmanager
+def _pool(pool: ProcessPoolExecutor) -> Iterator[ProcessPoolExecutor]:
+    """A context after which the processes of a pool have ended, at once if it is left by an exception."""
+    others = set(multiprocessing.active_children())
+    try:
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin(read: Any) -> None:
+    """Begin a process, which leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
+    global _read
+    _read = read
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=lambda: (wait_for([parent.sentinel]), os._exit(1)), daemon=True).start()
+
+
+def _judge_there(one: Judge, bag: str, number: int) -> list[Judgement]:
+    def add(count: int) -> None:
+        _read[number] += count
+
+    return one(bag, add)
+
+
+def _show_progress(futures: Sequence[Future[list[Judgement]]], bags: Sequence[str], read: Any) -> None:
+    """Wait for the judgements; on a terminal show how much has been read."""
+    with progress_bar(bags) as bar:
+        waiting = set(futures)
+        while waiting:
+            _, waiting = wait(waiting, timeout=None if bar.disable else _LOOK_EVERY)
+            bar.update(sum(read) - bar.n)

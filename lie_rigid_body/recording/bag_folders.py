@@ -1,0 +1,64 @@
+"""The bags in a folder of bags."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from lie_rigid_body.recording.bag_files import METADATA, natural_order
+from lie_rigid_body.recording.sqlite_reader import SUFFIX
+
+SUFFIXES: Final = (".mcap", SUFFIX)
+"""Of the names of bags."""
+
+
+def is_one_bag(folder: Path) -> bool:
+    """Whether a folder is that of one rosbag2 recording, by its metadata or by the names of its files.
+
+    Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
+    """
+    if (folder / METADATA).exists():
+        return True
+    for suffix in SUFFIXES:
+        files = {path.name for path in folder.glob(f"*{suffix}")}
+        if files:
+            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
+    return False
+
+
+def bags_in(folder: Path) -> list[Path]:
+    """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
+
+    Folders that are hidden, or symbolic links, are left out.
+
+    Parameters
+    ----------
+    folder : Path
+        If it is a rosbag2 folder itself, it is the only bag.
+
+    Returns
+    -------
+    list of Path
+        By their names, numbers in them in their order. A folder that cannot be read, or has no bag in it, stands for
+        itself: whoever opens it is told why it is none.
+    """
+    return sorted(_bags_below(folder), key=natural_order) or [folder]
+
+
+def _bags_below(folder: Path) -> Iterator[Path]:
+    try:
+        if is_one_bag(folder):
+            yield folder
+            return
+        with os.scandir(folder) as entries:
+            inside = [entry for entry in entries if not entry.name.startswith(".")]
+    except OSError:
+        yield folder
+        return
+    for entry in inside:
+        if entry.is_dir(follow_symlinks=False):
+            yield from _bags_below(folder / entry.name)
+        elif entry.name.endswith(SUFFIXES):
+            yield folder / entry.name

@@ -1,0 +1,202 @@
+"""The bodies of a bag: which topics are pose, twist and scenario of each, and what its sensors read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.wording import listed, short_repr, suggestion
+
+SCENARIO: Final = "scenario"
+TYPES: Final[dict[str, tuple[str, ...]]] = {
+    POSE: (POSE_STAMPED,),
+    TWIST: (TWIST_STAMPED, BARE_TWIST),
+    SCENARIO: (STRING,),
+    **{name: (kind,) for name, kind in SENSOR_TOPICS.items()},
+}
+"""The topics of a body by their relative names, and the message types that each may have."""
+_WHY: Final = {SCENARIO: ", which tells body, motion and frames, whatever --inertia says"}
+
+
+@dataclass(frozen=True)
+class Body:
+    """The topics of one body.
+
+    Parameters
+    ----------
+    name : str
+        The namespace of its pose, such as ``/a``; empty for the root namespace.
+    pose, twist, scenario : RawTrack
+    sensors : dict of str to RawTrack
+        What its sensors read, and their faults, by their relative names, as far as it is there.
+    """
+
+    name: str
+    pose: RawTrack
+    twist: RawTrack
+    scenario: RawTrack
+    sensors: dict[str, RawTrack] = field(default_factory=dict)
+
+    __repr__ = short_repr
+
+    @property
+    def tracks(self) -> tuple[RawTrack, RawTrack, RawTrack]:
+        """Pose, twist and scenario."""
+        return self.pose, self.twist, self.scenario
+
+
+def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:
+    """The bodies of a bag: one for each scenario topic with a pose and a twist in its namespace.
+
+    Where there is none, the only topics of the right types are taken, or those with the right last name.
+
+    Parameters
+    ----------
+    path : Path
+        Of the bag, for errors.
+    contents : McapContents
+    topics : mapping of str to str
+        Topics that are called otherwise, by their relative names (the keys of `TYPES`). With one of the first three
+        there is one body, that to which it belongs.
+
+    Raises
+    ------
+    BagError
+        If a topic is not there, has no message, or cannot be told from others; with those that are there.
+    """
+    given = {name: _given(path, contents, name, topic) for name, topic in topics.items()}
+    own = [name for name in (POSE, TWIST, SCENARIO) if name in given]
+    found = [tracks for tracks in _complete(path, contents, given) if all(tracks[name] is given[name] for name in own)]
+    found = found or [_single(path, contents, given)]
+    return [_body(path, contents, tracks, given, alone=len(found) == 1) for tracks in found]
+
+
+def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
+    """The body of a bag that has one. See `bodies`."""
+    found = bodies(path, contents, topics)
+    if len(found) > 1:
+        names = listed([body.name or "/" for body in found])
+        raise BagError(
+            f"{path} holds {len(found)} bodies, {names}: say which, as by --topic pose:={found[0].pose.topic}"
+        )
+    return found[0]
+
+
+def _complete(path: Path, contents: McapContents, given: Mapping[str, RawTrack]) -> list[dict[str, RawTrack]]:
+    """The tracks of each body that has its topics in one namespace, in the order of their names."""
+    found: dict[str, dict[str, RawTrack]] = {}
+    lacking = []
+    scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
+    if SCENARIO in given:
+        scenarios = [given[SCENARIO]]
+    for scenario in scenarios:
+        for namespace in _above(scenario.topic):
+            own = {name: track for name in (POSE, TWIST) if (track := _track(contents, name, f"{namespace}/{name}"))}
+            if not own:
+                continue
+            if len(own) == 1:
+                lacking.append((scenario, namespace, next(name for name in (POSE, TWIST) if name not in own)))
+            elif namespace in found:
+                raise _several(path, SCENARIO, [found[namespace][SCENARIO], scenario])
+            else:
+                found[namespace] = {**own, SCENARIO: scenario}
+            break
+    if found and lacking and not given:
+        scenario, namespace, name = lacking[0]
+        raise BagError(f"{path} has {scenario.topic} and no topic {namespace}/{name}: record it as well")
+    return [found[namespace] for namespace in sorted(found)]
+
+
+def _above(topic: str) -> Iterator[str]:
+    """The namespaces that a topic is in, the innermost first."""
+    while topic:
+        topic = topic.rpartition("/")[0]
+        yield topic
+
+
+def _single(path: Path, contents: McapContents, given: Mapping[str, RawTrack]) -> dict[str, RawTrack]:
+    """The tracks of the one body of a bag whose topics are not in one namespace."""
+    near = [track.topic.rpartition("/")[0] for name, track in given.items() if name in (POSE, TWIST)]
+    return {
+        name: given.get(name) or _find(path, contents, name, near[0] if near else None)
+        for name in (POSE, TWIST, SCENARIO)
+    }
+
+
+def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
+    """The track with the right last name, of several that in the namespace; or else the only one of its types."""
+    alike = _of_types(contents, name)
+    found = [track for track in alike if _last(track.topic) == name]
+    if len(found) > 1 and near is not None:
+        inside = [track for track in found if track.topic.startswith(f"{near}/")]
+        found = inside if len(inside) == 1 else found
+    if not found and len(alike) == 1:
+        found = alike  # remapped
+    if not found:
+        wanted = f"topic .../{name} ({' or '.join(TYPES[name])}{_WHY.get(name, '')})"
+        there = listed([topic for topic, _ in contents.tracks]) or "no topic at all"
+        raise BagError(f"{path} has no {wanted}: record it; there are {there}")
+    if len(found) > 1:
+        raise _several(path, name, found)
+    return found[0]
+
+
+def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
+    names = listed([f"{track.topic} ({_last(track.message_type)})" for track in found])
+    return BagError(f"{path} has several topics .../{name}: {names}: say which, as by --topic {name}:={found[0].topic}")
+
+
+def _given(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
+    """The track of a topic that the user named."""
+    track = _track(contents, name, topic)
+    if track is not None:
+        return track
+    types, known = " or ".join(map(_last, TYPES[name])), [track.topic for track in _of_types(contents, name)]
+    others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
+    what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
+    hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
+    raise BagError(f"{path}: --topic {name}:={topic}: {what}: {hint}")
+
+
+def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
+    found = [track for kind in TYPES[name] if (track := contents.tracks.get((topic, kind)))]
+    return max(found, key=lambda track: track.count, default=None)
+
+
+def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
+    alike = [track for (_, kind), track in contents.tracks.items() if kind in TYPES[name]]
+    return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS)]  # texts as well
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
+
+
+def _body(
+    path: Path, contents: McapContents, tracks: Mapping[str, RawTrack], given: Mapping[str, RawTrack], *, alone: bool
+) -> Body:
+    for track in tracks.values():
+        if not track.count:
+            raise BagError(f"{path} has no message on {track.topic}: record it while the body is published")
+    namespace = tracks[POSE].topic.rpartition("/")[0]
+    sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
+    there = {name: track for name, track in sensors.items() if track is not None and track.count}
+    return Body(namespace, tracks[POSE], tracks[TWIST], tracks[SCENARIO], there)
+
+
+def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *, alone: bool) -> RawTrack | None:
+    """The track of what a sensor of the body reads; of a body that is alone in any namespace but another's."""
+    last = name.removeprefix("~/")
+    beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
+    own = _track(contents, name, f"{beside}/{last}")
+    poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
+    alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
+    elsewhere = [track for track in alike if f"{track.topic.removesuffix(last)}{POSE}" not in poses]
+    return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)

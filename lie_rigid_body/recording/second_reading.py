@@ -1,0 +1,181 @@
+"""The messages of a bag that was found whole, read again: no checksum and no index is compared twice."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import numpy as np
+from mcap.data_stream import ReadDataStream
+from mcap.records import Chunk
+
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import Decoded
+from lie_rigid_body.messages.decoding import byte_order
+from lie_rigid_body.messages.layout import FRAME, numbers_after
+from lie_rigid_body.recording.bag_files import Progress
+from lie_rigid_body.recording.inflation import inflated_unverified
+from lie_rigid_body.recording.mcap_reader import Outline, RawMessages, opened, state_of
+from lie_rigid_body.recording.message_scan import FIND, TAKE, FoundMessages, Layout
+from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.track_decoding import columns, named
+
+_RECORD: Final = struct.Struct("<BQ")
+_PAYLOAD: Final = 31
+"""Byte of a message record where its payload begins."""
+
+
+class TopicReader:
+    """The messages of a topic, chunk by chunk.
+
+    Parameters
+    ----------
+    path : Path
+        Of the bag, for errors.
+    key : tuple of (str, str)
+        Topic and message type.
+    numbers : int
+        How many float64 fields each message has.
+    stamped : bool
+        Whether a std_msgs/Header comes first.
+    """
+
+    def __init__(self, path: Path, key: tuple[str, str], numbers: int, *, stamped: bool) -> None:
+        self.key = key
+        self._path, self._numbers, self._stamped = path, numbers, stamped
+        self._layout: Layout | None = None
+        self._frame: tuple[str, ...] = ()
+        self._before = 0
+        self._begin(0)
+
+    def _begin(self, rows: int) -> None:
+        """Begin with none, and place for so many."""
+        self.count, self._frames = 0, dict[str, None]()
+        self._log_times, self._stamps = np.empty(rows, dtype=np.int64), np.empty(rows, dtype=np.int64)
+        self._values = np.empty((rows, self._numbers))
+
+    def add(self, data: bytes, channels: Sequence[int]) -> None:
+        """Take the messages of channels in a chunk."""
+        if not channels:
+            return
+        if len(channels) == 1 and self._layout is not None:
+            self._make_room(self._layout.most_in(data))
+            rest = slice(self.count, None)
+            arrays = self._log_times[rest], self._stamps[rest], self._values[rest]
+            taken = self._layout.take(data, channels[0], *arrays)
+            if taken is not None:
+                self.count += taken
+                self._frames.update(dict.fromkeys(self._frame if taken else ()))
+                return
+        self._add_one_by_one(data, channels)
+
+    def _make_room(self, rows: int) -> None:
+        if self.count + rows > len(self._stamps):
+            kept = self._log_times[: self.count], self._stamps[: self.count], self._values[: self.count]
+            size = max(2 * len(self._stamps), self.count + rows)
+            for name, old in zip(("_log_times", "_stamps", "_values"), kept, strict=True):
+                new = np.empty((size, *old.shape[1:]), dtype=old.dtype)
+                new[: len(old)] = old
+                setattr(self, name, new)
+
+    def _add_one_by_one(self, data: bytes, channels: Sequence[int]) -> None:
+        """In the general way, from which the layout of those that follow is learned."""
+        piece = _piece(data, channels)
+        with named(self._path, self.key[0]):
+            first = self._before + self.count
+            log_times, decoded = columns([piece], self._numbers, stamped=self._stamped, first=first)
+        if len(decoded.numbers) and len(decoded.frame_ids) <= 1:
+            self._learn(piece.data[piece.starts[0] : piece.ends[0]], decoded.frame_ids)
+        self._make_room(len(log_times))
+        rows = slice(self.count, self.count + len(log_times))
+        self._log_times[rows], self._values[rows] = log_times, decoded.numbers
+        if decoded.stamps_ns is not None:
+            self._stamps[rows] = decoded.stamps_ns
+        self.count = rows.stop
+        self._frames.update(dict.fromkeys(decoded.frame_ids))
+
+    def taken(self) -> tuple[Integers, Decoded]:
+        """Log times, ns, and contents of the messages that were added, with which it begins anew."""
+        rows = slice(0, self.count)
+        stamps = self._stamps[rows] if self._stamped else None
+        frames = np.zeros(self.count, dtype=np.int64)  # which of them each has is not asked of poses and twists
+        found = self._log_times[rows], Decoded(stamps, self._values[rows], tuple(self._frames), frames)
+        self._before += self.count
+        self._begin(len(self._stamps))
+        return found
+
+    def _learn(self, payload: bytes, frames: tuple[str, ...]) -> None:
+        take = TAKE.compiled_for(0)
+        if take is None or byte_order(payload, 0) != "<":
+            return
+        frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self._stamped else 0
+        start = numbers_after(frame_end) if self._stamped else 4
+        self._layout, self._frame = Layout(take, payload, start, frame_end), frames
+
+
+def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
+    """Whether the files can be read again so: in chunks, by loops that are compiled for so many messages."""
+    if not outlines or not all(outline.chunks for outline in outlines):
+        return False
+    return FIND.compiled_for(count) is not None and TAKE.compiled_for(count) is not None
+
+
+def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Outline, bytes]]:
+    """The records of each chunk of the files, with the file that they are in.
+
+    Raises
+    ------
+    BagError
+        If a file is not what it was when it was outlined.
+    """
+    for outline in outlines:
+        with opened(outline.path) as stream:
+            try:
+                _require_same(outline, stream)
+                before = 0
+                for place in outline.chunks:
+                    stream.seek(place)
+                    _, length = _RECORD.unpack(stream.read(_RECORD.size))
+                    content = stream.read(length)
+                    progress(stream.tell() - before)
+                    before = stream.tell()
+                    data = inflated_unverified(Chunk.read(ReadDataStream(BytesIO(content))))
+                    yield outline, data
+                _require_same(outline, stream)
+            except BagError:
+                raise
+            except OSError as error:
+                raise BagError(f"{outline.path} cannot be read: {reason(error)}: copy it to a better place") from None
+            except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
+                raise _changed(outline) from error
+
+
+def _require_same(outline: Outline, stream: BinaryIO) -> None:
+    if state_of(stream) != outline.state:
+        raise _changed(outline)
+
+
+def _changed(outline: Outline) -> BagError:
+    return BagError(f"{outline.path} changed while it was read: try again when nobody writes it")
+
+
+def _piece(data: bytes, channels: Sequence[int]) -> RawMessages:
+    """The messages of channels in a chunk."""
+    find: Any = FIND.compiled_for(0)
+    found, position = FoundMessages(find, data), 0
+    starts, ends, log_times = ([np.empty(0, dtype=np.int64)] for _ in range(3))
+    while position < len(data):
+        table = found.at(position)
+        if table is None:
+            position += _RECORD.size + _RECORD.unpack_from(data, position)[1]
+            continue
+        own = np.isin(table.channels, list(channels))
+        starts.append(table.starts[own] + _PAYLOAD)
+        ends.append(table.ends[own])
+        log_times.append(table.log_times[own])
+        position = int(table.ends[-1])
+    return RawMessages(data, np.concatenate(starts), np.concatenate(ends), np.concatenate(log_times))

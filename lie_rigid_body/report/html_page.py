@@ -1,0 +1,217 @@
+"""The frame of a page: one HTML file that needs no other file and no network, and its figures by plotly.js."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from importlib.util import find_spec
+from typing import Any, Final
+
+from lie_rigid_body import __version__
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.output_file import OutputFile
+from lie_rigid_body.simulation import Segment
+
+Figure = Mapping[str, Any]
+"""A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
+
+_STYLE: Final = """
+body { font-family: sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: white; }
+h1 { font-size: 1.5rem; overflow-wrap: anywhere; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
+h3 { font-size: 1rem; margin: 0; font-weight: 600; }
+p { max-width: 62rem; }
+table { border-collapse: collapse; margin: 1rem 0; }
+th, td { padding: 0.3rem 0.9rem; text-align: right; border-bottom: 1px solid #ddd; }
+th:first-child, td:first-child { text-align: left; }
+td { font-variant-numeric: tabular-nums; } th { position: sticky; top: 0; background: white; }
+tr.broken td { background: #fbe9e7; }
+.table { overflow: auto; max-height: 40rem; }
+.badge { display: inline-block; padding: 0.2rem 0.8rem; border-radius: 0.4rem; color: white; }
+.badge.passed { background: #0a7a55; } .badge.broken { background: #b3261e; }
+li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: #f2f4f6; padding: 0 0.3rem; }
+figure { margin: 1rem 0; min-width: 0; } svg { max-width: 100%; } figure > svg { width: 100%; height: auto; }
+figcaption { color: #555; font-size: 0.85rem; margin-top: 0.2rem; }
+.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 0.5rem 1.5rem; }
+.grid.wide { grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); }
+.plot { height: 15rem; } .plot.tall { height: 27rem; } .plot.body { height: 38rem; }
+.controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
+.controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
+pre { background: #f2f4f6; padding: 0.8rem; overflow-x: auto; }
+"""
+
+_DRAW: Final = """
+"use strict";
+const config = {responsive: true, displayModeBar: false};
+for (const data of document.querySelectorAll("script[type='application/json']")) {
+  const {film, ...figure} = JSON.parse(data.textContent);
+  const plot = data.parentElement.querySelector(".plot");
+  Plotly.newPlot(plot, {...figure, config});
+  if (film) project(plot, film);
+}
+
+function project(plot, {times, duration, pictures}) {
+  const [button, slider, time] = plot.parentElement.querySelectorAll("button, input, output");
+  const traces = pictures[0].x.map((_, i) => i);
+  let playing = false, held = false, shown = 0, at = 0, before = 0;
+  const show = k => {
+    if (k !== shown) Plotly.restyle(plot, pictures[k], traces);
+    [shown, slider.value, time.value] = [k, k, times[k]];
+  };
+  const play = now => {
+    if (!playing) return;
+    // the first picture may have been begun before the button was pressed
+    const passed = Math.max(0, now - before) / duration * pictures.length;
+    // what the mouse turns stands still meanwhile
+    if (!held) show(Math.floor(at = (at + passed) % pictures.length));
+    before = now;
+    requestAnimationFrame(play);
+  };
+  const set = wanted => {
+    [playing, at, before] = [wanted, shown, performance.now()];
+    button.textContent = playing ? "❚❚ pause" : "▶ play";
+    if (playing) requestAnimationFrame(play);
+  };
+  button.onclick = () => set(!playing);
+  slider.oninput = () => { set(false); show(+slider.value); };
+  plot.addEventListener("pointerdown", () => held = true, true);
+  addEventListener("pointerup", () => held = false, true);
+  addEventListener("pointercancel", () => held = false, true);
+}
+"""
+
+
+def require_room(path: str, *, overwrite: bool) -> None:
+    """Refuse a page that could not be written when the work for it is done, or where plotly is not installed.
+
+    Raises
+    ------
+    InputError, BagError
+    """
+    if not find_spec("plotly"):
+        raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
+    OutputFile(path, overwrite=overwrite).discard()
+
+
+def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
+    """The page.
+
+    Parameters
+    ----------
+    title : str
+    parts : iterable of str
+        HTML, of which all text from outside is escaped.
+    with_figures : bool
+        Whether some are by `figure`: then plotly.js is in the page.
+
+    Returns
+    -------
+    bytes
+        UTF-8. No script runs but those that are meant, and nothing is loaded from anywhere, whatever the parts hold.
+    """
+    scripts = [_plotly_js(), _DRAW] if with_figures else []
+    allowed = " ".join(f"'sha256-{_sha256(script)}'" for script in scripts) or "'none'"
+    policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
+    text = "\n".join(
+        [
+            "<!DOCTYPE html>",
+            f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
+            f"<body><h1>{escape(title)}</h1>",
+            *parts,
+            f"<p>Made by lie_rigid_body {__version__}.</p>",
+            *(f"<script>{script}</script>" for script in scripts),
+            "</body></html>",
+            "",
+        ]
+    )
+    return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
+
+
+def _plotly_js() -> str:
+    from plotly.offline import get_plotlyjs
+
+    return str(get_plotlyjs())
+
+
+def _sha256(script: str) -> str:
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
+    """A figure by plotly.js.
+
+    Parameters
+    ----------
+    heading, caption : str
+    content : mapping
+        Its NaN and infinity are left out. With ``film`` it can be played: a mapping of ``duration``, ms, and, for each
+        picture, ``times``, texts, and ``pictures``, the coordinates of the first traces.
+    kind : str, optional
+        ``tall`` or ``body``: of another height.
+    """
+    from plotly.io import to_json
+
+    data = str(to_json(content, validate=False)).replace("<", "\\u003c")
+    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    return (
+        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>'
+        f"{_controls(content['film']) if 'film' in content else ''}"
+        f'<script type="application/json">{data}</script>{below}</figure>'
+    )
+
+
+def _controls(film: Mapping[str, Any]) -> str:
+    times = film["times"]
+    return (
+        '<div class="controls"><button type="button">▶ play</button>'
+        f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
+        f"<output>{escape(times[0])}</output></div>"
+    )
+
+
+def grid(figures: Iterable[str], *, wide: bool = False) -> str:
+    """Figures side by side, as many as there is room for."""
+    return f'<div class="grid{" wide" if wide else ""}">{"".join(figures)}</div>'
+
+
+def badge(sentence: str, *, passed: bool) -> str:
+    """A verdict in colour."""
+    return f'<p><span class="badge {"passed" if passed else "broken"}">{escape(sentence)}</span></p>'
+
+
+def paragraph(text: str) -> str:
+    """A paragraph of plain text."""
+    return f"<p>{escape(text)}</p>"
+
+
+def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """A table of plain text; each row comes with whether it passed."""
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    lines = [
+        f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
+        for cells, passed in rows
+    ]
+    return f'<div class="table"><table><tr>{head}</tr>{"".join(lines)}</table></div>'
+
+
+def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
+    """A list of HTML under a heading, or a sentence if there is none, or nothing."""
+    entries = "".join(f"<li>{item}</li>" for item in items)
+    if entries:
+        return f"<h2>{heading}</h2><ul>{entries}</ul>"
+    return f"<h2>{heading}</h2><p>{empty}</p>" if empty else ""
+
+
+def scenario(segment: Segment) -> str:
+    """The scenario of a segment, which is shown on request."""
+    text = json.dumps(json.loads(segment.to_json()), indent=2, ensure_ascii=False)
+    return details(f"Scenario from {segment.start_ns} ns on", text)
+
+
+def details(summary: str, text: str) -> str:
+    """Plain text that is shown on request."""
+    return f"<details><summary>{escape(summary)}</summary><pre>{escape(text)}</pre></details>"

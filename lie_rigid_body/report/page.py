@@ -1,0 +1,46 @@
+"""A score as one HTML page, which needs no other file and no network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+from lie_rigid_body.evaluation import Limits, Score, summary
+from lie_rigid_body.report import html_page, text
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+
+
+def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, picture: str) -> bytes:
+    """The page.
+
+    Parameters
+    ----------
+    title : str
+    read : RecordedEstimate
+    score : Score
+    limits : Limits
+    picture : str
+        An SVG element.
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    parts = [
+        *(html_page.badge(sentence, passed=score.passed) for sentence in text.verdict(score, limits)),
+        html_page.paragraph(f"{text.extent(read, score)}."),
+        *_table(score),
+        html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
+        html_page.listing("Notes", map(escape, read.notes)),
+        f"<h2>Errors over time</h2><figure>{picture}</figure>",
+        *map(html_page.scenario, read.segments),
+        html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
+    ]
+    return html_page.document(title, parts, with_figures=False)
+
+
+def _table(score: Score) -> Iterator[str]:
+    rows = [((name, *summary.numbers(statistics)), True) for name, statistics in summary.angles(score)]
+    yield html_page.table(("error, deg", *summary.HEADINGS), rows)
+    yield html_page.table(("", ""), [((name, value), True) for name, value in summary.facts(score)])

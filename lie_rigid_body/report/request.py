@@ -1,0 +1,135 @@
+"""What a command line asks of a score, and the answer: table or JSON, picture, page, exit status."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from lie_rigid_body import console
+from lie_rigid_body.errors import InputError
+
+if TYPE_CHECKING:
+    from lie_rigid_body.evaluation import Limits, Score
+    from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+
+BROKEN: Final = 1
+"""Exit status of a score that breaks a limit."""
+_OF_A_BAG: Final = ("run", "estimate", "truth")
+_OF_TOPICS: Final = ("duration", "wait")
+_EPILOG: Final = """
+Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctrl-C, SIGTERM or --duration, and then
+says the score. The topics are named after --ros-args: -r estimate:=/imu/data, and where the truth is not found by
+itself -r truth:=TOPIC, a scenario or poses. Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score.
+"""
+
+
+def is_live(argv: Sequence[str]) -> bool:
+    """Whether arguments, without the program's name, ask for topics: they give no bag."""
+    return not parse(argv).run
+
+
+def parse(argv: Sequence[str]) -> argparse.Namespace:
+    """Read the arguments, without the program's name; those for ROS, which are not read, are in ``ros``.
+
+    Raises
+    ------
+    InputError
+        If an option goes only with a bag, and there is none, or the other way round.
+    """
+    own, ros = console.split_ros_arguments(argv)
+    given = _parser().parse_args(own)
+    given.ros = ros
+    live = given.run is None
+    if ros and not live:
+        raise InputError(f"--ros-args: {given.run} is read without ROS: leave it out, or leave out the bag")
+    for name in _OF_A_BAG if live else _OF_TOPICS:
+        if getattr(given, name) is not None:
+            remedy = f"remap the topic, --ros-args -r {name}:=TOPIC" if live else "leave it out"
+            raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
+    if not live and given.estimate is None:
+        _parser().error("the following arguments are required: --estimate")
+    console.require_suffix("--plot", given.plot, ".png")
+    console.require_suffix("--report", given.report, ".html")
+    return given
+
+
+def _parser() -> console.Parser:
+    parser = console.Parser("evaluate", "Score and diagnose an attitude estimate against the truth.")
+    parser.epilog = _EPILOG
+    parser.add_argument("run", metavar="RUN", nargs="?", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    parser.add_argument(
+        "--estimate",
+        metavar="TOPIC",
+        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
+    )
+    parser.add_argument("--truth", metavar="OTHER", help="the bag of the truth, if it is not in RUN")
+    parser.add_argument("--json", action="store_true", help="print the score for programs")
+    parser.add_argument("--series", action="store_true", help="with --json: also the errors of every sample")
+    parser.add_argument("--plot", metavar="OUT.png", help="draw the errors over time")
+    parser.add_argument("--report", metavar="OUT.html", help="write score, findings and picture as one page")
+    parser.add_argument("--max-rms", metavar="ANGLE", help="largest RMS of the total error, such as 1deg")
+    parser.add_argument(
+        "--max-after",
+        metavar="TIME:ANGLE",
+        action="append",
+        default=[],
+        help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT.png and OUT.html if they exist")
+    parser.add_argument(
+        "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
+    )
+    parser.add_argument(
+        "--wait", metavar="SECONDS", type=float, help="of topics: end when no estimate could be compared for so long"
+    )
+    return parser
+
+
+def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score, limits: Limits) -> int:
+    """Write and print what is asked for.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        As `parse` gives it.
+    source : str
+        Of the estimate: a bag, or empty for topics.
+    read : RecordedEstimate
+    score : Score
+    limits : Limits
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report import text
+
+    title = f"{source}: {read.track.topic}" if source else read.track.topic
+    for path, draw in ((given.plot, _picture), (given.report, _page)):
+        if path is not None:
+            write_file(path, draw(title, read, score, limits), overwrite=given.force)
+    files = [path for path in (given.plot, given.report) if path is not None]
+    if given.json:
+        content = text.as_json(source or None, read, score, series=given.series)
+        said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+    else:
+        said = "\n".join([text.as_table(title, read, score, limits), *(f"wrote {path}" for path in files)])
+    console.say(said, done=", ".join(f"{path} is written" for path in files))
+    return console.SUCCESS if score.passed else BROKEN
+
+
+def _picture(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> bytes:
+    from lie_rigid_body.report.figure import png
+
+    return png(title, score, limits)
+
+
+def _page(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> bytes:
+    from lie_rigid_body.report.figure import svg
+    from lie_rigid_body.report.page import page
+
+    return page(title, read, score, limits, svg(title, score, limits))

@@ -1,0 +1,178 @@
+"""Topics of others found in the graph, and their messages taken as bytes: those of an estimate, and of its truth."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from importlib import import_module
+from typing import Final
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Limits
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
+from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.runs.live_estimate import LiveEstimate
+from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
+from lie_rigid_body.wording import listed
+
+ESTIMATE: Final = "estimate"
+TRUTH: Final = "truth"
+"""Relative names of the topics, to be remapped; the truth is also found without."""
+DEPTH: Final = 5000
+"""Messages kept between two looks: a simulation may send as fast as it can."""
+
+
+class Following:
+    """The topics of an estimate and its truth, found as they appear.
+
+    Parameters
+    ----------
+    node : Node
+        It must not be spun: messages are taken by `take`, in bulk, which costs a fraction of a callback each.
+    limits : Limits
+
+    Attributes
+    ----------
+    live : LiveEstimate or None
+        What was heard; None until the topic of the estimate is there.
+    """
+
+    def __init__(self, node: Node, limits: Limits) -> None:
+        self._node, self._limits = node, limits
+        with translated_errors("the topics estimate and truth"):
+            self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
+        self.live: LiveEstimate | None = None
+        self._subscriptions: dict[str, Subscription] = {}
+        self._types: dict[str, str] = {}
+        self._crowd: dict[str, int] = {}
+
+    def look(self) -> None:
+        """Subscribe to what has appeared.
+
+        Raises
+        ------
+        InputError
+            If a topic is of no type that can be used, or it is not clear which is meant.
+        """
+        there = self.published()
+        if self.live is None:
+            if self.estimate not in there:
+                return
+            kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
+            self._subscribe(self.estimate, kind)
+            self.live = LiveEstimate(self.estimate, kind, self._limits)
+        for topic, kind in self._true_topics(there):
+            if topic not in self._subscriptions:
+                self._subscribe(topic, kind)
+            self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
+
+    def notes(self) -> Iterator[str]:
+        """What a reader of the score should know of the topics of the truth, one sentence each."""
+        for topic, count in self._crowd.items():
+            if count > 1:
+                yield f"{count} nodes published the truth on {topic} at a time: a score needs one, or one's namespace."
+
+    def take(self) -> None:
+        """Hand on the messages that have come: those of the truth last, which is then ahead of the estimate."""
+        if self.live is None:
+            return
+        for topic, subscription in self._subscriptions.items():
+            payloads = _taken(subscription)
+            if topic == self.estimate:
+                self.live.hear_estimates(payloads)
+            elif self._types[topic] == STRING:
+                for payload in payloads:
+                    self.live.hear_scenario(payload)
+            elif payloads:
+                self.live.hear_poses(topic, self._types[topic], payloads)
+
+    def published(self) -> dict[str, list[str]]:
+        """The topics that have a publisher, with their types."""
+        found = dict(self._node.get_topic_names_and_types())
+        return {topic: kinds for topic, kinds in found.items() if self._node.count_publishers(topic)}
+
+    def silence(self) -> str:
+        """What is missing, and what there is instead."""
+        there = self.published()
+        known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
+        attitudes = f"attitudes are on {listed(sorted(known)) or 'no topic'} of domain {self._domain}"
+        if self.live is not None and self.live.messages:
+            return f"no truth of {self.estimate}: there is no topic .../scenario or .../pose: remap it, -r truth:=TOPIC"
+        if self.live is not None:
+            return f"nothing came on {self.estimate}, which is there: does its node get what it needs? {attitudes}"
+        return f"there is no topic {self.estimate}: {attitudes}; remap it, --ros-args -r estimate:=TOPIC"
+
+    @property
+    def _domain(self) -> int:
+        domain: int = self._node.context.get_domain_id()
+        return domain
+
+    def _true_topics(self, there: dict[str, list[str]]) -> list[tuple[str, str]]:
+        """Names and types of the topics of the truth, as far as they are there."""
+        if self._truth in there:
+            kind = self._type(self._truth, there[self._truth], (STRING, *ATTITUDE_TYPES))
+            beside = pose_beside(self._truth)
+            poses = kind == STRING and POSE_STAMPED in there.get(beside, [])
+            return [(self._truth, kind), *([(beside, POSE_STAMPED)] if poses else [])]
+        if not self._truth.endswith(f"/{TRUTH}"):
+            return []  # it was remapped, and is not there yet
+        others = {topic: kinds for topic, kinds in there.items() if topic != self.estimate}
+        scenario = self._nearest(others, "scenario", STRING)
+        if scenario is not None:
+            others = {topic: kinds for topic, kinds in others.items() if topic == pose_beside(scenario)}
+        pose = self._nearest(others, "pose", POSE_STAMPED)
+        found = {scenario: STRING, pose: POSE_STAMPED}
+        return [(topic, kind) for topic, kind in found.items() if topic is not None]
+
+    def _nearest(self, there: dict[str, list[str]], ending: str, kind: str) -> str | None:
+        try:
+            return nearest([t for t, kinds in there.items() if kind in kinds], ending, self.estimate)
+        except InputError as error:
+            raise InputError(f"there are {error}: say which is the truth, --ros-args -r truth:=TOPIC") from None
+
+    def _type(self, topic: str, kinds: list[str], wanted: Collection[str]) -> str:
+        usable = [kind for kind in kinds if kind in wanted]
+        if not usable:
+            raise InputError(f"topic {topic} {wrong_type(kinds[0])}")
+        if len(kinds) > 1:
+            raise InputError(f"topic {topic} is of the types {listed(kinds)}: let one node publish it")
+        return usable[0]
+
+    def _subscribe(self, topic: str, kind: str) -> None:
+        package, _, name = kind.split("/")
+        try:
+            message = getattr(import_module(f"{package}.msg"), name)
+        except ImportError:
+            raise InputError(
+                f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
+                f"ros-jazzy-{package.replace('_', '-')}"
+            ) from None
+        self._types[topic] = kind
+        with translated_errors(f"to listen to {topic}"):
+            self._subscriptions[topic] = self._node.create_subscription(
+                message, topic, lambda payload: None, self._quality(topic), raw=True
+            )
+
+    def _quality(self, topic: str) -> QoSProfile:
+        """As much as every publisher of a topic offers: more would not be served."""
+        offered = [info.qos_profile for info in self._node.get_publishers_info_by_topic(topic)]
+        reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
+        latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+        return QoSProfile(
+            depth=DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        )
+
+
+def _taken(subscription: Subscription) -> list[bytes]:
+    """The bytes of the messages that have come, as rclpy.wait_for_message takes one."""
+    found = []
+    with subscription.handle:
+        while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+            found.append(taken[0])
+    return found

@@ -1,0 +1,118 @@
+"""``~/error`` and ``/diagnostics`` of the live evaluator: the error of every estimate, and the score so far."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Vector3Stamped
+from rclpy.clock import Clock
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.evaluation import AttitudeError, Score
+from lie_rigid_body.messages.layout import Layout
+from lie_rigid_body.ros.publishing.diagnostics import TOPIC
+from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
+
+ERROR: Final = "~/error"
+DEPTH: Final = 1000
+INTERVAL_S: Final = 1.0
+"""Time between two reports on /diagnostics, s."""
+FIRST_DIAGNOSIS_S: Final = 5.0
+"""Shortest time between two diagnoses, s."""
+DIAGNOSIS_SHARE: Final = 0.03
+"""Largest share of the time that diagnoses take."""
+
+
+class Scores:
+    """The publishers of the evaluator.
+
+    Parameters
+    ----------
+    node : Node
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._error = node.create_publisher(Vector3Stamped, ERROR, QoSProfile(depth=DEPTH))
+        self._diagnostics = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._layout = Layout("", [0.0] * 3, [(0, 3)])
+        self._due = self._diagnosis_due = time.monotonic() + INTERVAL_S
+        self._score: Score | None = None
+        self._fault = ""
+
+    def errors(self, stamps_ns: Integers, error: AttitudeError) -> None:
+        """Publish total, heading and inclination error, rad, at each stamp."""
+        for payload in self._layout.encode(stamps_ns, np.stack(error, axis=-1)):
+            self._error.publish(payload)
+
+    def report(self, live: LiveEstimate | None, missing: Callable[[], str]) -> None:
+        """Publish the score so far, once in `INTERVAL_S`.
+
+        Parameters
+        ----------
+        live : LiveEstimate or None
+        missing : callable
+            Tells what is waited for; asked as long as there is nothing to score.
+        """
+        now = time.monotonic()
+        if now < self._due:
+            return
+        self._due = now + INTERVAL_S
+        if live is not None and live.tally.count and now >= self._diagnosis_due:
+            self._diagnose(live)
+        status = self._waiting(missing()) if live is None or not live.tally.count else self._status(live)
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = Clock().now().to_msg()
+        self._diagnostics.publish(array)
+
+    def _diagnose(self, live: LiveEstimate) -> None:
+        begin = time.monotonic()
+        try:
+            self._score, self._fault = live.score(INTERIM)[1], ""
+        except LieRigidBodyError as error:
+            self._score, self._fault = None, str(error)
+        end = time.monotonic()
+        self._diagnosis_due = end + max(FIRST_DIAGNOSIS_S, (end - begin) / DIAGNOSIS_SHARE)
+
+    def _waiting(self, missing: str) -> DiagnosticStatus:
+        return self._made(DiagnosticStatus.WARN, f"waiting: {missing}", {})
+
+    def _status(self, live: LiveEstimate) -> DiagnosticStatus:
+        tally, score = live.tally, self._score
+        total, heading, inclination = tally.rms_deg.tolist()
+        values = {
+            "estimates compared": str(tally.count),
+            "total error, RMS (deg)": f"{total:.4g}",
+            "heading error, RMS (deg)": f"{heading:.4g}",
+            "inclination error, RMS (deg)": f"{inclination:.4g}",
+            "total error, largest (deg)": f"{tally.largest_deg[0]:.4g}",
+        }
+        findings = score.findings if score is not None else ()
+        if score is not None and score.lag_s is not None:
+            values["lag (s)"] = f"{score.lag_s:+.4g}"
+        values |= {f"finding {finding.code}": finding.message for finding in findings}
+        if self._fault:
+            return self._made(DiagnosticStatus.ERROR, self._fault, values)
+        # that the run is still shorter than a limit is no fault yet
+        broken = [sentence for sentence in tally.broken() if "above the limit" in sentence]
+        if broken:
+            return self._made(DiagnosticStatus.ERROR, "; ".join(broken), values)
+        codes = ", ".join(dict.fromkeys(finding.code for finding in findings))
+        level = DiagnosticStatus.WARN if codes else DiagnosticStatus.OK
+        return self._made(level, f"{total:.4g}° RMS{f'; found: {codes}' if codes else ''}", values)
+
+    def _made(self, level: bytes, message: str, values: dict[str, str]) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=level,
+            name=f"{self._node.get_fully_qualified_name()}: attitude error",
+            message=message,
+            hardware_id=self._node.get_name(),
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )

@@ -1,0 +1,343 @@
+"""An estimate and its truth as they come from topics: scored as from a bag, in memory that does not grow for ever."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
+from lie_rigid_body.evaluation.tally import Tally
+from lie_rigid_body.messages import decode_string
+from lie_rigid_body.messages.definitions import TF_MESSAGE
+from lie_rigid_body.messages.framed import Frames
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import listed
+
+MOST_KEPT: Final = 100_000
+"""Samples of the estimate, and of the poses, that are kept, a quarter of an hour at 100 Hz. Of more every second is
+kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
+MOST_UNREAD: Final = 50_000
+"""Messages that wait for a truth; the oldest are given up."""
+LENIENCE_NS: Final = NS
+"""How far beyond the last pose heard the scenario tells the truth, ns; stamps further on are of another clock."""
+RECENT: Final = 40
+"""Batches of poses by which the latest estimates are judged."""
+INTERIM: Final = 2000
+"""Samples of the score on the way."""
+
+
+@dataclass
+class Heard:
+    """A topic and the bytes of its messages that were not read yet."""
+
+    topic: str
+    message_type: str
+    unread: list[bytes]
+
+    def taken(self) -> list[bytes]:
+        """The unread messages, which are then forgotten."""
+        taken, self.unread = self.unread, []
+        return taken
+
+
+class Kept:
+    """Rows in order of time, of which evenly so many are kept that memory does not grow.
+
+    Attributes
+    ----------
+    count, disordered : int
+        Rows that came, and those that were left out because they were stamped before an earlier one.
+    stride : int
+        One in so many is kept.
+    """
+
+    def __init__(self, most: int = MOST_KEPT) -> None:
+        self.count = self.disordered = 0
+        self.stride, self._most = 1, most
+        self._blocks: list[tuple[Integers, Array]] = []
+        self._size = 0
+        self._last: tuple[Integers, Array] | None = None
+
+    def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
+        """Take rows, and return those of them that are in order."""
+        last = self._last[0][:1] if self._last else stamps_ns[:1]
+        ordered = np.flatnonzero(stamps_ns >= np.maximum.accumulate(np.concatenate([last, stamps_ns]))[:-1])
+        self.disordered += len(stamps_ns) - len(ordered)
+        stamps, rows = stamps_ns[ordered], numbers[ordered]
+        if len(stamps):
+            chosen = slice(-self.count % self.stride, None, self.stride)
+            self._blocks.append((stamps[chosen], rows[chosen]))
+            self._size += len(stamps[chosen])
+            self.count += len(stamps)
+            self._last = stamps[-1:], rows[-1:]
+        while self._size > self._most:
+            kept, values = self._joined()
+            self._blocks, self.stride = [(kept[::2].copy(), values[::2].copy())], 2 * self.stride
+            self._size = len(self._blocks[0][0])
+        if len(self._blocks) > MOST_BLOCKS:
+            self._blocks = [self._joined()]
+        return stamps, rows
+
+    def rows(self) -> tuple[Integers, Array]:
+        """Stamps, ns, and numbers of what is kept, and of the last row."""
+        assert self._last is not None
+        stamps, rows = self._joined()
+        if (self.count - 1) % self.stride:
+            return np.concatenate([stamps, self._last[0]]), np.concatenate([rows, self._last[1]])
+        return stamps, rows
+
+    def _joined(self) -> tuple[Integers, Array]:
+        stamps, rows = zip(*self._blocks, strict=True)
+        return np.concatenate(stamps), np.concatenate(rows)
+
+
+class LiveEstimate:
+    """The truth and an estimate, message by message.
+
+    Parameters
+    ----------
+    topic, message_type : str
+        Of the estimate.
+    limits : Limits
+    most : int, optional
+        Samples of each that are kept.
+
+    Attributes
+    ----------
+    messages : int
+        How many messages of the estimate came.
+    tally : Tally
+        Of all estimates that were compared so far.
+    first_ns, last_ns : int or None
+        Stamps of the first estimate and the last.
+    """
+
+    def __init__(self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT) -> None:
+        self._heard = Heard(topic, message_type, [])
+        self._limits, self.tally = limits, Tally(limits)
+        self._segments: dict[str, Segment] = {}
+        self._poses: Heard | None = None
+        self._kept, self._kept_poses = Kept(most), Kept(most)
+        self._recent: deque[tuple[Integers, Array]] = deque(maxlen=RECENT)
+        self._waiting: list[tuple[Integers, Array]] = []
+        self._pairs: dict[Frames, None] = {}
+        self._given_up = self.messages = 0
+        self._template: AttitudeTrack | None = None
+        self._pose_template: AttitudeTrack | None = None
+        self.first_ns: int | None = None
+        self.last_ns: int | None = None
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first estimate to the last, by their stamps, s."""
+        return 0.0 if self.first_ns is None or self.last_ns is None else (self.last_ns - self.first_ns) / NS
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether a scenario or a pose was heard."""
+        return bool(self._segments) or self._kept_poses.count > 0
+
+    def hear_scenario(self, payload: bytes) -> None:
+        """Take a latched scenario; a reset sends another.
+
+        Raises
+        ------
+        InputError
+            If it is none.
+        """
+        text = decode_string(payload)
+        if text not in self._segments:
+            self._segments[text] = Segment.from_json(text)
+
+    def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
+        """Take messages of the truth."""
+        if self._poses is None:
+            self._poses = Heard(topic, message_type, [])
+        self._poses.unread += payloads
+
+    def hear_estimates(self, payloads: list[bytes]) -> None:
+        """Take messages of the estimate."""
+        self.messages += len(payloads)
+        self._heard.unread += payloads
+        excess = len(self._heard.unread) - MOST_UNREAD
+        if excess > 0 and not self.has_truth:
+            del self._heard.unread[:excess]
+            self._given_up += excess
+
+    def judge(self) -> tuple[Integers, AttitudeError] | None:
+        """Compare the estimates that came before the last call, as far as their truth is known by now.
+
+        Those that came since wait for the next call: a reset that they follow may be on its way.
+
+        Returns
+        -------
+        tuple of ndarray and AttitudeError, or None
+            Their stamps, ns, and errors, rad.
+        """
+        self._read_poses()
+        if not self.has_truth:
+            return None
+        ready, self._waiting = self._waiting, self._read_estimates()
+        if not ready:
+            return None
+        stamps, numbers = (np.concatenate(parts) for parts in zip(*ready, strict=True))
+        truth = self._truth(self._recent_motion(int(stamps[0])), stamps)
+        known = truth.covers(stamps)
+        late = stamps > truth.last_ns  # whose truth may yet come
+        if late.any():
+            self._waiting.insert(0, (stamps[late][-MOST_UNREAD:], numbers[late][-MOST_UNREAD:]))
+        if not known.any():
+            return None
+        stamps = stamps[known]
+        error = attitude_error(numbers[known, :4], truth.at(stamps))
+        self.tally.add(stamps, error)
+        return stamps, error
+
+    def score(self, most: int | None = None) -> tuple[RecordedEstimate, Score]:
+        """The score of all that was heard, with what it was held against.
+
+        Parameters
+        ----------
+        most : int, optional
+            Of so many samples only, evenly spread: a score on the way.
+
+        Raises
+        ------
+        InputError
+            If there is no estimate, or no truth, or they do not go together.
+        """
+        for _ in range(2 if most is None else 0):
+            self.judge()
+        read = self._read(most)
+        track = read.track
+        score = evaluate(
+            track.stamps_ns, track.attitude_xyzw, read.truth, limits=self._limits, covariance=read.covariance
+        )
+        thinned = self._kept.stride > 1 or most is not None
+        return read, self.tally.exact(score) if thinned and self.tally.count else score
+
+    def _read(self, most: int | None) -> RecordedEstimate:
+        if not self.has_truth:
+            raise InputError(f"nothing tells the truth of {self._heard.topic}: neither a scenario nor a pose came")
+        if self._template is None:
+            raise InputError(f"topic {self._heard.topic} {self._why_nothing()}")
+        stamps, numbers = self._kept.rows()
+        if most is not None and len(stamps) > most:
+            chosen = np.linspace(0, len(stamps) - 1, most).round().astype(np.int64)
+            stamps, numbers = stamps[chosen], numbers[chosen]
+        track = _track(self._template, stamps, numbers)
+        with_poses = self._kept_poses.count and not (self._segments and most is not None)
+        true = self._motion(self._kept_poses.rows() if with_poses else None)
+        read = held_against(track, true, self._truth(true, stamps))
+        return replace(read, notes=(*read.notes, *self._notes()))
+
+    def _why_nothing(self) -> str:
+        if self._heard.message_type == TF_MESSAGE and self._pairs:
+            pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
+            wanted = " to ".join(self._frames or ())
+            return f"tells of {pairs}, none of which is {wanted}: name the frames so"
+        return NO_ORIENTATION
+
+    def _notes(self) -> Iterator[str]:
+        kept = self._kept
+        if kept.disordered:
+            yield (
+                f"{kept.disordered} estimates were stamped before one that had come, and are left out: is there one "
+                "publisher, and does time never jump back?"
+            )
+        if self._given_up:
+            yield f"{self._given_up} estimates came before any truth, and are left out."
+        if kept.stride > 1:
+            yield (
+                f"One in {kept.stride} of {kept.count} estimates was kept for the score. RMS, largest error and limits "
+                f"are of all {self.tally.count} that could be compared; gaps below {2.5 * kept.stride:g} samples "
+                "are not seen."
+            )
+
+    @property
+    def _frames(self) -> Frames | None:
+        return self._motion().frames
+
+    def _motion(self, poses: tuple[Integers, Array] | None = None) -> TrueMotion:
+        segments = tuple(sorted(self._segments.values(), key=lambda segment: segment.start_ns))
+        if poses is None:
+            return TrueMotion(segments, None)
+        assert self._pose_template is not None
+        return TrueMotion(segments, _track(self._pose_template, *poses))
+
+    def _recent_motion(self, since_ns: int) -> TrueMotion:
+        """By the latest poses, without the segments that had ended at a time: each costs as much as many samples."""
+        recent = [np.concatenate(parts) for parts in zip(*self._recent, strict=True)]
+        true = self._motion((recent[0], recent[1]) if recent else None)
+        ended = sum(segment.start_ns <= since_ns for segment in true.segments[1:])
+        return replace(true, segments=true.segments[ended:])
+
+    def _truth(self, true: TrueMotion, stamps: Integers) -> Truth:
+        """The truth from the first estimate on: of a scenario it is known, also where no pose was heard yet."""
+        truth = true.until(int(stamps[-1]))
+        start = int(self.first_ns if self.first_ns is not None else stamps[0])
+        if true.segments:
+            truth.first_ns = true.segments[0].start_ns
+            if truth.last_ns < stamps[-1] <= truth.last_ns + LENIENCE_NS:
+                truth.last_ns = int(stamps[-1])
+        if truth.first_ns < start <= truth.last_ns:
+            truth.first_ns = start
+        return truth
+
+    def _read_poses(self) -> None:
+        if self._poses is None or not self._poses.unread:
+            return
+        found = attitudes_of(self._poses.topic, self._poses.message_type, self._poses.taken())
+        for track in found.values():
+            self._pose_template = self._pose_template or track
+            if (track.frame, track.child_frame) == (self._pose_template.frame, self._pose_template.child_frame):
+                ordered = self._kept_poses.add(track.stamps_ns, track.attitude_xyzw)
+                self._recent += [ordered] if len(ordered[0]) else []
+
+    def _read_estimates(self) -> list[tuple[Integers, Array]]:
+        if not self._heard.unread:
+            return []
+        found = attitudes_of(self._heard.topic, self._heard.message_type, self._heard.taken())
+        track = found.get(self._chosen(found))
+        if track is None or not track.stamps_ns.size:
+            return []
+        self._template = self._template or track
+        numbers = track.attitude_xyzw
+        if track.covariance is not None:
+            numbers = np.concatenate([numbers, track.covariance.reshape(-1, 9)], axis=1)
+        stamps, numbers = self._kept.add(track.stamps_ns, numbers)
+        if not len(stamps):
+            return []
+        self.first_ns = int(stamps[0]) if self.first_ns is None else self.first_ns
+        self.last_ns = int(stamps[-1])
+        finite = np.isfinite(numbers[:, :4]).all(axis=1) & numbers[:, :4].any(axis=1)
+        return [(stamps[finite], numbers[finite])] if finite.any() else []
+
+    def _chosen(self, found: dict[Frames, AttitudeTrack]) -> Frames:
+        """The frames of the estimate: of transforms those of the scenario, else those of all messages."""
+        self._pairs |= dict.fromkeys(found)
+        if self._heard.message_type == TF_MESSAGE and self._frames is not None:
+            return self._frames
+        if len(self._pairs) > 1:
+            pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
+            raise InputError(f"topic {self._heard.topic} is of the frames {pairs}: let one node publish one body")
+        return next(iter(self._pairs), ("", ""))
+
+
+def _track(template: AttitudeTrack, stamps: Integers, numbers: Array) -> AttitudeTrack:
+    """Rows of attitudes, and of covariances where there are more numbers, as a track like another."""
+    covariance = numbers[:, 4:].reshape(-1, 3, 3) if numbers.shape[1] > 4 else None
+    return replace(template, stamps_ns=stamps, attitude_xyzw=numbers[:, :4], covariance=covariance)
+
+
+MOST_BLOCKS: Final = 2000
+"""Pieces of what is kept, before they are joined."""

@@ -1,0 +1,291 @@
+"""Sensors with faults, and those of attitude and sun: honest ones pass, and any change is named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tampering import Message, at, on, tamper, with_numbers
+from test_certified_sensors import (
+    BIAS,
+    COARSE,
+    FORCE,
+    IMU,
+    MAG,
+    MOTIONS,
+    NOISY,
+    VALUES,
+    broken,
+    declared,
+    laws,
+    recorded,
+    write,
+)
+
+from lie_rigid_body.certificate import certify, readings, sensor_topics
+from lie_rigid_body.recording.bag_reader import Bag
+
+ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
+
+
+def episodes(name: str, interval: float = 0.2, duration: float = 0.05) -> dict[str, object]:
+    return {f"{name}_interval": interval, f"{name}_duration": duration}
+
+
+AXES: dict[str, dict[str, object]] = {
+    "spikes": {"gyro_spike_probability": 0.05, "magnetometer_spike_probability": 0.05},
+    "bursts": episodes("gyro_noise_burst") | episodes("accelerometer_noise_burst"),
+    "stuck": episodes("accelerometer_stuck") | episodes("magnetometer_stuck") | episodes("gyro_stuck"),
+    "stuck again": episodes("accelerometer_stuck", 0.1, 0.1) | episodes("magnetometer_stuck", 0.1, 0.1),
+    "saturation": episodes("gyro_saturation") | episodes("magnetometer_saturation"),
+    "drift": {"gyro_temperature_drift": 0.1, "magnetometer_temperature_drift": 1e-6},
+    "disturbance": episodes("magnetic_disturbance"),
+}
+EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
+DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
+    "clock offset": ({"magnetometer_clock_offset": -1.3}, (MAG,)),
+    "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
+}
+"""Parameters, and the topics that no law reads then."""
+LATER: dict[str, object] = {
+    "attitude_sensor_rate": 10.0,
+    "attitude_sensor_cross_boresight_noise": 1e-4,
+    "attitude_sensor_roll_noise": 1e-3,
+    "sun_sensor_rate": 25.0,
+    "sun_sensor_noise": 1e-3,
+    "imu_orientation": True,
+    "imu_inclination_noise": 0.003,
+    "imu_heading_noise": 0.01,
+}
+"""Attitude sensor, sun sensor and AHRS."""
+PERFECT: dict[str, object] = {key: value for key, value in LATER.items() if not key.endswith("noise")}
+POINTING = ("IMU orientation", "attitude sensor", "attitude sensor covariance", "sun sensor")
+ALL = (IMU, BIAS, MAG)
+START: dict[str, object] = {"motion": "closed_form", **FORCE, **NOISY}
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_faults_of_axes_are_computed_anew(tmp_path, name):
+    found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 1.0))))
+    assert found.passed, found.messages
+    assert found.sensors == ALL
+    assert all(law.worst == 0.0 for value in VALUES for law in laws(found, value))
+    assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
+
+
+@pytest.mark.parametrize("motion", ["dmv20", "rkmk4"])
+def test_faults_of_axes_after_steps_and_a_converter(tmp_path, motion):
+    parameters = {**MOTIONS[motion], **FORCE, **NOISY, **COARSE, **EVERY, "gyro_rate": "integrated"}
+    stages = [(parameters, 0.6), ({**parameters, "sensor_seed": 3}, 0.4)]
+    found = certify(Bag(write(tmp_path / "a.mcap", *stages)))
+    assert found.passed, found.messages
+    assert found.sensors == ALL
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_faults_of_axes_that_began_before_a_recorder_did(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(readings, "BLOCK", 7)
+    path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 1.0))
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.213))))
+    assert found.passed, found.messages
+    assert found.sensors == ALL
+    assert all(law.worst == 0.0 for value in VALUES for law in laws(found, value))
+
+
+def test_a_stuck_axis_that_would_mostly_be_computed_in_vain_is_not(tmp_path, monkeypatch):
+    monkeypatch.setattr(sensor_topics, "_MOST_IN_VAIN", 50)
+    path = write(tmp_path / "a.mcap", ({**START, **AXES["stuck"]}, 0.5))
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.3))))
+    assert found.passed, found.messages
+    assert found.sensors == (BIAS, MAG)
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_faults_of_axes_that_are_declared_away_are_missed(tmp_path, name):
+    path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 0.5))
+    none = dict.fromkeys((key for key in AXES[name] if not key.endswith("duration")), 0.0)
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", declared(**none))))
+    assert broken(found) & set(VALUES)
+
+
+def test_a_spike_that_is_smoothed_away_is_named(tmp_path):
+    path = write(tmp_path / "a.mcap", ({**START, "gyro_spike_probability": 0.01, "gyro_spike_size": 50.0}, 0.5))
+
+    def smoothed(numbers: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(numbers) > 20.0, numbers - np.sign(numbers) * (50.0 - 1e-9), numbers)
+
+    change = on(IMU, lambda ms: [with_numbers(m, 24, smoothed) if largest(m) > 20.0 else m for m in ms])
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+    assert broken(found) == {"gyro"}
+    assert "rad/s off what the scenario determines" in found.messages[0]
+
+
+def largest(message: Message) -> float:
+    """Size of the largest component of an angular velocity."""
+    return float(np.abs(np.frombuffer(message.data[-192:-168])).max())
+
+
+LOST: dict[str, object] = {
+    "imu_dropout_probability": 0.2,
+    "sun_sensor_dropout_probability": 1.0,
+    "fault_begin": 0.05,
+    **episodes("magnetometer_outage"),
+    **episodes("attitude_sensor_outage", 0.3, 0.3),
+}
+
+
+def test_readings_that_are_lost_are_not_missed(tmp_path):
+    start = {**START, **LATER, **LOST}
+    path = write(tmp_path / "a.mcap", (start, 0.6), ({**start, "sensor_seed": 3}, 0.2), ({**START, **LATER}, 0.2))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert all(law.worst == 0.0 for value in (*VALUES, *POINTING) for law in laws(found, value))
+
+
+@pytest.mark.parametrize("topic", [IMU, BIAS, MAG])
+def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
+    path = write(tmp_path / "a.mcap", ({**START, **LOST}, 0.6))
+    whole = write(tmp_path / "whole.mcap", (START, 0.6))
+    stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
+    missing = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:20], *ms[21:]]))))
+    assert broken(missing) == {stamps}
+    assert f"{topic}: gap, reading " in missing.messages[0]
+    extra: list[Message] = []
+    tamper(whole, tmp_path / "c.mcap", lambda ms: extra.extend(m for m in ms if m.topic == topic) or ms)  # type: ignore[func-returns-value]
+
+    def filled(messages: list[Message]) -> list[Message]:
+        known = {m.log_time for m in messages}
+        return sorted([*messages, *(m for m in extra if m.log_time not in known)], key=lambda m: m.log_time)
+
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, filled))))
+    assert broken(found) == {stamps}
+    assert f"{topic}: there is reading " in found.messages[0]
+
+
+LATE: dict[str, object] = {
+    "imu_latency": 0.02,
+    "imu_latency_jitter": 0.01,
+    "imu_dropout_probability": 0.1,
+    "magnetometer_latency": 0.05,
+    "attitude_sensor_latency_jitter": 0.3,
+}
+
+
+def test_readings_that_are_late_are_certified(tmp_path):
+    start = {**START, **LATER, **LATE}
+    stages = [(start, 0.6), ({**start, "imu_frame": "other", "sensor_seed": 3}, 0.2), ({**START, **LATER}, 0.2)]
+    path = write(tmp_path / "a.mcap", *stages, (start, 0.3))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert all(law.worst == 0.0 for value in (*VALUES, *POINTING) for law in laws(found, value))
+
+
+def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
+    path = write(tmp_path / "a.mcap", ({**START, **LATE}, 0.4))
+    sooner = on(IMU, at(20, lambda m: m._replace(log_time=m.log_time - 1)))
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", sooner)))
+    assert broken(found) == {"log times"}
+    assert "1 messages are not logged" in found.messages[0]
+
+
+@pytest.mark.parametrize("name", DELIVERY)
+def test_sensors_whose_clock_errs_are_listed_and_break_no_law(tmp_path, name):
+    parameters, topics = DELIVERY[name]
+    found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
+    assert found.passed, found.messages
+    assert found.sensors == tuple(topic for topic in ALL if topic not in topics)
+    for topic in topics:
+        [said] = [text for text in found.not_certified if text.startswith(f"topic {topic} ")]
+        assert said.endswith("its readings are stamped by a clock that errs")
+    assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
+
+
+@pytest.mark.parametrize("sensors", [LATER, PERFECT], ids=["noisy", "perfect"])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_attitude_sun_and_orientation_are_computed_anew(tmp_path, motion, sensors):
+    start = {**MOTIONS[motion], **sensors}
+    stages = [(start, 0.6), ({**start, "sensor_seed": 3}, 0.2), ({**start, "sun_sensor_rate": 0.0}, 0.2)]
+    path = write(tmp_path / "a.mcap", *stages)
+    for change in (lambda ms: ms, recorded(0.213)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        for name in POINTING:
+            assert all(law.worst <= 0.5 * law.limit or law.worst == 0.0 for law in laws(found, name))
+            if motion == "closed form":
+                assert all(law.worst == 0.0 for law in laws(found, name))
+            assert len(laws(found, name)) >= 2
+
+
+@pytest.fixture(scope="module")
+def pointing(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("bags") / "a.mcap", ({**MOTIONS["dmv20"], **LATER}, 0.6))
+
+
+@pytest.mark.parametrize(
+    ("topic", "from_end", "law"),
+    [
+        (IMU, 37, "IMU orientation"),
+        (IMU, 33, "IMU frame and covariances"),
+        (ATTITUDE, 40, "attitude sensor"),
+        (ATTITUDE, 36, "attitude sensor covariance"),
+        (ATTITUDE, 1, "attitude sensor covariance"),
+        (ATTITUDE, 43, "attitude sensor frame and position"),
+        (SUN, 3, "sun sensor"),
+        (SUN, 1, "sun sensor"),
+    ],
+)
+@pytest.mark.parametrize("by", [1e-11, np.nan])
+def test_another_orientation_or_direction_is_named(pointing, tmp_path, topic, from_end, law, by):
+    change = lambda numbers: np.concatenate([[numbers[0] + by], numbers[1:]])  # noqa: E731
+    tampered = on(topic, at(4, lambda m: with_numbers(m, from_end, change)))
+    found = certify(Bag(tamper(pointing, tmp_path / "b.mcap", tampered)))
+    assert broken(found) == {law}
+    assert found.messages[0].startswith(f"{topic}: ")
+    assert "at reading 4," in found.messages[0]
+
+
+@pytest.mark.parametrize("topic", [ATTITUDE, SUN])
+def test_a_missing_or_renamed_reading_is_named(pointing, tmp_path, topic):
+    sensor = "sun sensor" if topic == SUN else "attitude sensor"
+    missing = certify(Bag(tamper(pointing, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:3], *ms[4:]]))))
+    assert missing.messages == (f"{topic}: gap, reading 3 is missing",)
+    assert broken(missing) == {f"{sensor} stamps"}
+    frame = (b"base_link", b"basa_link") if topic == SUN else (b"world", b"warld")
+    renamed = on(topic, at(3, lambda m: m._replace(data=m.data.replace(*frame))))
+    [name] = broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", renamed))))
+    assert name.startswith(f"{sensor} frame")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "law"),
+    [
+        ("attitude_sensor_roll_noise", 1.0001e-3, "attitude sensor covariance"),
+        ("attitude_sensor_boresight", [0.0, 0.1, 1.0], "attitude sensor"),
+        ("sun_direction", [0.0, 1e-9, 1.0], "sun sensor"),
+        ("sun_sensor_noise", 0.0, "sun sensor"),
+        ("imu_heading_noise", 0.0100001, "IMU frame and covariances"),
+        ("imu_orientation", False, "IMU frame and covariances"),
+        ("sensor_seed", 1, "IMU orientation"),
+    ],
+)
+def test_attitude_and_sun_sensors_that_are_declared_otherwise_are_caught(pointing, tmp_path, name, value, law):
+    assert law in broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", declared(**{name: value})))))
+
+
+def test_a_reset_that_switches_the_orientation_is_told(tmp_path):
+    start = {**START, **LATER}
+    found = certify(Bag(write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3))))
+    assert found.passed, found.messages
+    assert found.sensors == (BIAS, MAG, ATTITUDE, SUN)
+    assert any("a reset changes whether it tells an orientation" in text for text in found.not_certified)
+
+
+def test_a_fault_of_one_segment_takes_its_topic_from_all(tmp_path):
+    faulty = {**START, "magnetometer_clock_offset": 3.0}
+    found = certify(Bag(write(tmp_path / "a.mcap", (START, 0.3), (faulty, 0.3), (START, 0.3))))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS)

@@ -1,0 +1,54 @@
+"""Residuals over time: the largest of each interval, whatever the blocks they come in, and no other certificate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.certificate.residuals_over_time import INTERVALS, LawOverTime, ResidualsOverTime
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+
+@pytest.mark.parametrize("block", [1, 7, 997, 10_000])
+def test_the_largest_of_each_interval_is_kept(block):
+    rng = np.random.default_rng(0)
+    stamps = 5_000_000_000 + np.cumsum(rng.integers(1, 40_000_000, size=3000))
+    residuals, limits = rng.random(3000), 0.5 + rng.random(3000)
+    residuals[1234] = np.nan
+    law = LawOverTime("rad", int(stamps[0]))
+    for i in range(0, 3000, block):
+        law.add(residuals[i : i + block], limits[i : i + block], stamps[i : i + block])
+    t, largest, limit, broken = law.series(int(stamps[0]))
+    assert INTERVALS / 2 <= len(t) <= INTERVALS
+    length = np.diff(t).min()
+    weights = np.where(np.isnan(residuals), np.inf, residuals)
+    for k, middle in enumerate(t):
+        mine = np.abs((stamps - stamps[0]) * 1e-9 - middle) <= 0.5 * length
+        assert largest[k] == weights[mine].max()
+        assert limit[k] == limits[mine].max()
+        assert broken[k] == (~(residuals[mine] <= limits[mine])).any()
+
+
+def test_to_watch_changes_nothing_and_sees_the_worst(tmp_path):
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation = Simulation(scenario)
+    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
+        for count in (1500, 700):
+            bag.begin_segment(simulation.segment)
+            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(count), None, None)))
+            simulation.reset(scenario)
+    recording, watch = read_bag(tmp_path / "bag.mcap"), ResidualsOverTime()
+    certificate = certify(recording, watch=watch)
+    assert certificate == certify(recording)
+    assert set(watch.laws) == {law.name for law in certificate.segments[0].laws} - {"stamps"}
+    for law in certificate.laws:
+        if law.name in watch.laws:
+            t, largest, _, broken = watch.laws[law.name].series(0)
+            assert largest.max() == law.worst == max(s.law(law.name).worst for s in certificate.segments)
+            assert not broken.any()
+            assert 0.0 <= t[0] <= t[-1] <= 22.0

@@ -1,0 +1,214 @@
+"""``check`` with several bags, folders of bags, and bags of several bodies."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from test_check import refused, write_bag
+
+from lie_rigid_body.certificate import Certificate
+from lie_rigid_body.cli import judgement
+from lie_rigid_body.cli.check import main
+from lie_rigid_body.cli.judgement import Judgement, judge_all
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Path:
+    """A folder with two good bags, one that breaks laws in a folder below, one cut off, and what is no bag."""
+    folder = tmp_path / "runs"
+    (folder / "poor").mkdir(parents=True)
+    (folder / ".hidden").mkdir()
+    good = write_bag(folder / "10.mcap", 40)
+    os.link(good, folder / "9.mcap")
+    os.link(good, folder / ".hidden" / "x.mcap")
+    write_bag(folder / "poor" / "run.mcap", method="rkmk1")
+    (folder / "cut.mcap").write_bytes(good.read_bytes()[:-100])
+    (folder / "runs.parquet").write_bytes(b"PAR1")
+    return folder
+
+
+def merged(target: Path, **sources: Path) -> Path:
+    """One bag with the topics of each source in the namespace of its name."""
+    with target.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "a recorder")
+        for namespace, source in sources.items():
+            channels: dict[str, int] = {}
+            with source.open("rb") as content:
+                for schema, channel, message in make_reader(content).iter_messages(log_time_order=False):
+                    assert schema is not None
+                    if channel.topic not in channels:
+                        own = writer.register_schema(schema.name, schema.encoding, schema.data)
+                        name = f"/{namespace}{channel.topic}"
+                        channels[channel.topic] = writer.register_channel(name, channel.message_encoding, own)
+                    writer.add_message(channels[channel.topic], message.log_time, message.data, message.publish_time)
+        writer.finish()
+    return target
+
+
+@pytest.fixture
+def two_bodies(tmp_path: Path) -> Path:
+    good, poor = write_bag(tmp_path / "good.mcap", 40), write_bag(tmp_path / "poor.mcap", 50, method="rkmk1")
+    return merged(tmp_path / "two.mcap", a=good, b=poor)
+
+
+def answer(capsys, *arguments: str | Path) -> tuple[int, list[str], list[str]]:
+    """Exit status, and the lines of stdout and stderr."""
+    status = main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    return status, out.splitlines(), err.splitlines()
+
+
+def test_each_bag_of_a_folder_has_a_row(runs, capsys):
+    status, out, err = answer(capsys, runs)
+    rows = [line.split() for line in out[1:5]]
+    assert [(row[0], Path(row[-1]).relative_to(runs).as_posix()) for row in rows] == [
+        ("certified", "9.mcap"),
+        ("certified", "10.mcap"),
+        ("unusable", "cut.mcap"),
+        ("BROKEN", "poor/run.mcap"),
+    ]
+    assert rows[0][1] == "40"
+    assert float(rows[0][2]) < 1e-14
+    assert "NOT CERTIFIED: of 4 bags 2 are certified, 1 broken, 1 unusable." in out
+    assert len(err) == 1
+    assert "cut off" in err[0]
+    assert status == 2  # not every bag could be judged
+
+
+def test_the_status_is_the_worst_of_all(runs, capsys):
+    good, poor = runs / "9.mcap", runs / "poor" / "run.mcap"
+    status, out, err = answer(capsys, good, runs / "10.mcap")
+    assert (status, err) == (0, [])
+    assert out[-1].startswith("CERTIFIED: all 2 bags, attitude within")
+    assert answer(capsys, good, poor)[0] == 1
+    assert answer(capsys, runs / "poor", poor)[0] == 1
+    assert answer(capsys, poor, good, runs / "absent.mcap")[0] == 2
+
+
+def test_a_bag_that_is_named_twice_is_judged_once(runs, capsys):
+    _, out, _ = answer(capsys, runs / "9.mcap", runs / ".." / "runs" / "9.mcap", runs)
+    assert sum(line.endswith("9.mcap") for line in out) == 1
+
+
+def test_json_of_several_has_what_each_has_alone(runs, capsys):
+    status, out, _ = answer(capsys, "--json", runs)
+    content = json.loads("\n".join(out))
+    assert status == 2
+    assert [content[key] for key in ("passed", "certified", "broken", "unusable")] == [False, 2, 1, 1]
+    good, _, cut, poor = content["bags"]
+    assert cut == {"bag": str(runs / "cut.mcap"), "body": None, "passed": None, "error": cut["error"]}
+    assert poor["passed"] is False
+    _, alone, _ = answer(capsys, "--json", runs / "9.mcap")
+    assert json.loads("\n".join(alone)) | {"body": None} == good
+
+
+def test_a_folder_without_bags_is_unusable(tmp_path, capsys):
+    assert "folder without MCAP files" in answer(capsys, tmp_path)[2][0]
+    assert main([str(tmp_path)]) == 2
+
+
+def test_a_recording_without_metadata_is_one_bag(tmp_path, capsys):
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    bag = write_bag(folder / "walk_0.mcap", 40)
+    status, out, _ = answer(capsys, folder)
+    assert (status, out[0]) == (0, str(folder))
+    bag.rename(folder / "other_0.mcap")
+    status, out, _ = answer(capsys, folder)
+    assert (status, out[1].split()[-1]) == (0, str(folder / "other_0.mcap"))
+
+
+def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
+    status, out, err = answer(capsys, two_bodies)
+    assert (status, err) == (1, [])
+    assert [line.split()[:: len(line.split()) - 1] for line in out[1:3]] == [["certified", "/a"], ["BROKEN", "/b"]]
+    content = json.loads("\n".join(answer(capsys, two_bodies, "--json")[1]))
+    assert [(bag["body"], bag["passed"]) for bag in content["bags"]] == [("/a", True), ("/b", False)]
+    assert not any("pose" in text and "messages" in text for text in content["bags"][0]["not_certified"])
+    status, out, _ = answer(capsys, two_bodies, "--topic", "pose:=/a/pose")
+    assert (status, out[0]) == (0, str(two_bodies))
+    assert "/b/pose (50 messages)" in " ".join(" ".join(out).split())
+
+
+def test_plot_draws_one_body(two_bodies, tmp_path, capsys):
+    from lie_rigid_body.cli.plot import main as plot
+
+    picture = tmp_path / "a.png"
+    assert plot([str(two_bodies), "-o", str(picture)]) == 2
+    assert "holds 2 bodies, /a, /b: say which, as by --topic pose:=/a/pose" in capsys.readouterr().err
+    assert plot([str(two_bodies), "-o", str(picture), "--topic", "pose:=/b/pose"]) == 0
+    assert picture.stat().st_size > 1000
+
+
+def test_a_proof_is_of_one_body(two_bodies, runs, capsys):
+    assert "--prove 3: more than one body" in refused(capsys, [str(two_bodies), "--prove", "3"])
+    assert "--prove 3: more than one body" in refused(capsys, [str(runs), "--prove", "3"])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("pose=/x", "not NAME:=/TOPIC"),
+        (":=/x", "not NAME:=/TOPIC"),
+        ("pos:=/x", "did you mean pose?"),
+        ("odometry:=/x", "the topics of a body are pose, twist, scenario"),
+        ("pose:=/attitude", "there is no topic /attitude: the topics of PoseStamped are /pose"),
+        ("twist:=/pose", "topic /pose is of PoseStamped, not TwistStamped or Twist"),
+    ],
+)
+def test_a_wrong_topic_is_one_line(tmp_path, capsys, text, said):
+    assert said in refused(capsys, [str(write_bag(tmp_path / "bag.mcap", 3)), "--topic", text])
+
+
+def test_a_topic_is_given_once(tmp_path, capsys):
+    arguments = [str(tmp_path / "bag.mcap"), "--topic", "pose:=/a", "--topic", "pose:=/b"]
+    assert "pose is /a already" in refused(capsys, arguments)
+
+
+def deadly(inertia, topics, bag, progress):
+    if bag == "deadly":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return [Judgement(bag, None, Certificate(()))]
+
+
+def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
+    monkeypatch.setattr(judgement, "judge", deadly)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})
+    found = judge_all(["a", "deadly", "b", "c"])
+    assert [(each.bag, each.status) for each in found] == [("a", 0), ("deadly", 2), ("b", 0), ("c", 0)]
+    assert "was killed" in found[1].reason
+
+
+def children_of(process: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_its_processes_end_with_it(tmp_path, number):
+    bag = write_bag(tmp_path / "0.mcap", 50_000, motion="closed_form")
+    for i in range(1, 9):
+        os.link(bag, tmp_path / f"{i}.mcap")
+    command = [sys.executable, "-m", "lie_rigid_body", "check", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        while not (children := children_of(process.pid)):
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    while any(Path(f"/proc/{child}/exe").exists() for child in children):
+        time.sleep(0.01)
+    assert out == ""
+    if number == signal.SIGINT:
+        assert (process.returncode, err) == (130, "lie-rigid-body check: error: interrupted\n")

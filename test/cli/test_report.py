@@ -1,0 +1,272 @@
+"""``check --report``: one page that opens offline, in a real browser, with a body that can be turned and played."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import PROGRAM, Browser
+from test_check import write_bag
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.certificate.segments import thinned_segments
+from lie_rigid_body.cli import body_figure, motion_figures
+from lie_rigid_body.cli.check import main
+from lie_rigid_body.cli.overview_page import MOST_LINES, Line, certificates_page, page
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.report import html_page
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation, Taken
+
+LARGEST = 6_000_000
+HOSTILE = "x</script><img/src=x/onerror=document.title='taken'><script>document.title='taken'</script>"
+pytest.importorskip("plotly")
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bag that tries to get a script of its own into the page, by its name and by what it declares."""
+    path = tmp_path_factory.mktemp("report") / "<img src=x onerror=document.title='taken'>.mcap"
+    parameters = {"motion": "closed_form", "world_frame": HOSTILE, "inertia": [1.4, -0.2, 0.4, 1.2, -0.1, 1.6]}
+    return write_bag(path, 400, **parameters)
+
+
+@pytest.fixture(scope="module")
+def report(bag: Path) -> Path:
+    out = bag.with_name("report.html")
+    assert main([str(bag), "--report", str(out)]) == 0
+    return out
+
+
+def figures(text: str) -> dict[str, Any]:
+    """The figures of a page by their headings."""
+    found = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    return {heading: json.loads(content) for heading, content in found}
+
+
+def test_one_file_holds_everything(report: Path) -> None:
+    from plotly.graph_objects import Figure
+
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size <= LARGEST
+    for wanted in ("CERTIFIED", "closed form", "Not certified", "&quot;inertia&quot;", "default-src 'none'"):
+        assert wanted in text
+    drawn = figures(text)
+    assert {"The body", "Body rate", "Polhode", "Herpolhode", "kinetic energy", "world momentum"} <= drawn.keys()
+    own = text[: text.index("plotly.js v")]
+    assert "<img" not in own
+    assert own.count("</script>") == len(drawn)
+    for content in drawn.values():
+        content.pop("film", None)
+        Figure(content)  # which refuses what plotly.js does not know
+
+
+@pytest.mark.long
+@pytest.mark.skipif(PROGRAM is None, reason="chromium is not installed")
+def test_a_browser_opens_plays_and_turns_it(report: Path, tmp_path: Path) -> None:
+    with Browser(tmp_path) as browser:
+        browser.open(report, 320, 700)  # small, as the graphics are in software
+        browser.evaluate("[body, slider] = [document.querySelector('.plot.body'), document.querySelector('input')], 0")
+        browser.evaluate("body.scrollIntoView()")
+        assert browser.evaluate("slider.value") == "0"
+        press(browser, "document.querySelector('button')")
+        moved = (
+            "new Promise(done => setInterval(() => slider.value > 0 && done(document.querySelector('output').value)))"
+        )
+        assert browser.evaluate(moved) not in ("", "0 s")
+        eye = "JSON.stringify(body.layout.scene.camera.eye)"
+        before = browser.evaluate(eye)
+        x, y = middle(browser, "body.querySelector('canvas')")
+        browser.mouse("Moved", x, y, held=False)
+        browser.mouse("Pressed", x, y)
+        for step in range(1, 4):
+            browser.mouse("Moved", x + 20 * step, y)
+        browser.mouse("Released", x + 60, y)
+        assert browser.evaluate(eye) != before
+        press(browser, "document.querySelector('button')")
+        assert browser.evaluate("document.querySelector('button').textContent") == "▶ play"
+        assert browser.evaluate("document.querySelectorAll('.main-svg').length") > 8
+        assert browser.evaluate("document.title").startswith("Certificate of ")
+        assert browser.requests == [report.resolve().as_uri()[:100]]
+        # plotly.js reads back text of the 3-D scene; to say so is the browser's way
+        assert [said for said in browser.complaints if not said.startswith("Canvas2D: Multiple readback")] == []
+
+
+def middle(browser: Browser, element: str) -> tuple[float, float]:
+    x, y = browser.evaluate(f"(r => [r.x + r.width / 2, r.y + r.height / 2])({element}.getBoundingClientRect())")
+    return x, y
+
+
+def press(browser: Browser, element: str) -> None:
+    x, y = middle(browser, element)
+    browser.mouse("Moved", x, y, held=False)
+    browser.mouse("Pressed", x, y)
+    browser.mouse("Released", x, y)
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    assert main([str(argument) for argument in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+def test_a_page_is_kept_and_refused_before_the_work(
+    bag: Path, report: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = report.read_bytes()
+    nothing = tmp_path / "absent.mcap"
+    assert "--force to replace it" in refused(capsys, nothing, "--report", report)
+    assert report.read_bytes() == before
+    assert "does not exist: make it" in refused(capsys, nothing, "--report", tmp_path / "no" / "a.html")
+    assert "only HTML is written" in refused(capsys, nothing, "--report", tmp_path / "a.pdf")
+    assert "absent.mcap" in refused(capsys, nothing, "--report", tmp_path / "a.html")
+    assert list(tmp_path.iterdir()) == []
+    assert main([str(bag), "--report", str(report), "--force", "--json"]) == 0
+    assert report.read_bytes() == before  # the same bytes for the same bag
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    capsys.readouterr()
+    told = refused(capsys, bag, "--report", tmp_path / "a.html")
+    assert "--report needs plotly: pip install 'lie-rigid-body[report]'" in told
+
+
+def test_the_name_of_a_file_need_not_be_unicode() -> None:
+    text = html_page.document(f"Certificate of {os.fsdecode(bytes([255]))}.mcap", [], with_figures=False).decode()
+    assert "<h1>Certificate of \\udcff.mcap</h1>" in text
+    assert "script-src 'none'" in text
+
+
+def test_a_broken_bag_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag, out = write_bag(tmp_path / "poor.mcap", 50, method="rkmk1"), tmp_path / "poor.html"
+    assert main([str(bag), "--report", str(out)]) == 1
+    assert f"wrote {out}" in capsys.readouterr().out
+    text = out.read_text(encoding="utf-8")
+    assert '<span class="badge broken">NOT CERTIFIED' in text
+    assert "exact solution" in text
+    assert "broken" in [trace["name"] for trace in figures(text)["closed form"]["data"]]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("number", [np.inf, np.nan, 1e308])
+def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    simulation = Simulation(Scenario.from_parameters())
+    samples = simulation.take(5)
+    rates = np.where(np.arange(5)[:, np.newaxis] == 2, number, samples.states.body_rate)
+    samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
+    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
+        bag.begin_segment(simulation.segment)
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+    assert main([str(tmp_path / "bag.mcap"), "--report", str(tmp_path / "out.html")]) == 1
+    assert capsys.readouterr().err == ""
+    for content in re.findall(r"json\">(.*?)</script>", (tmp_path / "out.html").read_text(encoding="utf-8")):
+        json.loads(content, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+@pytest.mark.parametrize(
+    "parameters", [{"initial_body_rate": [0, 0, 0]}, {"initial_body_rate": [0, 0, 3]}, {"inertia": [2, 2, 2]}]
+)
+@pytest.mark.parametrize("count", [1, 30])
+def test_degenerate_motions_make_a_page(parameters: dict[str, Any], count: int, tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag.mcap", count, **parameters)
+    assert main([str(bag), "--report", str(tmp_path / "out.html")]) == 0
+
+
+def test_an_impossible_body_and_another_inertia(bag: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.html"
+    assert main([str(bag), "--inertia", "1,2,3", "--report", str(out)]) == 1
+    assert "inertia [1, 2, 3]" in out.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def piece(bag: Path) -> Any:
+    [found] = thinned_segments(read_bag(bag))
+    return found
+
+
+def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
+    """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
+    content: Any = body_figure.body(piece)
+    pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
+    assert 100 < len(pictures) <= body_figure.FRAMES
+    assert len(content["film"]["times"]) == len(pictures)
+    for k in (0, len(pictures) // 2, len(pictures) - 1):
+        corners = np.stack([pictures[k][name][0] for name in "xyz"], axis=-1)
+        sides = [corners[place] - corners[0] for place in (4, 2, 1)]
+        lengths = [float(np.linalg.norm(side)) for side in sides]
+        assert max(lengths) == pytest.approx(1.0, abs=2e-3)
+        at = int(np.searchsorted(piece.stamps_ns, round(float(content["film"]["times"][k].split()[0]) * 1e9)))
+        x, y, z, w = piece.states.attitude_xyzw[at]
+        first = body.principal_axes[:, 0]
+        turned = first + 2.0 * np.cross([x, y, z], np.cross([x, y, z], first) + w * first)
+        assert abs(turned @ sides[0]) / lengths[0] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_polhode_and_herpolhode_lie_where_they_must(piece: Any) -> None:
+    body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
+    drawn: Any = motion_figures.polhode(piece)
+    path = next(trace for trace in drawn["data"] if trace.get("name") == "polhode")
+    energy = 0.5 * sum(body.principal_moments[i] * path[name] ** 2 for i, name in enumerate("xyz"))
+    np.testing.assert_allclose(energy, body.kinetic_energy(start), rtol=1e-4)
+    drawn = motion_figures.herpolhode(piece)
+    # ω · L = 2 H fixes the part along the momentum, so |ω| gives the distance from it
+    along = 2.0 * body.kinetic_energy(start) / np.linalg.norm(body.angular_momentum(start))
+    rates = np.linalg.norm(motion_figures.curve(piece).body_rate, axis=1)
+    np.testing.assert_allclose(
+        np.hypot(drawn["data"][0]["x"], drawn["data"][0]["y"]), np.sqrt(rates**2 - along**2), atol=1e-4
+    )
+
+
+def test_a_long_curve_keeps_its_peaks() -> None:
+    t, values = np.linspace(0.0, 7.0, 30_011), np.random.default_rng(0).normal(size=30_011)
+    kept = motion_figures.extremes(t, values)
+    assert len(kept) <= 2002
+    assert {int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
+    for part in range(0, 30_011, 500):
+        near = kept[(kept >= part) & (kept < part + 500)]
+        assert values[near].max() == values[part : part + 500].max() or part == 30_000
+    few = motion_figures.extremes(t[:5], values[:5])
+    assert few.tolist() == list(range(5))
+
+
+def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -> None:
+    poor = certify(read_bag(write_bag(tmp_path / "poor.mcap", 50, method="rkmk1")))
+    text = certificates_page("Bags", [(bag.name, certify(read_bag(bag))), ("<b>poor", poor)]).decode()
+    assert "1 of 2 bags CERTIFIED" in text
+    assert "<b>poor" not in text
+    drawn = figures(text)["closed form [rad]"]["data"]
+    assert [trace["name"] for trace in drawn][:2] == ["within the limit", "beyond the limit"]
+    assert [sum(trace["y"]) for trace in drawn[:2]] == [1, 1]
+
+
+def test_of_very_many_the_worst_are_listed() -> None:
+    lines = [Line((f"run {k}",), k != 700, 1e-15 * k, {"closed form [rad]": (1e-15 * k, 1e-11)}) for k in range(1500)]
+    text = page("Runs", "runs", ("run",), lines).decode()
+    listed = re.findall(r"<td>run (\d+)</td>", text)
+    assert len(listed) == MOST_LINES
+    assert [int(k) for k in listed] == [700, *range(1500 - MOST_LINES + 1, 1500)]
+    [content] = figures(text).values()
+    assert sum(content["data"][0]["y"]) == 1499
+    assert "0 in 1 runs" in text
+
+
+def test_check_of_several_bags_writes_their_page(bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    broken, out = tmp_path / "<i>no.mcap", tmp_path / "many.html"
+    broken.write_bytes(b"no bag")
+    assert main([str(bag), str(broken), "--report", str(out)]) == 2
+    assert f"wrote {out}" in capsys.readouterr().out
+    text = out.read_text(encoding="utf-8")
+    assert "1 of 2 bags CERTIFIED" in text
+    assert "Not judged" in text
+    assert "&lt;i&gt;no.mcap" in text
+    assert "<i>no.mcap" not in text

@@ -1,0 +1,109 @@
+"""The bodies of a bag, by the names of its topics and by those that a user gives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from bags import MakeBag
+from test_bag_reader import rewrite
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.bodies import Body, bodies
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+
+HERE = Path("x.mcap")
+POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING
+BODY = {"/pose": POSE, "/twist": RATE, "/lie_rigid_body/scenario": TEXT}
+
+
+def contents(topics: dict[str, str], **counts: int) -> McapContents:
+    tracks = [RawTrack(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
+    return McapContents(tracks={(track.topic, track.message_type): track for track in tracks})
+
+
+def inside(namespace: str) -> dict[str, str]:
+    return {f"{namespace}{topic}": kind for topic, kind in BODY.items()}
+
+
+def found(topics: dict[str, str], **renamed: str) -> list[Body]:
+    return bodies(HERE, contents(topics), {name.replace("__", "/"): topic for name, topic in renamed.items()})
+
+
+def names(body: Body) -> tuple[str, ...]:
+    return tuple(track.topic for track in body.tracks)
+
+
+def test_each_scenario_with_pose_and_twist_beside_it_is_a_body() -> None:
+    several = found({**inside("/b"), **inside(""), **inside("/fleet/a")})
+    assert [body.name for body in several] == ["", "/b", "/fleet/a"]
+    assert names(several[2]) == ("/fleet/a/pose", "/fleet/a/twist", "/fleet/a/lie_rigid_body/scenario")
+
+
+def test_what_others_publish_is_no_body() -> None:
+    mixed = {**BODY, "/estimate/pose": POSE, "/cmd/twist": TWIST, "/chatter": TEXT}
+    assert [names(body) for body in found(mixed)] == [tuple(BODY)]
+
+
+def test_topics_of_several_namespaces_make_one_body() -> None:
+    topics = {"/truth/pose": POSE, "/rates": RATE, "/sim/scenario": TEXT}
+    assert names(found(topics)[0]) == tuple(topics)
+
+
+def test_a_topic_that_is_named_chooses_the_body_around_it() -> None:
+    two = {**inside("/a"), **inside("/b")}
+    assert [names(body)[1] for body in found(two, pose="/b/pose")] == ["/b/twist"]
+    assert [names(body)[0] for body in found(two, scenario="/a/lie_rigid_body/scenario")] == ["/a/pose"]
+
+
+def test_topics_that_are_named_may_be_anywhere() -> None:
+    topics = {**BODY, "/truth/attitude": POSE, "/truth/twist": RATE}
+    chosen = found(topics, pose="/truth/attitude", twist="/truth/twist")
+    assert [names(body) for body in chosen] == [("/truth/attitude", "/truth/twist", "/lie_rigid_body/scenario")]
+    near = found({**topics, "/cmd/twist": RATE}, pose="/truth/attitude")
+    assert names(near[0])[1] == "/truth/twist"
+
+
+def test_a_scenario_that_is_named_is_the_only_one() -> None:
+    topics = {**BODY, "/traffic/scenario": TEXT}
+    assert names(found(topics, scenario="/lie_rigid_body/scenario")[0]) == tuple(BODY)
+
+
+def sensors(body: Body) -> dict[str, str]:
+    return {name: track.topic for name, track in body.sensors.items()}
+
+
+def test_sensors_belong_to_the_body_of_their_namespace() -> None:
+    two = found({**inside("/a"), **inside("/b"), "/a/imu/data_raw": IMU, "/imu/bias": IMU})
+    assert [sensors(body) for body in two] == [{"imu/data_raw": "/a/imu/data_raw"}, {}]
+    one = found({**BODY, "/front/imu/data_raw": IMU})
+    assert sensors(one[0]) == {"imu/data_raw": "/front/imu/data_raw"}
+    named = found({**BODY, "/front/imu/data_raw": IMU, "/imu2": IMU}, imu__data_raw="/imu2")
+    assert sensors(named[0]) == {"imu/data_raw": "/imu2"}
+
+
+@pytest.mark.parametrize(
+    ("topics", "renamed", "said"),
+    [
+        (BODY, {"pose": "/pos"}, "no topic /pos: did you mean /pose"),
+        (BODY, {"pose": "/twist"}, "/twist is of TwistStamped, not PoseStamped: the topics of PoseStamped are /pose"),
+        (BODY, {"imu__mag": "/x"}, "no topic /x: no topic is of MagneticField"),
+        ({**BODY, "/a/pose": POSE, "/a/scenario": TEXT}, {}, "/a/scenario and no topic /a/twist: record it"),
+        ({**BODY, "/other/scenario": TEXT}, {}, "several topics .*scenario:=/lie_rigid_body/scenario"),
+        ({"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT}, {}, "several .*pose:=/truth/pose"),
+    ],
+)
+def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[str, str], said: str) -> None:
+    with pytest.raises(BagError, match=said) as caught:
+        found(topics, **renamed)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_renamed_bag_is_read_by_the_names_that_are_given(make_bag: MakeBag, tmp_path: Path) -> None:
+    own = make_bag(count=5)
+    path = rewrite(own, tmp_path / "x.mcap", lambda topic: {"/pose": "/truth/attitude"}.get(topic, topic))
+    bag = Bag(path, topics={"pose": "/truth/attitude"})
+    assert (bag.pose_topic, bag.twist_topic) == ("/truth/attitude", "/twist")
+    assert sum(len(poses.stamps_ns) for poses, _ in bag.batches()) == 5

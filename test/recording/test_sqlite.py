@@ -1,0 +1,75 @@
+"""Bags that rosbag2 wrote with SQLite, by the library that reads them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import MakeBag
+from mcap.reader import make_reader
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_reader import Bag, read_bag
+
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+
+
+def converted(source: Path, target: Path) -> Path:
+    """The same messages as a folder of rosbag2 with an SQLite file."""
+    from rosbags.interfaces import MessageDefinitionFormat as Format
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_JAZZY)
+    assert Format.MSG
+    with rosbag2.Writer(target, version=9, storage_plugin=rosbag2.StoragePlugin.SQLITE3) as writer:
+        connections = {}
+        with source.open("rb") as stream:
+            for schema, channel, message in make_reader(stream).iter_messages():
+                assert schema is not None
+                if channel.topic not in connections:
+                    connections[channel.topic] = writer.add_connection(channel.topic, schema.name, typestore=types)
+                writer.write(connections[channel.topic], message.log_time, message.data)
+    return target
+
+
+@pytest.fixture
+def folder(make_bag: MakeBag, tmp_path: Path) -> Path:
+    return converted(make_bag(count=300), tmp_path / "walk")
+
+
+def test_a_folder_of_sqlite_holds_what_its_messages_are(folder: Path, tmp_path: Path) -> None:
+    own, found = read_bag(tmp_path / "bag.mcap"), read_bag(folder)
+    np.testing.assert_array_equal(found.poses.attitudes_xyzw, own.poses.attitudes_xyzw)
+    np.testing.assert_array_equal(found.twists.log_times_ns, own.twists.log_times_ns)
+    certificate = certify(Bag(folder))
+    assert certificate.passed
+    assert certificate.attitude_accuracy == certify(own).attitude_accuracy
+    assert "bytes that no law reads: parts without a checksum: 1" in certificate.not_certified
+    (folder / "metadata.yaml").unlink()
+    assert certify(Bag(folder)).passed
+
+
+def test_its_metadata_must_fit(folder: Path) -> None:
+    metadata = folder / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace("storage_identifier: sqlite3", "storage_identifier: mcap"))
+    with pytest.raises(BagError, match="does not fit its files: storage_identifier: 'mcap' said, 'sqlite3' found"):
+        Bag(folder)
+
+
+def test_a_damaged_database_is_one_line(folder: Path) -> None:
+    (file,) = folder.glob("*.db3")
+    content = file.read_bytes()
+    for damaged in (b"", content[: len(content) // 2], content[:100] + bytes(len(content) - 100), b"hello"):
+        file.write_bytes(damaged)
+        with pytest.raises(BagError) as caught:
+            Bag(folder)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_without_the_library_it_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
+    with pytest.raises(BagError, match=r"pip install 'lie-rigid-body\[sqlite\]'"):
+        Bag(folder)

@@ -1,0 +1,214 @@
+"""The live evaluator beside a real simulator and real estimators: what it says, publishes, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from threading import Thread
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import pytest
+from simulator_process import DEADLINE, SimulatorProcess, assignments, eventually
+
+from lie_rigid_body.ros.evaluate import main
+from ros_domains import own_domain
+
+if find_spec("rclpy"):
+    from diagnostic_msgs.msg import DiagnosticArray
+    from geometry_msgs.msg import PoseStamped, Vector3Stamped
+    from peer import Peer
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+    from sensor_msgs.msg import Imu
+
+    from lie_rigid_body.ros.following import Following
+    from lie_rigid_body.ros.node import OF_EVERY_NODE
+
+ESTIMATOR = Path(__file__).parents[2] / "examples" / "complementary_filter" / "complementary_filter_node.py"
+BENCH = assignments(
+    rate=20.0, imu_rate=20.0, magnetometer_rate=20.0, gyro_rate="integrated", accelerometer_mode="pivot_gravity"
+)
+"""So slow that a loaded machine loses nothing on the way through a filter in Python."""
+
+
+class Process:
+    """A process whose lines are kept; leaving the context kills it if it still runs."""
+
+    def __init__(self, domain: int, *command: str) -> None:
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        self.process = subprocess.Popen(
+            [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+        )
+        self.said: list[str] = []
+        self.complained: list[str] = []
+        streams = (self.process.stdout, self.said), (self.process.stderr, self.complained)
+        self._readers = [Thread(target=self._read, args=pair, daemon=True) for pair in streams]
+        for reader in self._readers:
+            reader.start()
+
+    @staticmethod
+    def _read(stream: Any, lines: list[str]) -> None:
+        for line in stream:
+            lines.append(line.rstrip("\n"))
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.process.kill()
+        self.wait()
+
+    def wait(self) -> int:
+        status = self.process.wait(DEADLINE)
+        for reader in self._readers:
+            reader.join(DEADLINE)
+        return status
+
+    def heard(self, word: str) -> bool:
+        assert self.process.poll() is None, self.complained
+        return any(word in line for line in self.complained)
+
+
+def evaluator(domain: int, name: str, *arguments: str, estimate: str, **parameters: object) -> Process:
+    ros = ["-r", f"__node:={name}", "-r", f"estimate:={estimate}", *assignments(**parameters)]
+    return Process(domain, "-m", "lie_rigid_body", "evaluate", *arguments, "--ros-args", *ros)
+
+
+@pytest.fixture(scope="module")
+def domain(isolated_ros: None) -> Iterator[int]:
+    """A domain in which a simulator and the filter of the examples run."""
+    with (
+        own_domain() as number,
+        SimulatorProcess("--scenario", "tumbling_cubesat", *BENCH, domain=number),
+        Process(number, str(ESTIMATOR)),
+    ):
+        yield number
+
+
+@pytest.fixture
+def others(domain: int) -> Iterator[Peer]:
+    """A node that publishes the inverse of the truth, and may lose some."""
+    with Peer("others", domain) as peer:
+        lossy = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+        inverse = peer.node.create_publisher(PoseStamped, "/inverse", lossy)
+
+        def publish(pose: PoseStamped) -> None:
+            q = pose.pose.orientation
+            q.x, q.y, q.z = -q.x, -q.y, -q.z
+            inverse.publish(pose)
+
+        peer.node.create_subscription(PoseStamped, "/pose", publish, 1000)
+        yield peer
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
+    with (
+        evaluator(domain, "good", "--json", "--duration", "3", "--max-rms", "1deg", estimate="/imu/data") as good,
+        evaluator(domain, "bad", "--json", estimate="/inverse", max_rms="1deg") as bad,
+    ):
+        errors = others.listen(Vector3Stamped, "/bad/error")
+        reports = others.listen(DiagnosticArray, "/diagnostics")
+        others.spin_until(lambda: good.process.poll() is not None, "an evaluator that ends by itself")
+        assert good.wait() == 0, good.complained
+        content = json.loads("\n".join(good.said))
+        assert (content["topic"], content["type"]) == ("/imu/data", "sensor_msgs/msg/Imu")
+        assert (content["bag"], content["truth"]) == (None, "poses and scenario")
+        assert content["samples"] > 50
+        assert (content["findings"], content["notes"]) == ([], [])
+        assert content["total_deg"]["max"] < 1e-6
+
+        # a reset begins another scenario: the truth is still known
+        others.spin_until(lambda: errors, "an error")
+        assert others.call("reset").success
+        seen = len(errors)
+        others.spin_until(lambda: len(errors) > seen + 20, "errors after the reset")
+        bad.process.send_signal(signal.SIGTERM)
+        others.spin_until(lambda: bad.process.poll() is not None, "its end")
+        assert bad.wait() == 1, bad.complained
+        content = json.loads("\n".join(bad.said))
+        [finding] = [finding for finding in content["findings"] if finding["code"] == "inverted"]
+        assert content["notes"] == []
+        assert finding["rms_deg_after"] < 1e-6, content
+        assert len(content["broken"]) == 1
+        told = [np.degrees([e.vector.x, e.vector.y, e.vector.z]) for e in errors]
+        assert max(total for total, *_ in told) <= content["total_deg"]["max"] * (1.0 + 1e-9)
+        assert all(total >= max(heading, inclination) - 1e-9 for total, heading, inclination in told)
+        assert any("above the limit of 1°" in status.message for status in of("bad", reports))
+
+
+def of(name: str, arrays: list[Any]) -> list[Any]:
+    return [status for array in arrays for status in array.status if status.name == f"/{name}: attitude error"]
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--ros-args -r estimate:=/twist", "topic /twist is of TwistStamped: give PoseStamped, "),
+        ("--ros-args -r estimate:=/pose -r truth:=/twist", "topic /twist is of TwistStamped"),
+        ("--ros-args -p max_rmse:=1deg", "parameter max_rmse is unknown: did you mean max_rms"),
+        ("--ros-args -p max_rms:=1", "'1' is not an angle such as 1deg"),
+        ("--duration -1", "duration: -1.0 is not a time above 0"),
+        ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
+        ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),
+    ],
+)
+def test_unusable_input_is_status_2(
+    arguments: str, said: str, domain: int, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    assert main(arguments.split()) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert said in err.splitlines()[-1]
+
+
+@pytest.mark.ros
+def test_interrupted_before_an_estimate_came(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Following, "look", lambda self: os.kill(os.getpid(), signal.SIGINT))
+    assert main(["--ros-args", "-r", "estimate:=/imu/data"]) == 130
+    assert "interrupted: there is no topic /imu/data: attitudes are on no topic" in capfd.readouterr().err
+
+
+def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    assert main([]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "rclpy is not installed" in line
+
+
+@pytest.mark.ros
+def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
+    from std_msgs.msg import String
+
+    from lie_rigid_body import InputError
+    from lie_rigid_body.evaluation import Limits
+
+    for name in ("a", "b"):
+        peer.node.create_publisher(String, f"/{name}/lie_rigid_body/scenario", 1)
+        peer.node.create_publisher(PoseStamped, f"/{name}/pose", 1)
+    for topic in ("/a/imu/data", "/imu/data"):
+        peer.node.create_publisher(Imu, topic, 1)
+    with Peer("evaluator") as other:  # a graph of its own
+        following = Following(other.node, Limits())
+        eventually(lambda: len(following.published().keys() - {*OF_EVERY_NODE}) == 6, "all topics")
+        assert "attitudes are on /a/imu/data, /a/pose, /b/pose, /imu/data of domain" in following.silence()
+        following.estimate = "/a/imu/data"
+        following.look()
+        assert set(following._subscriptions) == {"/a/imu/data", "/a/lie_rigid_body/scenario", "/a/pose"}
+        following.estimate, following.live = "/imu/data", None
+        with pytest.raises(InputError, match=r"there are several topics .../scenario: /a/.*, /b/.*: say which"):
+            following.look()

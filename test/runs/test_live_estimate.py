@@ -1,0 +1,209 @@
+"""An estimate that is followed message by message has the score of its bag, and its memory is bounded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from estimates import NS, STORE, beside, messages
+from mcap.reader import make_reader
+
+from lie_rigid_body import InputError, LieRigidBodyError, Run, Scenario
+from lie_rigid_body.evaluation import Limits, Score, evaluate
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.runs.live_estimate import Kept, LiveEstimate
+from lie_rigid_body.runs.recorded_estimate import recorded_estimate
+from lie_rigid_body.simulation import Simulation
+
+SIZE = np.radians(0.5)
+HOW = messages(np.eye(3) * SIZE**2)
+LIMITS = Limits.parse("1deg", ("1s:1.2deg", "100s:1deg"))
+MOTION: dict[str, Any] = {"initial_body_rate": [0.4, 0.6, -0.3], "rate": 25.0, "motion": "closed_form"}
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six seconds with a reset to another start after three."""
+    path = tmp_path_factory.mktemp("live") / "own.mcap"
+    simulation = Simulation(Scenario.from_parameters(MOTION))
+    with BagWriter(path, stamped_twist=True) as bag:
+        for end, rate in ((3, None), (6, [-0.2, 0.5, 0.4])):
+            if rate:
+                simulation.reset(Scenario.from_parameters({**MOTION, "initial_body_rate": rate}))
+            bag.begin_segment(simulation.segment)
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(simulation.take_until(end * NS - 1, 10**6)))
+    return path
+
+
+@pytest.fixture(scope="module")
+def stamps(own: Path) -> np.ndarray:
+    """Between those of the truth."""
+    return Run.from_bag(own).t_ns[:-1] + 3_000_000
+
+
+@pytest.fixture(scope="module")
+def noisy(own: Path, stamps: np.ndarray) -> np.ndarray:
+    noise = np.random.default_rng(2).normal(size=(len(stamps), 3)) * SIZE
+    return quaternion.multiply(quaternion.exp(noise), Run.from_bag(own).attitude().at(stamps))
+
+
+def of(bag: Path) -> Iterator[tuple[str, bytes]]:
+    with bag.open("rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages():
+            yield channel.topic, message.data
+
+
+def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: Any) -> LiveEstimate:
+    """The messages of a bag as a live evaluator hears them, some tens at a time."""
+    live = LiveEstimate("/estimate", kind, LIMITS, **settings)
+    for i, (topic, payload) in enumerate(of(bag)):
+        if topic in without:
+            continue
+        if topic == "/estimate":
+            live.hear_estimates([payload])
+        elif topic == "/pose":
+            live.hear_poses(topic, POSE_STAMPED, [payload])
+        elif topic.endswith("/scenario"):
+            live.hear_scenario(payload)
+        if i % 20 == 0:
+            live.judge()
+    return live
+
+
+def scored(bag: Path) -> Score:
+    read = recorded_estimate(bag, "/estimate")
+    track = read.track
+    return evaluate(track.stamps_ns, track.attitude_xyzw, read.truth, limits=LIMITS, covariance=read.covariance)
+
+
+@pytest.mark.parametrize("kind", [POSE_STAMPED, IMU, ODOMETRY, TF_MESSAGE])
+def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "bag.mcap", (kind, HOW[kind], "/estimate", stamps, noisy))
+    live = followed(bag, kind)
+    read, score = live.score()
+    expected = scored(bag)
+    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert (read.source, len(read.segments), read.notes) == ("poses and scenario", 2, ())
+    assert len(score.broken) == 2
+    # what is said on the way is the same, of all that could be compared
+    assert live.tally.count == live.messages == score.samples
+    assert live.tally.rms_deg == pytest.approx([score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms])
+    assert live.tally.broken() == expected.broken
+
+
+@pytest.mark.parametrize(("without", "source"), [("/pose", "scenario"), ("/lie_rigid_body/scenario", "poses")])
+def test_scenario_or_poses_alone(without, source, own, stamps, noisy, tmp_path):
+    # poses alone cannot be joined across the reset
+    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])
+    bag = beside(own, tmp_path / "bag.mcap", topic, without=f"/twist {without}")
+    read, score = followed(bag, POSE_STAMPED).score()
+    assert read.source == source
+    assert score.total_deg == scored(bag).total_deg
+
+
+def test_one_that_begins_late_is_not_reproached(own, stamps, noisy, tmp_path):
+    """Who subscribes to a filter that runs already hears nothing of what it did before."""
+    bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[50:], noisy[50:]))
+    assert [finding.code for finding in scored(bag).findings] == ["gaps"]
+    assert followed(bag, POSE_STAMPED).score()[1].findings == ()
+    assert followed(bag, POSE_STAMPED, without=("/pose",)).score()[1].findings == ()
+
+
+def test_of_a_long_run_little_is_kept_and_limits_hold_for_all(own, stamps, noisy, tmp_path):
+    spoilt = noisy.copy()
+    spoilt[101] = quaternion.multiply(quaternion.exp(np.array([0.3, 0.0, 0.0])), spoilt[101])
+    bag = beside(own, tmp_path / "bag.mcap", (IMU, HOW[IMU], "/estimate", stamps, spoilt))
+    read, score = followed(bag, IMU, most=50).score()
+    expected = scored(bag)
+    assert 25 <= score.samples <= 51
+    assert score.stamps_ns[-1] == stamps[-1]
+    assert score.total_deg.rms == pytest.approx(expected.total_deg.rms, rel=1e-9)
+    assert score.total_deg.max == pytest.approx(expected.total_deg.max, rel=1e-9)
+    assert score.broken == expected.broken
+    assert score.total_deg.median == pytest.approx(expected.total_deg.median, rel=0.3)
+    assert [note[:10] for note in read.notes] == ["One in 4 o"]
+    assert [finding.code for finding in score.findings] == []
+
+
+def test_kept_rows_are_even_and_bounded():
+    kept, rng, begin = Kept(most=64), np.random.default_rng(0), 0
+    for size in rng.integers(0, 50, size=100):
+        stamps = np.arange(begin, begin + size, dtype=np.int64)
+        assert kept.add(stamps, stamps[:, None].astype(float))[0].tolist() == stamps.tolist()
+        begin += size
+        if begin:
+            assert sum(len(stamps) for stamps, _ in kept._blocks) <= 64
+    stamps, rows = kept.rows()
+    assert kept.count == begin
+    assert stamps.tolist() == sorted({*range(0, begin, kept.stride), begin - 1})
+    assert rows[:, 0].tolist() == stamps.tolist()
+
+
+def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+    live = followed(bag, POSE_STAMPED)
+    live.hear_estimates([payload for topic, payload in of(bag) if topic == "/estimate"][:70])  # the bag in a loop
+    read, score = live.score()
+    assert score.total_deg == scored(bag).total_deg
+    assert read.notes[0].startswith("70 estimates were stamped before one that had come")
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "said"),
+    [
+        (POSE_STAMPED, {"world": "b/world"}, None),
+        (TF_MESSAGE, {"body": "lidar"}, "map to odometer, world to lidar, none of which is world to base_link"),
+        (ODOMETRY, {"body": "lidar"}, None),
+    ],
+)
+def test_other_frames(kind, change, said, own, stamps, noisy, tmp_path):
+    how = messages(np.eye(3), **change)[kind]
+    bag = beside(own, tmp_path / "bag.mcap", (kind, how, "/estimate", stamps, noisy))
+    if said is None:
+        [note] = followed(bag, kind).score()[0].notes
+        assert "they are taken for the same" in note
+        return
+    with pytest.raises(InputError, match=said):
+        followed(bag, kind).score()
+
+
+def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, tmp_path):
+    one, other = HOW[POSE_STAMPED], messages(np.eye(3), world="b")[POSE_STAMPED]
+    topic = (POSE_STAMPED, lambda t, q: (one if t < NS else other)(t, q), "/estimate", stamps, noisy)
+    with pytest.raises(LieRigidBodyError, match="is of the frames world, b"):
+        followed(beside(own, tmp_path / "two.mcap", topic), POSE_STAMPED)
+    none = messages(np.diag([-1.0, 0.0, 0.0]))[IMU]
+    with pytest.raises(InputError, match="has no orientation"):
+        followed(beside(own, tmp_path / "none.mcap", (IMU, none, "/estimate", stamps, noisy)), IMU).score()
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+    live.hear_estimates([bytes(STORE.serialize_cdr(one(0, noisy[0]), POSE_STAMPED))])
+    with pytest.raises(InputError, match="neither a scenario nor a pose came"):
+        live.score()
+    with pytest.raises(InputError, match="not the JSON"):
+        live.hear_scenario(encode_string("a scene"))
+
+
+def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
+    """Though a scenario would tell a truth at any time."""
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + 10**18, noisy))
+    with pytest.raises(InputError, match=r"none of its 149 stamps, .* is within the truth, from 0 s to 6 s"):
+        followed(bag, POSE_STAMPED).score()
+
+
+def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+    heard = list(of(bag))
+    live.hear_estimates([payload for topic, payload in heard if topic == "/estimate"])
+    assert live.judge() is None
+    for topic, payload in heard:
+        if topic.endswith("/scenario"):
+            live.hear_scenario(payload)
+    assert live.score()[1].total_deg.rms == pytest.approx(scored(bag).total_deg.rms, rel=1e-12)
