@@ -103,6 +103,16 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
         reporter.write_line(f"ROS part left out: {reasons[ROS_LEFT_OUT]} tests ({ROS_LEFT_OUT})", yellow=True)
 
 
+@pytest.fixture(autouse=True)
+def own_signals() -> Iterator[None]:
+    """What runs in the process of a test changes its signal handlers; afterwards they are pytest's again."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    handlers = [signal.getsignal(number) for number in numbers]
+    yield
+    for number, handler in zip(numbers, handlers, strict=True):
+        signal.signal(number, handler)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Give this process, and those it starts, a ROS domain of their own on this machine only."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Iterator
 from importlib.util import find_spec
 
@@ -14,16 +13,6 @@ from ros_domains import own_domain
 if find_spec("rclpy"):
     from peer import NODE, Peer
     from std_srvs.srv import Trigger
-
-
-@pytest.fixture(autouse=True)
-def own_signals() -> Iterator[None]:
-    """A node that runs in the process of a test changes its signal handlers; afterwards they are pytest's again."""
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    handlers = [signal.getsignal(number) for number in numbers]
-    yield
-    for number, handler in zip(numbers, handlers, strict=True):
-        signal.signal(number, handler)
 
 
 @pytest.fixture(scope="module")
