@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -51,7 +50,7 @@ def _row(judgement: Judgement) -> str:
     if certificate is not None:
         samples = str(sum(segment.samples for segment in certificate.segments))
         worst = _worst_law(certificate)
-        law, used = worst.name, f"{_share(worst):.2g}"
+        law, used = worst.name, f"{worst.share:.2g}"
         if certificate.passed:
             accuracy = f"{certificate.attitude_accuracy:.2g}"
     return _COLUMNS.format(
@@ -62,14 +61,7 @@ def _row(judgement: Judgement) -> str:
 def _worst_law(certificate: Certificate) -> LawResult:
     """The law that came nearest to its limit, or went farthest beyond."""
     laws = [law for segment in certificate.segments for law in segment.laws] + list(certificate.whole)
-    return max(laws, key=lambda law: (not law.holds, _share(law)))
-
-
-def _share(law: LawResult) -> float:
-    """The worst residual as a share of its limit."""
-    if law.limit > 0.0:
-        return law.worst / law.limit if not math.isnan(law.worst) else math.inf
-    return 0.0 if law.holds else math.inf
+    return max(laws, key=lambda law: (not law.holds, law.share))
 
 
 def _summary(judgements: Sequence[Judgement]) -> str:

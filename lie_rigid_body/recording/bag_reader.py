@@ -172,7 +172,7 @@ class Bag:
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
-        Whether poses and twists are kept when it is read first, so that no later pass reads it again.
+        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Bag:
         in_memory: bool = False,
     ) -> None:
         files = BagFiles(path, progress)
-        contents = files.contents((STRING, *_OF_THE_TRUTH) if in_memory else (STRING,))
+        contents = files.contents((STRING, *_OF_THE_TRUTH, *VALUES) if in_memory else (STRING,))
         self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 
     @classmethod
@@ -238,6 +238,11 @@ class Bag:
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
         self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
+        self._kept_readings = {
+            name: sensor_messages(self._path, track.topic, track.message_type, track.take(), 0)
+            for name, track in sensors.items()
+            if in_memory and track.message_type in VALUES
+        }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
             for name, track in sensors.items()
@@ -255,7 +260,8 @@ class Bag:
         take : callable, optional
             Called with the messages of these that stand among the poses and twists of a batch, before it comes.
         """
-        if not sensors and self._kept is not None:
+        if self._kept is not None:
+            take({name: self._kept_readings[name] for name in sensors})
             yield self._kept
             return
         if not sensors and may_read_again(self._outlines, self._count):
