@@ -49,7 +49,7 @@ case $kind in
         python=$(scripts/find-python.sh bench 2>/dev/null || scripts/find-python.sh headless) || no_python
         folder=.venv-bench extras=bench never_compiled=pybullet ;;
     league)
-        python=$(scripts/find-python.sh headless) || no_python
+        python=$(scripts/find-python.sh live 2>/dev/null || scripts/find-python.sh headless) || no_python
         folder=.venv-league extras=fast,league ;;
     *)
         echo "environment.sh: unknown environment '$kind'" >&2

@@ -85,7 +85,7 @@ def best_possible(case: Case) -> UnavoidableError | None:
     field = VectorReadings(given.t_ns, given.field, number["magnetometer_noise_density"] * root, BiasNoise(iron))
     return unavoidable_error(
         given.t_ns,
-        run.truth.attitude_xyzw,
+        run.attitude().at(given.t_ns),
         gyro_noise=number["gyro_noise_density"] * root,
         gyro_bias=walk("gyro"),
         vectors=[gravity, field],

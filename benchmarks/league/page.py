@@ -28,7 +28,7 @@ def ranking(defaults: Sequence[Result], best: Sequence[Result]) -> Ranking:
     """Filters with their results at the defaults and at the best setting, the most accurate first."""
     pairs = zip(by_filter(defaults), by_filter(best), strict=True)
     rows = [(each, plain, tuned) for (each, plain), (_, tuned) in pairs]
-    return sorted(rows, key=lambda row: (bool(doubt(row[1])), typical(row[2], GRADES[1:])))
+    return sorted(rows, key=lambda row: (bool(doubt(row[2])), typical(row[2], GRADES[1:])))
 
 
 def typical(results: Iterable[Result], grades: Sequence[str], fault: bool = False) -> float:
@@ -37,21 +37,21 @@ def typical(results: Iterable[Result], grades: Sequence[str], fault: bool = Fals
     return float(np.median(found)) if found else float("nan")
 
 
-def doubt(results: Iterable[Result]) -> str:
-    """Why a filter's conventions are not proved by perfect sensors, or nothing."""
-    slow = next(r for r in results if r.case == Case("slow_tumble", "perfect"))
+def doubt(tuned: Iterable[Result]) -> str:
+    """Why a filter's conventions are not proved by perfect sensors at its best setting, or nothing."""
+    slow = next(r for r in tuned if r.case == Case("slow_tumble", "perfect"))
     return f"{slow.total:.2g}° with perfect sensors" if slow.total > BLURRED else ""
 
 
 def table(rows: Ranking, bounds: Sequence[Result]) -> str:
     """One line for each filter."""
-    head = ["filter", "perfect", *GRADES[1:], *(["faults"] if FAULTS else []), "heading", "inclination", "settles [s]"]
+    head = ["filter", *GRADES, *(["faults"] if FAULTS else []), "heading", "inclination", "settles [s]"]
     head.append("µs")
     lines = [head, ["---"] * len(head)]
     for each, plain, tuned in rows:
         mems = [r for r in tuned if r.case.grade == "mems" and not r.case.fault]
-        columns = [f"{each.library} `{each.name}`" + " *" * each.sees_future, angle(typical(plain, GRADES[:1]))]
-        columns += [both(typical(plain, [grade]), typical(tuned, [grade])) for grade in GRADES[1:]]
+        columns = [f"{each.library} `{each.name}`" + " *" * each.sees_future]
+        columns += [both(typical(plain, [grade]), typical(tuned, [grade])) for grade in GRADES]
         if FAULTS:
             columns.append(both(typical(plain, ["mems"], True), typical(tuned, ["mems"], True)))
         columns += [angle(float(np.median([getattr(r, axis) for r in mems]))) for axis in ("heading", "inclination")]
@@ -77,10 +77,10 @@ def both(default: float, tuned: float) -> str:
 def advice(rows: Ranking) -> str:
     """What the users of each filter should know, and the setting that was best for MEMS sensors."""
     lines = []
-    for each, plain, tuned in rows:
+    for each, _, tuned in rows:
         setting = next(r.setting for r in tuned if r.case == Case("slow_tumble", "mems"))
         chosen = ", ".join(f"`{name}={value:g}`" for name, value in setting.items())
-        said = [doubt(plain), each.advice, f"with MEMS sensors {chosen}" if chosen else ""]
+        said = [doubt(tuned), each.advice, f"with MEMS sensors {chosen}" if chosen else ""]
         if any(said):
             lines.append(f"- {each.library} `{each.name}`: {'; '.join(filter(None, said))}.")
     return "\n".join(lines)

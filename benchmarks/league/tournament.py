@@ -21,6 +21,8 @@ from lie_rigid_body.evaluation.statistics import settling_limit, time_to_converg
 
 TUNING: Final = ("slow_tumble", "fast_tumble", "flips")
 """Motions on which settings are chosen."""
+TUNED_AS: Final = {"perfect": "navigation"}
+"""Perfect sensors are read with the settings of the best real ones."""
 LOST: Final = 180.0
 """What a filter that fails is given, degrees."""
 
@@ -59,6 +61,7 @@ def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result
     """Run one filter on one case."""
     contender = filters()[number]
     run, given = run_of(case, seed)
+    np.random.seed(seed)  # there are filters that draw from it
     begin = time.process_time()
     try:
         with redirect_stdout(io.StringIO()), warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -101,6 +104,7 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
     """
     every, everyone = cases(), filters()
     with ProcessPoolExecutor(workers) as pool:
+        bounds = [found for found in pool.map(bound, every) if found is not None]
         trials = [
             (n, Case(motion, grade), setting, TUNING_SEED)
             for grade in GRADES[1:]
@@ -113,11 +117,11 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
         jobs = [(n, case, DEFAULTS, SEED) for case in every for n in range(len(everyone))]
         defaults = _scored(pool, jobs, "defaults", progress)
         settings = [
-            (n, case, chosen.get((everyone[n].full_name, case.grade), DEFAULTS), SEED) for n, case, _, _ in jobs
+            (n, case, chosen.get((everyone[n].full_name, TUNED_AS.get(case.grade, case.grade)), DEFAULTS), SEED)
+            for n, case, _, _ in jobs
         ]
         changed = [job for job in settings if job[2]]
         tuned = {(result.filter, result.case): result for result in _scored(pool, changed, "tuned", progress)}
-        bounds = [found for found in pool.map(bound, every) if found is not None]
     best = [tuned.get((result.filter, result.case), result) for result in defaults]
     return defaults + bounds, best + bounds
 

@@ -66,7 +66,7 @@ FILTERS = (
     _filter(
         "OLEQ",
         _of(kinds.OLEQ, true_ned, sign=1.0, magnetic_ref=_ned_field),
-        "its iteration ends before it has converged",
+        "starts from a quaternion by chance and ends after 20 steps, before it has converged",
     ),
     _filter("QUEST", _of(kinds.QUEST, magnetic_dip=dip), f"{NEGATED}; `magnetic_dip` of a map"),
     _filter("SAAM", _of(kinds.SAAM, magnetic_nwu, sign=1.0, inverse=True), "gives earth to body: take the inverse"),

@@ -25,9 +25,10 @@ def _stepwise(kind: Callable[..., Any]) -> Callable[..., Rotation]:
     return estimate
 
 
-def kalman(given: Readings, **settings: float) -> Rotation:
-    """After Yun and Bachman."""
-    return magnetic_nwu(given, attitudes(imus.kalman(given.rate, given.acc, given.gyro.copy(), given.mag * 1e6)))
+def kalman(given: Readings) -> Rotation:
+    """After Yun and Bachman. It tells the turn from the first attitude, which is put back."""
+    turn = magnetic_nwu(given, attitudes(imus.kalman(given.rate, given.acc, given.gyro.copy(), given.mag * 1e6)))
+    return turn * turn[0].inv() * given.first_attitude
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
@@ -53,6 +54,7 @@ FILTERS = (
         "scikit-kinematics",
         "kalman",
         kalman,
-        advice="loses a turning body even with perfect sensors: its transition matrix sums up over the samples",
+        advice="tells the turn from the first attitude only, and loses a turning body even with perfect sensors: "
+        "its transition matrix sums up over the samples, and the quaternion it measures changes sign",
     ),
 )
