@@ -16,6 +16,10 @@ import pytest
 
 from ros_domains import own_domain
 
+# Of itself each process has as many threads of linear algebra as there are cores, for matrices of three rows. They wait for
+# one another in busy loops: beside other processes that takes many times the time of the work. NumPy is not loaded yet.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=40)
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000)
