@@ -16,7 +16,6 @@ from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.sensor_reader import SensorMessages
-from lie_rigid_body.sensors import ImuModel
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
@@ -227,8 +226,6 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     models = [model_of(segment.scenario, name) for segment in segments]
     if any(model is not None and model.delivery is not None and model.delivery.is_off for model in models):
         return "its readings are stamped by a clock that errs"
-    if name == IMU_DATA and len({model.orientation is None for model in models if isinstance(model, ImuModel)}) > 1:
-        return "a reset changes whether it tells an orientation"
     return ""
 
 

@@ -21,7 +21,7 @@ from test_certified_sensors import (
     write,
 )
 
-from lie_rigid_body.certificate import certify, readings, sensor_topics
+from lie_rigid_body.certificate import LawResult, SegmentCertificate, certify, readings, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag
 
 ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
@@ -276,12 +276,28 @@ def test_attitude_and_sun_sensors_that_are_declared_otherwise_are_caught(pointin
     assert law in broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", declared(**{name: value})))))
 
 
-def test_a_reset_that_switches_the_orientation_is_told(tmp_path):
-    start = {**START, **LATER}
-    found = certify(Bag(write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3))))
-    assert found.passed, found.messages
-    assert found.sensors == (BIAS, MAG, ATTITUDE, SUN)
-    assert any("a reset changes whether it tells an orientation" in text for text in found.not_certified)
+@pytest.mark.parametrize("motion", ["closed form", "dmv20"])
+def test_a_reset_that_switches_the_orientation_is_certified_segment_by_segment(tmp_path, motion):
+    start = {**MOTIONS[motion], **FORCE, **NOISY, **LATER, "rate": 7.0}
+    path = write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3), (start, 0.4))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert [bool(laws_of_orientation(segment)) for segment in found.segments] == [True, False, True]
+    turned = certify(Bag(tamper(path, tmp_path / "c.mcap", on(IMU, at(2, forged_orientation)))))
+    assert broken(turned) == {"IMU orientation"}
+    none = certify(Bag(tamper(path, tmp_path / "d.mcap", on(IMU, at(150, forged_orientation)))))
+    assert broken(none) == {"IMU frame and covariances"}
+
+
+def laws_of_orientation(segment: SegmentCertificate) -> list[LawResult]:
+    return [law for law in segment.laws if law.name == "IMU orientation"]
+
+
+def forged_orientation(message: Message) -> Message:
+    """Another first component."""
+    return with_numbers(message, 37, lambda numbers: np.concatenate([[numbers[0] + 1e-9], numbers[1:]]))
 
 
 def test_a_fault_of_one_segment_takes_its_topic_from_all(tmp_path):
