@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.erring_clocks import shown_ns
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
 from lie_rigid_body.certificate.readings import (
@@ -142,7 +143,7 @@ class TopicLaws:
         if model is not None:
             self.clock, self.first = sensor_clock(segment, model.rate)
             self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
-        self.tally = StampTally(self.clock or segment.clock(), "reading")
+        self.tally = StampTally(self.clock or segment.clock(), "reading", partial(shown_ns, segment, model))
         self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
         laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
         self._columns = [columns for *_, columns in laws]

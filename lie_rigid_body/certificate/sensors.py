@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from lie_rigid_body import __version__
+from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.segments import Survey, segment_parts
 from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
@@ -72,6 +73,8 @@ class SensorLaws:
             self._held = [name for name in self._held if name in bag.sensors]
         places = {id(found.segment): found for found in surveyed.segments}
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
+        self._clocks = {name: clocks for name in self.wanted if (clocks := _erring(surveyed.declared, name))}
+        self._unshown: dict[str, tuple[int, int]] = {}
         self._topics: dict[tuple[int, str], TopicLaws] = {}
         self._open: dict[str, TopicLaws] = {}
         self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
@@ -91,8 +94,14 @@ class SensorLaws:
                 self._add(name, messages)
 
     def _add(self, name: str, messages: SensorMessages) -> None:
-        sent_ns = messages.log_times_ns if self._surveyed.as_written else messages.stamps_ns
-        self._last_ns = max(self._last_ns, int(sent_ns.max()))
+        own_times = self._surveyed.as_written
+        if name in self._clocks:
+            messages, unknown = self._clocks[name].measured(messages, in_order=own_times)
+            if len(unknown):
+                count, first = self._unshown.get(name, (0, int(unknown[0])))
+                self._unshown[name] = count + len(unknown), first
+        sent_ns = messages.log_times_ns if own_times else messages.stamps_ns
+        self._last_ns = max(self._last_ns, int(sent_ns.max(initial=0)))
         taken = 0
         for i, rows in segment_parts(self._surveyed.declared, messages.stamps_ns):
             own = messages[rows]
@@ -170,12 +179,19 @@ class SensorLaws:
         return next((str(software) for software in found if software != _SOFTWARE), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
-        if self._early and self._surveyed.as_written and not i:
-            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
+        if self._found[i] is self._surveyed.segments[0]:
+            yield from self._strays()
         for sensor, names in _SENSORS.items():
             topics = [self._laws(i, name) for name in names if name in self._held]
             if topics:
                 yield from self._sensor_laws(f"{sensor} stamps", topics, begun, is_last=is_last)
+
+    def _strays(self) -> Iterator[LawResult]:
+        if self._early and self._surveyed.as_written:
+            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
+        for name, (count, first) in self._unshown.items():
+            text = f"{self._full_name(name)}: readings whose stamp no clock of the scenario shows (first {first} ns)"
+            yield _stray("sensor stamps", count, text)
 
     def _sensor_laws(
         self, name: str, topics: Sequence[TopicLaws], begun: set[str], *, is_last: bool
@@ -219,13 +235,19 @@ class SensorLaws:
         return max(high, topic.arrived_until(topic.last_sample_ns) - 1) if own else high
 
 
+def _erring(segments: Sequence[Segment], name: str) -> ErringClocks | None:
+    """The clocks that stamp a topic, if any errs."""
+    models = [model_of(segment.scenario, name) for segment in segments]
+    return ErringClocks(segments, models) if err(models) else None
+
+
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     """Why no law speaks of a topic; empty if laws do."""
     if name not in itertools.chain(*_SENSORS.values()):
         return "no law reads it"
     models = [model_of(segment.scenario, name) for segment in segments]
-    if any(model is not None and model.delivery is not None and model.delivery.is_off for model in models):
-        return "its readings are stamped by a clock that errs"
+    if err(models) and any(model is not None and model.rate > FASTEST for model in models):
+        return f"its clock errs, and by that the times of more than {FASTEST:g} readings in a second are not told"
     return ""
 
 

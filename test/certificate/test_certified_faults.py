@@ -41,11 +41,6 @@ AXES: dict[str, dict[str, object]] = {
     "disturbance": episodes("magnetic_disturbance"),
 }
 EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
-DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
-    "clock offset": ({"magnetometer_clock_offset": -1.3}, (MAG,)),
-    "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
-}
-"""Parameters, and the topics that no law reads then."""
 LATER: dict[str, object] = {
     "attitude_sensor_rate": 10.0,
     "attitude_sensor_cross_boresight_noise": 1e-4,
@@ -191,18 +186,6 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     assert "1 messages are not logged" in found.messages[0]
 
 
-@pytest.mark.parametrize("name", DELIVERY)
-def test_sensors_whose_clock_errs_are_listed_and_break_no_law(tmp_path, name):
-    parameters, topics = DELIVERY[name]
-    found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
-    assert found.passed, found.messages
-    assert found.sensors == tuple(topic for topic in ALL if topic not in topics)
-    for topic in topics:
-        [said] = [text for text in found.not_certified if text.startswith(f"topic {topic} ")]
-        assert said.endswith("its readings are stamped by a clock that errs")
-    assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
-
-
 @pytest.mark.parametrize("sensors", [LATER, PERFECT], ids=["noisy", "perfect"])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_attitude_sun_and_orientation_are_computed_anew(tmp_path, motion, sensors):
@@ -298,10 +281,3 @@ def laws_of_orientation(segment: SegmentCertificate) -> list[LawResult]:
 def forged_orientation(message: Message) -> Message:
     """Another first component."""
     return with_numbers(message, 37, lambda numbers: np.concatenate([[numbers[0] + 1e-9], numbers[1:]]))
-
-
-def test_a_fault_of_one_segment_takes_its_topic_from_all(tmp_path):
-    faulty = {**START, "magnetometer_clock_offset": 3.0}
-    found = certify(Bag(write(tmp_path / "a.mcap", (START, 0.3), (faulty, 0.3), (START, 0.3))))
-    assert found.passed, found.messages
-    assert found.sensors == (IMU, BIAS)
