@@ -171,7 +171,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
         tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
-        whole_bag.laws(bag, surveyed),
+        (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
         sensors.topics,
     )

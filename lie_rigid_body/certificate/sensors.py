@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,8 +13,10 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.segments import Survey, segment_parts
 from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
+from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.bag_reader import Bag, OfSensor, Recording
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
 from lie_rigid_body.wording import short_repr
@@ -27,6 +28,8 @@ _SENSORS: Final = {
     "sun sensor": (SUN,),
 }
 _SOFTWARE: Final = f"{SOFTWARE} {__version__}"
+_COMPUTED: Final = VALUES | {FAULT_LAW}
+"""The laws that depend on how this software computes noise and faults."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,15 @@ class SensorFindings:
         What else there is, or should be, in words.
     logged_otherwise : int
         Messages that were not logged, or not published, at their stamps.
+    whole : tuple of LawResult
+        Of the bag as a whole.
     """
 
     laws: tuple[tuple[LawResult, ...], ...]
     topics: tuple[str, ...] = ()
     not_certified: tuple[str, ...] = ()
     logged_otherwise: int = 0
+    whole: tuple[LawResult, ...] = ()
 
     __repr__ = short_repr
 
@@ -66,14 +72,15 @@ class SensorLaws:
     def __init__(self, bag: Bag | Recording, surveyed: Survey) -> None:
         self._bag, self._surveyed, self._work = bag, surveyed, Work()
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        self._held = [name for name in SENSOR_TOPICS if name in self._declared]
+        self._held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._unlawful = {name: reason for name in self._held if (reason := _why_unlawful(surveyed.declared, name))}
         self._held = [name for name in self._held if name not in self._unlawful]
         if not surveyed.as_written:
             self._held = [name for name in self._held if name in bag.sensors]
+        self._faults = self._fault_law()
         places = {id(found.segment): found for found in surveyed.segments}
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
-        self._clocks = {name: clocks for name in self.wanted if (clocks := _erring(surveyed.declared, name))}
+        self._clocks = {name: clocks for name in self._readings if (clocks := _erring(surveyed.declared, name))}
         self._unshown: dict[str, tuple[int, int]] = {}
         self._topics: dict[tuple[int, str], TopicLaws] = {}
         self._open: dict[str, TopicLaws] = {}
@@ -85,13 +92,29 @@ class SensorLaws:
     @property
     def wanted(self) -> list[str]:
         """The topics of the bag that are to be added, by their relative names."""
+        return [*self._readings, *(name for name in (FAULTS,) if self._faults and name in self._bag.sensors)]
+
+    @property
+    def _readings(self) -> list[str]:
         return [name for name in self._held if name in self._bag.sensors]
 
-    def add(self, readings: Mapping[str, SensorMessages]) -> None:
+    def _fault_law(self) -> FaultLaw | None:
+        bag, surveyed = self._bag, self._surveyed
+        if FAULTS not in self._declared or not (surveyed.as_written or FAULTS in bag.sensors):
+            return None
+        last = surveyed.segments[-1]
+        horizon_ns = (last.last_ns or last.segment.start_ns) + round(2 * NS / last.segment.scenario.rate) + NS
+        most = MOST_LOOKED_THROUGH + 2 * sum(sensor.count for sensor in bag.sensors.values())
+        return FaultLaw(surveyed.declared, horizon_ns, is_whole=surveyed.as_written, most=most)
+
+    def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
         for name, messages in readings.items():
-            if len(messages):
-                self._add(name, messages)
+            if isinstance(messages, SensorMessages):
+                if len(messages):
+                    self._add(name, messages)
+            elif self._faults is not None:
+                self._faults.add(messages)
 
     def _add(self, name: str, messages: SensorMessages) -> None:
         own_times = self._surveyed.as_written
@@ -140,22 +163,38 @@ class SensorLaws:
             for i, found in enumerate(self._found)
             if found is not None
         ]
-        not_certified = tuple(self._unheld())
-        foreign = self._foreign_software() if _broken_values(laws) else None
+        whole = self._of_faults()
+        not_certified = [*self._unheld(), *self._unassigned()]
+        foreign = self._foreign_software() if _broken_values([*laws, whole]) else None
         if foreign is not None:
-            laws = [tuple(law for law in own if law.name not in VALUES) for own in laws]
-            not_certified += (
-                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others",
+            *laws, whole = (tuple(law for law in own if law.name not in _COMPUTED) for own in (*laws, whole))
+            not_certified.append(
+                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others"
             )
         far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
-        not_certified += tuple(f"{topic}: too many readings are missing to compute the others" for topic in sorted(far))
-        certified = [self._full_name(name) for name in self.wanted if foreign is None]
+        not_certified += [f"{topic}: too many readings are missing to compute the others" for topic in sorted(far)]
+        certified = [self._full_name(name) for name in self._readings if foreign is None]
         return SensorFindings(
             tuple(laws),
             tuple(topic for topic in certified if topic not in far),
-            not_certified + tuple(self._unassigned()),
+            tuple(not_certified),
             self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
+            whole,
         )
+
+    def _of_faults(self) -> tuple[LawResult, ...]:
+        """The law of the messages about faults, if one speaks of them."""
+        if self._faults is None:
+            return ()
+        law = self._faults.result(self._full_name(FAULTS), self._end_ns)
+        self._logged_otherwise += self._faults.logged_otherwise
+        return () if self._faults.is_too_far else (law,)
+
+    @property
+    def _end_ns(self) -> int:
+        """Until when a bag that is to be whole has everything, ns: one that was cut off not all of its last time."""
+        cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
+        return max(self._last_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
 
     def _unheld(self) -> Iterator[str]:
         for name in SENSOR_TOPICS:
@@ -164,7 +203,7 @@ class SensorLaws:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
             if name in self._unlawful and sensor is not None:
                 yield f"topic {sensor.topic} ({sensor.count} messages): {self._unlawful[name]}"
-            elif name in self._declared and name not in self._held:
+            elif name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
@@ -172,6 +211,14 @@ class SensorLaws:
             yield f"readings before the first scenario's start: {self._early}"
         if self._unsampled:
             yield f"readings under scenarios without a sample: {self._unsampled}"
+        faults = self._faults
+        if faults is not None and faults.is_too_far:
+            yield f"{self._full_name(FAULTS)}: too many readings to compute the faults of all"
+        elif faults is not None and not self._surveyed.as_written:
+            if faults.early:
+                yield f"faults before the first scenario's start: {faults.early}"
+            if faults.repeated:
+                yield f"messages about faults that come again: {faults.repeated}"
 
     def _foreign_software(self) -> str | None:
         """The first software other than this that a scenario says it is of."""
@@ -223,11 +270,8 @@ class SensorLaws:
         """Number of the last reading that a topic is to have in a segment."""
         own, high = self._surveyed.as_written, topic.tally.high
         if is_last:
-            end = max(self._last_ns, topic.found.last_ns or 0)
-            if topic.end_ns is not None:
-                end = min(end, topic.end_ns)
-            cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-            return max(high, topic.arrived_until(end - cut_off) - 1) if own else high
+            end = self._end_ns if topic.end_ns is None else min(self._end_ns, topic.end_ns)
+            return max(high, topic.arrived_until(end) - 1) if own else high
         assert topic.end_ns is not None
         if topic.goes_on:
             return topic.arrived_until(topic.end_ns) - 1
@@ -243,8 +287,6 @@ def _erring(segments: Sequence[Segment], name: str) -> ErringClocks | None:
 
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     """Why no law speaks of a topic; empty if laws do."""
-    if name not in itertools.chain(*_SENSORS.values()):
-        return "no law reads it"
     models = [model_of(segment.scenario, name) for segment in segments]
     if err(models) and any(model is not None and model.rate > FASTEST for model in models):
         return f"its clock errs, and by that the times of more than {FASTEST:g} readings in a second are not told"
@@ -252,7 +294,7 @@ def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
 
 
 def _broken_values(laws: Sequence[tuple[LawResult, ...]]) -> bool:
-    return any(law.name in VALUES and not law.holds for own in laws for law in own)
+    return any(law.name in _COMPUTED and not law.holds for own in laws for law in own)
 
 
 def _stray(name: str, count: int, what: str) -> LawResult:
