@@ -48,6 +48,8 @@ class SensorFindings:
         Messages that were not logged, or not published, at their stamps.
     whole : tuple of LawResult
         Of the bag as a whole.
+    notes : tuple of tuple of str
+        For each surveyed segment, which sensors have no reading there though no law is broken.
     """
 
     laws: tuple[tuple[LawResult, ...], ...]
@@ -55,6 +57,7 @@ class SensorFindings:
     not_certified: tuple[str, ...] = ()
     logged_otherwise: int = 0
     whole: tuple[LawResult, ...] = ()
+    notes: tuple[tuple[str, ...], ...] = ()
 
     __repr__ = short_repr
 
@@ -78,6 +81,7 @@ class SensorLaws:
         if not surveyed.as_written:
             self._held = [name for name in self._held if name in bag.sensors]
         self._faults = self._fault_law()
+        self._silent: list[list[str]] = []
         places = {id(found.segment): found for found in surveyed.segments}
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
         self._clocks = {name: clocks for name in self._readings if (clocks := _erring(surveyed.declared, name))}
@@ -180,6 +184,7 @@ class SensorLaws:
             tuple(not_certified),
             self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
             whole,
+            tuple(map(tuple, self._silent)),
         )
 
     def _of_faults(self) -> tuple[LawResult, ...]:
@@ -226,6 +231,7 @@ class SensorLaws:
         return next((str(software) for software in found if software != _SOFTWARE), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
+        self._silent.append([])
         if self._found[i] is self._surveyed.segments[0]:
             yield from self._strays()
         for sensor, names in _SENSORS.items():
@@ -255,16 +261,24 @@ class SensorLaws:
             whole = self._surveyed.as_written or topic.name in begun
             first = topic.first if whole or not topic.tally.count else topic.tally.low
             last = self._last(topic, clock, is_last=is_last)
-            if whole or topic.tally.count:
-                faults += topic.tally.faults(topic.topic, first, last, topic.lost(last))
+            lost = topic.lost(last)
+            wrong = topic.tally.faults(topic.topic, first, last, lost) if whole or topic.tally.count else []
+            faults += wrong
             if topic.tally.count:
                 begun.add(topic.name)
+            elif not wrong:
+                self._silent[-1].append(f"no reading on {topic.topic}: {self._why_silent(len(lost))}")
         checked = sum(topic.tally.count for topic in topics)
         if checked or faults:
             yield stamp_result(name, clock, faults, checked)
         for topic in topics:
             if topic.tally.count:
                 yield from topic.results()
+
+    def _why_silent(self, lost: int) -> str:
+        if not self._surveyed.as_written:
+            return "what a recorder lacks before its first one, or after its last, is not certified"
+        return f"the scenario loses all {lost} of this segment" if lost else "none arrives within this segment"
 
     def _last(self, topic: TopicLaws, clock: SampleClock, *, is_last: bool) -> int:
         """Number of the last reading that a topic is to have in a segment."""
