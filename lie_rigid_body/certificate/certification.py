@@ -170,8 +170,11 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
-        tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
-        whole_bag.laws(bag, surveyed),
+        tuple(
+            replace(segment, laws=segment.laws + laws, notes=segment.notes + notes)
+            for segment, laws, notes in zip(segments, sensors.laws, sensors.notes, strict=True)
+        ),
+        (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
         sensors.topics,
     )

@@ -388,5 +388,10 @@ def _bias_uncertainty(model: TriadModel, rate: float, k: Array) -> Array:
     """Round-off of a bias after k steps, shape (N, 1): of its deviates, and of the sums, each of the bias' size."""
     walked = np.sqrt(k)
     size = LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
-    drift = 0.0 if model.faults is None else LARGEST_DEVIATE * model.faults.drift
-    return np.asarray(U * ((_DEVIATE + ROUNDINGS + _WALK * walked) * size + (_DEVIATE + ROUNDINGS) * drift))
+    drift = 0.0 if model.faults is None else model.faults.drift
+    return np.asarray(U * (_DEVIATE + ROUNDINGS + _WALK * walked) * size + deviate_rounding(drift))
+
+
+def deviate_rounding(sigma: float) -> float:
+    """Round-off of a normal deviate of a standard deviation."""
+    return U * (_DEVIATE + ROUNDINGS) * LARGEST_DEVIATE * sigma

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.erring_clocks import shown_ns
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
 from lie_rigid_body.certificate.readings import (
@@ -142,7 +143,7 @@ class TopicLaws:
         if model is not None:
             self.clock, self.first = sensor_clock(segment, model.rate)
             self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
-        self.tally = StampTally(self.clock or segment.clock(), "reading")
+        self.tally = StampTally(self.clock or segment.clock(), "reading", partial(shown_ns, segment, model))
         self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
         laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
         self._columns = [columns for *_, columns in laws]
@@ -242,16 +243,10 @@ class TopicLaws:
         return replace(law, message=message)
 
     def _is_unlike(self, messages: SensorMessages) -> Booleans:
-        """Which messages have another frame or other fixed fields than the scenario makes them have.
-
-        What was read before a reset, and sent after it, is of the scenario then in force.
-        """
-        segment, later = self.found.segment, [successor.scenario for successor in self._successors]
-        unlike = ~_are_of([segment.scenario], self.name, messages)
-        sent_ns = messages.log_times_ns if self._is_late else messages.stamps_ns
-        if later and unlike.any():
-            unlike &= ~(_are_of(later, self.name, messages) & (sent_ns > self.last_sample_ns))
-        _, _, values = _fixed_fields(segment.scenario)[self.name]
+        """Which messages have another frame or other fixed fields than the scenario makes them have."""
+        frame, rest, values = _fixed_fields(self.found.segment.scenario)[self.name]
+        own = [name == frame and np.array_equal(np.frombuffer(numbers), rest) for name, numbers in messages.kinds]
+        unlike = ~np.array(own, dtype=bool)[messages.kind]
         return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
 
     def _compare(self, count: int) -> None:
@@ -318,16 +313,6 @@ def _tells_no_orientation(scenario: Scenario, name: str) -> bool:
     return name == IMU_DATA and imu is not None and imu.orientation is None
 
 
-def _are_of(scenarios: Sequence[Scenario], name: str, messages: SensorMessages) -> Booleans:
-    """Which messages have the frame and the fixed fields that one of these scenarios makes them have."""
-    alike = [known[name] for known in map(_fixed_fields, scenarios) if name in known]
-    own = [
-        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields, _ in alike)
-        for frame, rest in messages.kinds
-    ]
-    return np.array(own, dtype=bool)[messages.kind]
-
-
 @lru_cache(maxsize=4)
 def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
     """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
@@ -335,9 +320,10 @@ def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
     truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
     row = partial(SensorSamples[Any], at, at, np.zeros(1, dtype=np.bool_))
     imu, identity = ReadingsOfImu(zero, zero, zero, zero), np.array([[0.0, 0.0, 0.0, 1.0]])
-    taken = Taken(truth, row(imu), row(zero), row(identity), row(zero))
+    readings = {"imu": imu, "magnetometer": zero, "attitude_sensor": identity, "sun_sensor": zero}
+    rows: dict[str, Any] = {name: row(readings[name]) for name in scenario.sensors.on}
     found = {}
-    for messages in BatchEncoder(scenario).encode(taken).sensors:
+    for messages in BatchEncoder(scenario).encode(Taken(truth, **rows)).sensors:
         fields = varying_fields(SENSOR_TOPICS[messages.topic])
         decoded = decode(messages.payloads, len(fields), stamped=True)
         found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields], decoded.numbers[0, fields]

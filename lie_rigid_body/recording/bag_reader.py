@@ -22,7 +22,14 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
-from lie_rigid_body.recording.sensor_reader import VALUES, SensorMessages, SensorTopic, sensor_messages
+from lie_rigid_body.recording.sensor_reader import (
+    VALUES,
+    FaultMessages,
+    SensorMessages,
+    SensorTopic,
+    fault_messages,
+    sensor_messages,
+)
 from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
 from lie_rigid_body.wording import short_repr
 
@@ -88,8 +95,9 @@ class TwistTrack:
 
 
 Track = TypeVar("Track", PoseTrack, TwistTrack)
-TakeReadings: TypeAlias = Callable[[Mapping[str, SensorMessages]], object]
-"""Takes messages of sensors, by relative topic names."""
+OfSensor: TypeAlias = SensorMessages | FaultMessages
+TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
+"""Takes messages of sensors, and about their faults, by relative topic names."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +126,7 @@ class Recording:
         Whether `recover` says that it made the bag of a file that was cut off.
     sensors : dict of str to SensorTopic
         The topics of the body's sensors, by their relative names.
-    readings : dict of str to SensorMessages
+    readings : dict of str to SensorMessages or FaultMessages
         Their messages.
     """
 
@@ -133,7 +141,7 @@ class Recording:
     without_checksum: int = 0
     was_cut_off: bool = False
     sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
-    readings: Mapping[str, SensorMessages] = field(default_factory=dict)
+    readings: Mapping[str, OfSensor] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -239,9 +247,9 @@ class Bag:
         self.was_cut_off = CUT_OFF in contents.metadata
         self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
         self._kept_readings = {
-            name: sensor_messages(self._path, track.topic, track.message_type, track.take(), 0)
+            name: self._of_sensor((track.topic, track.message_type), track.take(), 0)
             for name, track in sensors.items()
-            if in_memory and track.message_type in VALUES
+            if in_memory
         }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
@@ -270,10 +278,7 @@ class Bag:
         keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
         for (poses, before), (twists, done), *others in self._pieces(self._pose, self._twist, *keys.values()):
             take(
-                {
-                    name: sensor_messages(self._path, *key, *pieces)
-                    for (name, key), pieces in zip(keys.items(), others, strict=True)
-                }
+                {name: self._of_sensor(key, *pieces) for (name, key), pieces in zip(keys.items(), others, strict=True)}
             )
             yield self._poses(poses, before), self._twists(twists, done)
 
@@ -309,9 +314,8 @@ class Bag:
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        readings: list[Mapping[str, SensorMessages]] = []
-        names = [name for name, sensor in self.sensors.items() if sensor.message_type in VALUES]
-        poses, twists = zip(*self.batches(names, readings.append), strict=True)
+        readings: list[Mapping[str, OfSensor]] = []
+        poses, twists = zip(*self.batches(self.sensors, readings.append), strict=True)
         return Recording(
             self.library,
             self.scenario_texts,
@@ -324,8 +328,13 @@ class Bag:
             self.without_checksum,
             self.was_cut_off,
             self.sensors,
-            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
+            {name: _joined_readings([batch[name] for batch in readings]) for name in self.sensors},
         )
+
+    def _of_sensor(self, key: tuple[str, str], pieces: list[RawMessages], first: int) -> OfSensor:
+        if key[1] == STRING:
+            return fault_messages(self._path, key[0], pieces, first)
+        return sensor_messages(self._path, *key, pieces, first)
 
     def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
         with named(self._path, self._pose[0]):
@@ -378,6 +387,12 @@ def _joined(tracks: Sequence[Track]) -> Track:
     }
     frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
     return replace(tracks[0], frame_ids=tuple(frames), **joined)
+
+
+def _joined_readings(parts: Sequence[Any]) -> OfSensor:
+    """Messages of one topic that continue each other as one."""
+    joined: OfSensor = type(parts[0]).joined(parts)
+    return joined
 
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages import Decoded
+from lie_rigid_body.messages import Decoded, decode_string
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import (
     IMU,
@@ -21,7 +21,7 @@ from lie_rigid_body.messages.definitions import (
     VECTOR3_STAMPED,
 )
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
-from lie_rigid_body.recording.track_decoding import columns, named, stamped_columns, texts
+from lie_rigid_body.recording.track_decoding import columns, named, payloads, stamped_columns, texts
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
@@ -108,6 +108,31 @@ class SensorMessages:
 
 
 @dataclass(frozen=True)
+class FaultMessages:
+    """Messages of the topic of faults, in file order.
+
+    Attributes
+    ----------
+    log_times_ns : ndarray of int64, shape (N,)
+    texts : tuple of str
+    """
+
+    log_times_ns: Integers
+    texts: tuple[str, ...]
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    @classmethod
+    def joined(cls, parts: Sequence[FaultMessages]) -> FaultMessages:
+        """Messages that continue each other as one."""
+        texts = tuple(text for part in parts for text in part.texts)
+        return cls(np.concatenate([part.log_times_ns for part in parts]), texts)
+
+
+@dataclass(frozen=True)
 class SensorTrack:
     """The messages of a sensor's topic, in file order.
 
@@ -141,6 +166,14 @@ def sensor_messages(
     varying = varying_fields(message_type)
     values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
     return SensorMessages(log_times, decoded.stamps_ns, values, *_kinds(decoded, rest))
+
+
+def fault_messages(path: Path, topic: str, pieces: Sequence[RawMessages], first: int) -> FaultMessages:
+    """Decode messages of the topic of faults, the first of which has a number."""
+    with named(path, topic):
+        found = [(time, decode_string(payload, first + i)) for i, (time, payload) in enumerate(payloads(pieces))]
+    times = np.array([time for time, _ in found], dtype=np.int64)
+    return FaultMessages(times, tuple(text for _, text in found))
 
 
 def varying_fields(message_type: str) -> Booleans:
