@@ -20,6 +20,7 @@ from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.message_loops import are_compiled
 from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
 from lie_rigid_body.recording.sensor_reader import VALUES, SensorMessages, SensorTopic, varying_fields
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
@@ -171,7 +172,8 @@ class Bag:
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
-        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again.
+        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again. They
+        are not where compiled loops read it again, which is faster.
 
     Attributes
     ----------
@@ -198,7 +200,7 @@ class Bag:
         *,
         in_memory: bool = False,
     ) -> None:
-        files = BagFiles(path, progress)
+        files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
         contents = files.contents((STRING, *_OF_THE_TRUTH, *VALUES) if in_memory else (STRING,))
         self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 

@@ -154,3 +154,14 @@ TAKE: Final = Work(
     _ENOUGH_TO_LOAD,
 )
 """`take_messages`, compiled as soon as that pays."""
+
+
+def expect(messages: int) -> None:
+    """Take notice that so many messages will be read, so that all of that is done compiled if it pays."""
+    FIND.compiled_for(messages)
+    TAKE.compiled_for(messages)
+
+
+def are_compiled() -> bool:
+    """Whether both loops are compiled and loaded."""
+    return FIND.compiled_for(0) is not None and TAKE.compiled_for(0) is not None

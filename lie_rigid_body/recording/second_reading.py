@@ -19,7 +19,7 @@ from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.recording.bag_files import Progress
 from lie_rigid_body.recording.inflation import inflated_unverified
 from lie_rigid_body.recording.mcap_reader import Outline, RawMessages, opened, state_of
-from lie_rigid_body.recording.message_loops import FIND, TAKE
+from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
@@ -126,7 +126,8 @@ def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
     """Whether the files can be read again so: in chunks, by loops that are compiled for so many messages."""
     if not outlines or not all(outline.chunks for outline in outlines):
         return False
-    return FIND.compiled_for(count) is not None and TAKE.compiled_for(count) is not None
+    expect(count)
+    return are_compiled()
 
 
 def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Outline, bytes]]:
