@@ -24,7 +24,7 @@ from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-from lie_rigid_body.recording.message_scan import FIND, TAKE
+from lie_rigid_body.recording.message_loops import FIND, TAKE
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from recording import RATE

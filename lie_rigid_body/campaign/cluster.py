@@ -8,6 +8,7 @@ import signal
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -119,19 +120,24 @@ def finished(
     from distributed import as_completed
 
     waiting = iter(runs)
+    do: Any = (
+        partial(carry_out_elsewhere, campaign, keep=bags)
+        if elsewhere
+        else partial(carry_out, campaign, folder=str(folder) if bags else None)
+    )
 
-    def submit(run: int) -> Any:
-        if elsewhere:
-            return client.submit(carry_out_elsewhere, campaign, run, keep=bags, pure=False)
-        return client.submit(carry_out, campaign, run, str(folder) if bags else None, pure=False)
+    def submitted(count: int) -> list[Any]:
+        """The next runs on their way, together, as each way takes Dask milliseconds."""
+        some = list(islice(waiting, count))
+        return client.map(do, some, pure=False) if some else []
 
     at_once = RUNS_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
-    pool = as_completed([submit(run) for run in islice(waiting, at_once)])
-    for future in pool:
-        for run in islice(waiting, 1):
-            pool.add(submit(run))
-        error = future.exception()
-        yield error if error is not None else _row(future.result(), folder)
+    pool = as_completed(submitted(at_once), with_results=True, raise_errors=False)
+    for count, (future, result) in enumerate(pool, 1):
+        if count % (at_once // 2) == 0:
+            pool.update(submitted(at_once // 2))
+        error = result[1] if future.status == "error" else result
+        yield error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
 
 

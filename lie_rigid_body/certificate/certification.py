@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
 from lie_rigid_body.certificate.sensors import SensorLaws
@@ -17,8 +19,11 @@ from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -178,6 +183,14 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         not_certified(bag, surveyed, sensors),
         sensors.topics,
     )
+
+
+def expect(scenario: Scenario, duration: float) -> None:
+    """Take notice that bags of a scenario will be certified, of so many seconds in all; see `Motion.expect`."""
+    samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
+    ClosedForm(scenario.body(), scenario.start()).expect(samples)
+    WORK.compiled_for(samples)
+    message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 
 
 def _segments(

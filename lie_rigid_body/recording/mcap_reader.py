@@ -46,7 +46,8 @@ from lie_rigid_body.recording.inventory import (
     MessageTable,
     require_in_chunk,
 )
-from lie_rigid_body.recording.message_scan import FIND, FoundMessages
+from lie_rigid_body.recording.message_loops import FIND
+from lie_rigid_body.recording.message_scan import FoundMessages
 from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import short_repr
 

@@ -13,12 +13,12 @@ from lie_rigid_body.certificate import certify, residuals
 from lie_rigid_body.certificate.residuals import Residuals
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.recording import message_scan
+from lie_rigid_body.recording import message_loops, message_scan
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
-from lie_rigid_body.recording.message_scan import FIND, TAKE
+from lie_rigid_body.recording.message_loops import FIND, TAKE
 
 pytest.importorskip("numba")
-KERNELS = {message_scan: ("FIND", "TAKE"), residuals: ("WORK",)}
+KERNELS = {message_loops: ("FIND", "TAKE"), residuals: ("WORK",)}
 
 
 @pytest.fixture(scope="module", autouse=True)
