@@ -21,8 +21,8 @@ from lie_rigid_body.certificate.readings import (
     Readings,
     sensor_clock,
 )
-from lie_rigid_body.certificate.segments import SurveyedSegment
 from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
