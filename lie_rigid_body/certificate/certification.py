@@ -13,9 +13,10 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
 from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.segments import Survey, numbered_blocks, survey
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
@@ -88,10 +89,9 @@ class Certificate:
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
-        laws = [*(law for segment in self.segments for law in segment.laws), *self.whole]
         samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
         what = f"{_counted(samples, 'sample')} in {_counted(segments, 'segment')}"
-        return f"<Certificate: {_verdict(laws, self.attitude_accuracy)}; {what}>"
+        return f"<Certificate: {_verdict(self.laws, self.attitude_accuracy)}; {what}>"
 
     @property
     def passed(self) -> bool:

@@ -21,8 +21,8 @@ from lie_rigid_body.certificate.readings import (
     Readings,
     sensor_clock,
 )
-from lie_rigid_body.certificate.segments import SurveyedSegment
 from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
@@ -62,6 +62,7 @@ _LAWS: Final = {
 """Of each topic the laws of its readings: name, unit, field of the message, and its columns in `SensorMessages`."""
 _READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
     IMU_DATA: ImuReadings,
+    IMU_BIAS: BiasReadings,
     MAG: FieldReadings,
     ATTITUDE: AttitudeReadings,
     SUN: SunReadings,
@@ -254,7 +255,7 @@ class TopicLaws:
         ready, self._waiting = self._waiting[:count], self._waiting[count:]
         if self.is_too_far or not count:
             return
-        readings = self._readings = self._readings or _readings(self.name, self.found)
+        readings = self._readings = self._readings or _READINGS[self.name](self.found.segment, self.found.duration)
         self._motion_error = readings.motion_error
         ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
         while len(ready.numbers):
@@ -291,13 +292,6 @@ class _Recorded:
 
     def __getitem__(self, rows: slice | Integers) -> _Recorded:
         return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
-
-
-def _readings(name: str, found: SurveyedSegment) -> Readings:
-    """What a topic should hold in a segment."""
-    if name == IMU_BIAS:
-        return BiasReadings(found.segment)
-    return _READINGS[name](found.segment, found.duration)
 
 
 def model_of(scenario: Scenario, name: str) -> SensorModel | None:
