@@ -55,7 +55,7 @@ FLINT_WHEELS_EXIST = (
     "(sys_platform != 'linux' or platform_machine in 'x86_64 aarch64')"
 )
 EXTRAS = {
-    "bench": ["mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
+    "bench": [*CAMPAIGN, "mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
     "ros": [
         f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
         f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
