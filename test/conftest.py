@@ -107,6 +107,13 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
         reporter.write_line(f"ROS part left out: {reasons[ROS_LEFT_OUT]} tests ({ROS_LEFT_OUT})", yellow=True)
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what campaigns have counted."""
+    for report in terminalreporter.stats.get("passed", []):
+        if counts := ", ".join(f"{name}: {value}" for name, value in report.user_properties):
+            terminalreporter.write_line(f"{report.nodeid.rpartition('::')[2]}: {counts}")
+
+
 @pytest.fixture(autouse=True)
 def own_signals() -> Iterator[None]:
     """What runs in the process of a test changes its signal handlers; afterwards they are pytest's again."""
