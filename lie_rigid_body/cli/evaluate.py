@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bag_progress import progress_bar
-from lie_rigid_body.report.request import answer, parse
+from lie_rigid_body.report.request import answer, parse, require_room
 
 
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = parse(sys.argv[1:] if argv is None else argv)
+    require_room(given)
 
     from lie_rigid_body.evaluation import Limits, evaluate
     from lie_rigid_body.runs.recorded_estimate import recorded_estimate

@@ -7,9 +7,8 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
@@ -79,6 +78,8 @@ def _is_package(name: str) -> bool:
 
 
 def _version(name: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version  # only now: it loads the library of e-mails
+
     try:
         return version(name)
     except PackageNotFoundError:

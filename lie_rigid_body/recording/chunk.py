@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
 
+MAGIC: Final = b"\x89MCAP0\r\n"
+"""The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
+
 HEAD: Final = np.dtype(
     [
         ("opcode", "u1"),

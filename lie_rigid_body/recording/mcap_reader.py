@@ -32,12 +32,11 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.chunk import HEAD
+from lie_rigid_body.recording.chunk import HEAD, MAGIC
 from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated, most_records
 from lie_rigid_body.recording.inventory import (
     ContradictionError,

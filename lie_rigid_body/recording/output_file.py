@@ -131,6 +131,17 @@ class OutputFile:
             self.stream.close()
 
 
+def require_room(path: str | Path, *, overwrite: bool) -> None:
+    """Refuse, before the work for it, a file that `write_file` would refuse after it.
+
+    Raises
+    ------
+    BagError
+        If it exists and may not be replaced, or cannot be created.
+    """
+    OutputFile(path, overwrite=overwrite).discard()
+
+
 def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:
     """Write a whole file, or none at all.
 

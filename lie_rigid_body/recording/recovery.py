@@ -17,12 +17,11 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
-from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.chunk import RawChunk
+from lie_rigid_body.recording.chunk import MAGIC, RawChunk
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason

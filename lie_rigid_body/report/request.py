@@ -87,6 +87,20 @@ def _parser() -> console.Parser:
     return parser
 
 
+def require_room(given: argparse.Namespace) -> None:
+    """Refuse picture and page before the work if they could not be written after it; ``given`` is as `parse` gives it.
+
+    Raises
+    ------
+    BagError
+    """
+    from lie_rigid_body.recording import output_file
+
+    for path in (given.plot, given.report):
+        if path is not None:
+            output_file.require_room(path, overwrite=given.force)
+
+
 def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score, limits: Limits) -> int:
     """Write and print what is asked for.
 

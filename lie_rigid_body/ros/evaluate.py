@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.report.request import answer, parse
+from lie_rigid_body.report.request import answer, parse, require_room
 from lie_rigid_body.wording import suggestion
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         estimate came.
     """
     given = parse(sys.argv[1:] if argv is None else argv)
+    require_room(given)
 
     from lie_rigid_body.ros.sim import require_ros
 

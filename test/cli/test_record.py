@@ -13,6 +13,7 @@ import subprocess
 import sys
 import termios
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,13 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 
 RECORD = [sys.executable, "-m", "lie_rigid_body", "record"]
+PLAIN = """
+import sys
+sys.modules["numba"] = None  # as where it is not installed: for what is endless it would be loaded, which takes longest
+from lie_rigid_body.__main__ import main
+sys.exit(main(["record", *sys.argv[1:]]))
+"""
+RECORD_PLAIN = [sys.executable, "-c", PLAIN]
 FAST = ["-p", "motion:=closed_form"]
 ENDLESS = [*FAST, "--duration", "200000"]
 SLOW_STEPS = ["-p", "rate:=0.01", "-p", "max_step:=1e-6", "--duration", "1000"]
@@ -137,9 +145,11 @@ def test_an_existing_file_is_kept_without_force(out: Path) -> None:
     assert os.listdir(out.parent) == [out.name]
 
 
-def running(out: Path, *arguments: str, size: int = 300_000) -> subprocess.Popen[str]:
+def running(
+    out: Path, *arguments: str, size: int = 300_000, command: Sequence[str] = RECORD_PLAIN
+) -> subprocess.Popen[str]:
     """A recording that has already written something."""
-    process = subprocess.Popen([*RECORD, out, *arguments], stdout=-1, stderr=-1, text=True)
+    process = subprocess.Popen([*command, out, *arguments], stdout=-1, stderr=-1, text=True)
     deadline = time.monotonic() + 30
     while sum(file.stat().st_size for file in out.parent.iterdir()) < size and time.monotonic() < deadline:
         assert process.poll() is None
@@ -163,7 +173,7 @@ def test_a_signal_finishes_the_file(out: Path, number: signal.Signals) -> None:
 
 
 def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
-    process = running(out, *SLOW_STEPS, size=0)
+    process = running(out, *SLOW_STEPS, size=0, command=RECORD)
     while not out.exists():
         assert process.poll() is None
         time.sleep(0.01)
@@ -175,7 +185,7 @@ def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
 
 
 def test_many_signals_do_no_more_than_one(out: Path) -> None:
-    process = running(out, *ENDLESS)
+    process = running(out, *ENDLESS, command=RECORD)
     while process.poll() is None:
         process.send_signal(signal.SIGINT)
         time.sleep(0.002)
@@ -186,7 +196,7 @@ def test_many_signals_do_no_more_than_one(out: Path) -> None:
 
 def test_a_terminal_that_closes_leaves_a_whole_file(out: Path) -> None:
     ours, theirs = pty.openpty()
-    with subprocess.Popen([*RECORD, out, *ENDLESS], stdout=theirs, stderr=theirs) as process:
+    with subprocess.Popen([*RECORD_PLAIN, out, *ENDLESS], stdout=theirs, stderr=theirs) as process:
         os.close(theirs)
         while not (out.exists() and out.stat().st_size > 300_000):
             assert process.poll() is None
