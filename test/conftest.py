@@ -16,8 +16,8 @@ import pytest
 
 from ros_domains import own_domain
 
-# Of itself each process has as many threads of linear algebra as there are cores, for matrices of three rows. They wait for
-# one another in busy loops: beside other processes that takes many times the time of the work. NumPy is not loaded yet.
+# By itself each process has as many threads of linear algebra as there are cores, for small matrices. They wait for
+# one another in busy loops, which beside other processes takes many times as long as the work. NumPy is not loaded yet.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.

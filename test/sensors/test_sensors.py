@@ -58,13 +58,11 @@ LIMITS = {
 
 
 def refusal(given: dict[str, object]) -> ParameterError:
-    try:
+    with pytest.raises(ParameterError) as caught:
         Sensors.from_parameters(given)
-    except ParameterError as error:
-        assert "\n" not in str(error)
-        assert str(error).startswith(f"{error.name}: ")
-        return error
-    pytest.fail(f"accepted: {given}")
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"{caught.value.name}: ")
+    return caught.value
 
 
 def test_sensors_are_off_by_default() -> None:
