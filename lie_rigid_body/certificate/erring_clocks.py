@@ -43,6 +43,7 @@ class ErringClocks:
     def __init__(self, segments: Sequence[Segment], models: Sequence[SensorModel | None]) -> None:
         self._segments, self._models = segments, models
         self._starts = np.array([segment.start_ns for segment in segments])
+        self._has_clock = np.array([model is not None for model in models])
         shown = [shown_ns(segments[i], models[i], self._starts[i : i + 2]) for i in range(len(segments))]
         self._from_ns = np.array([of_one[0] for of_one in shown]) - _ROUNDING_NS
         self._until_ns = np.array([of_one[-1] for of_one in shown]) + _ROUNDING_NS
@@ -103,7 +104,7 @@ class ErringClocks:
             for place in np.unique(at).tolist():
                 yield place, np.flatnonzero(at == place)
         elif len(stamps_ns):
-            near = (self._from_ns <= stamps_ns.max()) & (self._until_ns >= stamps_ns.min())
+            near = self._has_clock & (self._from_ns <= stamps_ns.max()) & (self._until_ns >= stamps_ns.min())
             for place in np.flatnonzero(near).tolist():
                 inside = (stamps_ns >= self._from_ns[place]) & (stamps_ns <= self._until_ns[place])
                 yield place, np.flatnonzero(inside)

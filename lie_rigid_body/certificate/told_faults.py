@@ -7,6 +7,7 @@ late, a part of it without a gap. A size may differ in the last bits where a lib
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -110,8 +111,9 @@ class FaultLaw:
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
         self._expected = ExpectedFaults(segments, most)
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
-        self._awaited: dict[str, _Expected] = {}
-        self._told: dict[str, None] = {}
+        self._awaited = OrderedDict[str, _Expected]()
+        self._drifts: dict[Fault, str] = {}
+        self._told = OrderedDict[str, None]()
         self._count = self._known = 0
         self._first, self._last = (0 if is_whole else None), -1
         self._wrong: dict[str, tuple[int, str]] = {}
@@ -152,29 +154,33 @@ class FaultLaw:
             self._match(found, where, fault.begin_ns)
             self._told[text] = None
             if len(self._told) > _MOST_KEPT:
-                del self._told[next(iter(self._told))]
+                self._told.popitem(last=False)
 
     def _match(self, found: _Expected, where: str, begin_ns: int) -> None:
         if self._first is None:
             self._first = found.number
-            self._awaited = {text: one for text, one in self._awaited.items() if one.number > found.number}
+            self._awaited = OrderedDict((t, one) for t, one in self._awaited.items() if one.number > found.number)
         if found.number < self._last:
             self._note("out of order", where, begin_ns)
         self._last = max(self._last, found.number)
 
     def _found(self, text: str, fault: Fault) -> _Expected | None:
         """The awaited fault that a message tells of; it is awaited no longer."""
-        if text not in self._awaited:
-            alike = (known for known, one in self._awaited.items() if _is_alike(one, fault, text))
-            text = next(alike, "")
+        if text not in self._awaited and fault.to_json() == text:
+            alike = self._drifts.get(replace(fault, size=None), "")
+            if alike in self._awaited and _is_alike(self._awaited[alike], fault):
+                text = alike
         return self._awaited.pop(text, None)
 
     def _expect(self, until_ns: int) -> None:
         for segment, fault in self._expected.until(until_ns):
-            self._awaited[fault.to_json()] = _Expected(self._known, fault, segment)
+            text = fault.to_json()
+            self._awaited[text] = _Expected(self._known, fault, segment)
             self._known += 1
+            if fault.kind == "temperature_drift":
+                self._drifts[replace(fault, size=None)] = text
             if len(self._awaited) > _MOST_KEPT:
-                self._miss(self._awaited.pop(next(iter(self._awaited))))
+                self._miss(self._awaited.popitem(last=False)[1])
 
     def _miss(self, expected: _Expected) -> None:
         if self._first is not None and expected.number >= self._first:
@@ -206,11 +212,8 @@ def _in_words(fault: Fault) -> str:
     return f"{fault.kind} of {' '.join(filter(None, (fault.sensor, fault.axis)))}"
 
 
-def _is_alike(expected: _Expected, fault: Fault, text: str) -> bool:
-    """Whether a text tells of a fault but for the last bits of a size that is a normal deviate."""
-    own, segment = expected.fault, expected.segment
-    if own.kind != "temperature_drift" or replace(fault, size=own.size) != own or fault.to_json() != text:
-        return False
-    drift = segment.scenario.parameters()[f"{own.sensor}_temperature_drift"]
-    assert isinstance(drift, float)
-    return abs((own.size or 0.0) - (fault.size or 0.0)) <= deviate_rounding(drift)
+def _is_alike(expected: _Expected, drift: Fault) -> bool:
+    """Whether the whole change of a drift is that expected, but for last bits: it is a normal deviate."""
+    sigma = expected.segment.scenario.parameters()[f"{drift.sensor}_temperature_drift"]
+    assert isinstance(sigma, float)
+    return abs((expected.fault.size or 0.0) - (drift.size or 0.0)) <= deviate_rounding(sigma)

@@ -205,3 +205,12 @@ def test_all_faults_and_clock_errors_together_are_certified_in_every_grade(tmp_p
         found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
         assert found.passed, found.messages
         assert {*found.sensors} >= {IMU, BIAS, MAG}
+
+
+def test_many_wrong_messages_cost_no_more_than_right_ones(bag, tmp_path, monkeypatch):
+    """Of all that is awaited or told only so much is kept."""
+    monkeypatch.setattr(told_faults, "_MOST_KEPT", 30)
+    assert certify(Bag(bag)).passed
+    found = verdict(bag, tmp_path, declared(sensor_seed=12))
+    assert "faults" in broken(found)
+    assert law(found).worst > 50
