@@ -14,6 +14,7 @@ from estimates import Make, beside, messages, write
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.cli.evaluate import main
+from lie_rigid_body.evaluation import Score
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
@@ -81,10 +82,14 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return err
 
 
+@pytest.fixture(scope="module")
+def score(run: Run, noisy: np.ndarray) -> Score:
+    return run.score(noisy)
+
+
 @pytest.mark.parametrize("kind", list(HOW))
-def test_every_type_of_message_has_the_same_score(kind, bag, run, noisy, capsys):
+def test_every_type_of_message_has_the_same_score(kind, bag, score, capsys):
     content = scored(capsys, bag, "--estimate", f"filter/{kind.rpartition('/')[2]}")
-    score = run.score(noisy)
     assert content["type"] == kind
     assert content["samples"] == 250
     assert content["truth"] == "poses and scenario"

@@ -59,7 +59,8 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
 def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
     bag = tmp_path / "whole.mcap"
     arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-9", "-p", f"record_path:={bag}")
-    with SimulatorProcess(*arguments) as simulator:
+    # with numba, which takes its time to load, it is the same pieces of work, in test_record.py
+    with SimulatorProcess(*arguments, without=("numba",)) as simulator:
         eventually(lambda: bool(stamps_in_whole_chunks(bag)), "the first sample")
         idle = cpu_seconds(simulator.process.pid)
         eventually(lambda: cpu_seconds(simulator.process.pid) > idle + 0.3, "work on the second sample")
