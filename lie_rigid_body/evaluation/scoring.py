@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
 from lie_rigid_body.evaluation.diagnosis import diagnose
@@ -143,7 +144,7 @@ def evaluate(
     truth : Truth
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
-        The estimator's own; see `attitude_nees`.
+        The estimator's own; see `attitude_nees`. A single one is that of every sample.
     covariance_axes : str
         ``"world"`` or ``"body"``.
     converged_deg : float, optional
@@ -162,6 +163,9 @@ def evaluate(
     InputError
         If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth.
     """
+    longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
+    if converged_deg is not None:
+        quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     whole = Estimate.read(stamps_ns, attitude_xyzw)
     known = truth.covers(whole.stamps_ns)
     if not known.any():
@@ -184,7 +188,7 @@ def evaluate(
     )
     consistency = None
     if covariance is not None:
-        P = _at_samples(np.asarray(covariance), stamps_ns, known)
+        P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), stamps_ns, known)
         consistency = attitude_nees(estimate.attitude_xyzw, true, P, covariance_axes)
     return Score(
         stamps_ns=estimate.stamps_ns,
@@ -271,4 +275,4 @@ def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Arr
             f"covariance: {len(covariance)} of them for {len(stamps)} estimates: give one, or one for each"
         )
     first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
-    return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)
+    return np.asarray(covariance[first_of_stamp][known])

@@ -51,7 +51,9 @@ class OutputFile:
             else:
                 self._written, self._file = _beside(self._target)
         except FileExistsError:
-            raise BagError(f"{self.path} exists and is kept: give another name, or --force to replace it") from None
+            raise BagError(
+                f"{self.path} exists and is kept: give another name, or --force to replace it (Python: overwrite=True)"
+            ) from None
         except (OSError, ValueError) as error:
             if isinstance(error, FileNotFoundError) and not self.path.parent.is_dir():
                 raise BagError(

@@ -15,11 +15,13 @@ Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -64,9 +66,15 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
     marker = metafunc.definition.get_closest_marker(FIXTURE)
     chosen = dict(marker.kwargs) if marker else {}
-    scenarios, grades = chosen.get("scenarios") or list(scenario_files()), chosen.get("grades") or list(GRADES)
+    scenarios = _names(chosen.get("scenarios")) or list(scenario_files())
+    grades = _names(chosen.get("grades")) or list(GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
+
+
+def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
+    """What a marker chooses, of which a text is one name."""
+    return [chosen] if isinstance(chosen, str) else chosen or []
 
 
 def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
@@ -136,7 +144,10 @@ def assert_attitude(
     __tracebackhide__ = True
     from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.evaluation.summary import findings, table
+    from lie_rigid_body.runs import Run
 
+    if not isinstance(run, Run):
+        raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
     limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
     if limits == Limits():
         raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")

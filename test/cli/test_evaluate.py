@@ -318,3 +318,8 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
                 writer.finish()
             said = refused(capsys, tmp_path / "bad.mcap", "--estimate", "/estimate", "--truth", own)
             assert "topic /estimate: message 0" in said
+
+
+def test_a_negative_limit_is_told_as_such(capsys):
+    assert "'-1deg' is not an angle" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "-1deg")
+    assert "'-1s' is not a time" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-after", "-1s:1deg")

@@ -131,3 +131,41 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run):
         with pytest.raises(InputError, match=message) as error:
             assert_attitude(run=run, **given)
         assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"max_rms_deg": float("nan")}, "max_rms_deg: nan is not a finite number of degrees above 0"),
+        ({"max_rms_deg": "1deg"}, "max_rms_deg: '1deg' is not"),
+        ({"max_after": 5}, "5 is not a time and an angle"),
+        ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is not"),
+        ({"max_rms_deg": 1.0, "after_s": float("nan")}, "after_s: nan is not"),
+        ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' is not"),
+        ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan is not"),
+        ({"max_rms_deg": 1.0, "gyro_bias": np.zeros((3, 3))}, r"gyro_bias: shape \(3, 3\) is not \(250, 3\)"),
+        ({"max_rms_deg": 1.0, "estimate": None}, r"estimate: shape \(\) is not"),
+        ({"max_rms_deg": 1.0, "estimate": "est"}, "estimate: not numbers"),
+        ({"run": None, "max_rms_deg": 1.0}, "run: None is no Run"),
+    ],
+)
+def test_an_argument_of_another_kind_is_one_line(run, given, message):
+    right = run.attitude().at(stamps(run))
+    with pytest.raises(InputError, match=message) as error:
+        assert_attitude(**{"estimate": right, "run": run, **given})
+    assert "\n" not in str(error.value)
+
+
+def test_a_text_in_the_marker_is_one_name(tmp_path):
+    (tmp_path / "test_user.py").write_text(
+        """
+import pytest
+
+@pytest.mark.attitude_run(scenarios="tumbling_cubesat", grades="mems")
+def test_one(attitude_run):
+    raise AssertionError("only collected")
+"""
+    )
+    listed = run_pytest(tmp_path, "--collect-only", "-q").stdout
+    assert listed.count("test_one[") == 1
+    assert "test_one[tumbling_cubesat-mems]" in listed
