@@ -116,7 +116,7 @@ def finished(
     Row or BaseException
         What a run failed of, where it has no row, such as the death of every worker that tried it.
     """
-    from distributed import as_completed
+    from distributed import KilledWorker, as_completed
 
     waiting = iter(runs)
 
@@ -131,6 +131,8 @@ def finished(
         for run in islice(waiting, 1):
             pool.add(submit(run))
         error = future.exception()
+        if isinstance(error, KilledWorker):
+            error = BagError("every process that tried it died")
         yield error if error is not None else _row(future.result(), folder)
         future.release()
 
