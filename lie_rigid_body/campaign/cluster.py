@@ -117,7 +117,7 @@ def finished(
     Row or BaseException
         What a run failed of, where it has no row, such as the death of every worker that tried it.
     """
-    from distributed import as_completed
+    from distributed import KilledWorker, as_completed
 
     waiting = iter(runs)
     do: Any = (
@@ -137,6 +137,8 @@ def finished(
         if count % (at_once // 2) == 0:
             pool.update(submitted(at_once // 2))
         error = result[1] if future.status == "error" else result
+        if isinstance(error, KilledWorker):
+            error = BagError("every process that tried it died")
         yield error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
 
