@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.alignment import LAG, Comparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
-from lie_rigid_body.evaluation.diagnosis import diagnose
+from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
@@ -23,7 +23,7 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LAG_S: Final = 1.0
-"""Default of the largest lag looked for, s, either way."""
+"""Longest lag looked for, s, either way, unless the errors ask for more."""
 ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
 
@@ -130,7 +130,7 @@ def evaluate(
     covariance: ArrayLike | None = None,
     covariance_axes: str = "world",
     converged_deg: float | None = None,
-    longest_lag_s: float = LONGEST_LAG_S,
+    longest_lag_s: float | None = None,
     diagnosed: bool = True,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
@@ -149,8 +149,9 @@ def evaluate(
         ``"world"`` or ``"body"``.
     converged_deg : float, optional
         Total error below which the estimate counts as converged, degrees.
-    longest_lag_s : float
-        Longest lag that is looked for, s; at most a quarter of the run.
+    longest_lag_s : float, optional
+        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s, and a quarter of the run if a
+        lag of 1 s seems to be too short.
     diagnosed : bool
         Whether lag and mistaken conventions are looked for, which takes most of the time.
 
@@ -214,26 +215,38 @@ def seconds(stamps_ns: Integers) -> Array:
 
 
 def _diagnosis(
-    estimate: Estimate, truth: Truth, longest_lag_s: float
+    estimate: Estimate, truth: Truth, longest_lag_s: float | None
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...]]:
     """The lag with its standard error, s, and what is found."""
     stamps = estimate.stamps_ns
-    longest = min(longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
-    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest)
-    # every lag is judged by the same samples: those that have a truth whatever the lag is
-    shift = round(longest * 1e9)
-    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
-    if not inner.size:
+    quarter = float(stamps[-1] - stamps[0]) / 4e9
+    longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
+    comparison, diagnosis = _within(estimate, truth, longest)
+    if longest_lag_s is None and longest < quarter and diagnosis is not None and diagnosis.lag_at_limit:
+        wider, other = _within(estimate, truth, quarter)
+        if other is not None and LAG in other.explanation.free:
+            comparison, diagnosis = wider, other
+    if diagnosis is None:
         return (None, None), ()
-    diagnosis = diagnose(comparison.part(inner))
     return (diagnosis.lag_s, diagnosis.lag_standard_error_s), findings(comparison, diagnosis)
 
 
+def _within(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[Comparison, Diagnosis | None]:
+    """The comparison with a limit to the lag, and its diagnosis if there are samples for one."""
+    stamps = estimate.stamps_ns
+    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest_lag_s)
+    # every lag is judged by the same samples: those that have a truth whatever the lag is
+    shift = round(longest_lag_s * 1e9)
+    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
+    return comparison, diagnose(comparison.part(inner)) if inner.size else None
+
+
 def _apart(stamps: Integers, truth: Truth) -> str:
+    ahead = (int(stamps[0]) - truth.first_ns) / 1e9
     return (
-        f"estimate: none of its {len(stamps)} stamps, from {stamps[0] / 1e9:.9g} s to {stamps[-1] / 1e9:.9g} s, is "
-        f"within the truth, from {truth.first_ns / 1e9:.9g} s to {truth.last_ns / 1e9:.9g} s: "
-        "stamp it by the clock of the truth, in ns"
+        f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
+        f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; "
+        "stamp them by its clock, in ns"
     )
 
 

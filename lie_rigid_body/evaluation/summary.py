@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from lie_rigid_body.evaluation.scoring import Score
-from lie_rigid_body.evaluation.statistics import Statistics
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics
 
 WIDTH: Final = 88
 """Characters of a line of sentences."""
@@ -50,9 +50,11 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
     else:
         yield "converged", f"{score.time_to_converge_s:.4g} s after the first, to below {score.converged_deg:.4g}°"
     if score.lag_s is None:
-        yield "lag", "not told by this motion"
+        yield "lag", "not told by this motion and these errors"
     else:
         yield "lag", f"{score.lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
+        yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
     consistency = score.consistency
     if consistency is not None:
         low, high = consistency.mean_bounds

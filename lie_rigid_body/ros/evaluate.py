@@ -46,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score, 130 when interrupted before an
-        estimate came.
+        estimate came. An estimate with attitudes that cannot be used has its score, and 2.
     """
     given = parse(sys.argv[1:] if argv is None else argv)
     require_room(given)
@@ -129,6 +129,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count > compared:
                 compared, compared_at = live.tally.count, now
         said.say(compared > 0)
+        said.complain(live.fault() if live is not None else "")
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
@@ -140,10 +141,10 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
 
 
 class _Word:
-    """A word on stderr about what is missing, now and then, and one when the comparison begins."""
+    """A word on stderr about what is missing, now and then, one when the comparison begins, and one about a fault."""
 
     def __init__(self, following: Following) -> None:
-        self._following, self._begun = following, False
+        self._following, self._begun, self._complained = following, False, False
         self._due = time.monotonic() + WORD_S[0]
 
     def say(self, begun: bool) -> None:
@@ -155,6 +156,12 @@ class _Word:
         elif time.monotonic() > self._due:
             self._due = time.monotonic() + WORD_S[1]
             _say(f"still waiting: {self._following.silence()}")
+
+    def complain(self, fault: str) -> None:
+        """Say a fault of the estimate as soon as it is there, once."""
+        if fault and not self._complained:
+            self._complained = True
+            _say(fault)
 
 
 def _say(text: str) -> None:
@@ -174,4 +181,8 @@ def _score(given: argparse.Namespace, limits: Limits, following: Following, miss
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
-    return answer(given, "", read, score, limits)
+    status = answer(given, "", read, score, limits)
+    if live.unusable:
+        console.complain(console.program("evaluate"), f"estimate: {live.fault()}")
+        return console.UNUSABLE
+    return status

@@ -121,6 +121,20 @@ def test_the_truth_in_another_bag_or_by_the_scenario_alone(own, bag, stamps, noi
     assert by_poses["total_deg"]["rms"] == pytest.approx(rms, abs=0.02)
 
 
+def test_of_several_truths_that_beside_the_estimate_is_meant(own, stamps, noisy, tmp_path, capsys):
+    run = Run.from_bag(own)
+    poses = [(POSE, HOW[POSE], f"/{name}/pose", run.t_ns, run.truth.attitude_xyzw[::step]) for name, step in AB]
+    ours = [(POSE, HOW[POSE], topic, stamps[:200], noisy[:200]) for topic in ("/a/estimate", "/estimate")]
+    bag = beside(own, tmp_path / "two.mcap", *poses, *ours, without="/pose /twist /lie_rigid_body/scenario")
+    assert scored(capsys, bag, "--estimate", "/a/estimate")["total_deg"]["max"] < 5.0
+    assert "has several topics .../pose: /a/pose, /b/pose" in refused(capsys, bag, "--estimate", "/estimate")
+    others = beside(own, tmp_path / "truth.mcap", *poses, without="/pose /twist /lie_rigid_body/scenario")
+    assert scored(capsys, bag, "--estimate", "/a/estimate", "--truth", others)["total_deg"]["max"] < 5.0
+
+
+AB = (("a", 1), ("b", -1))
+
+
 def test_progress_tells_every_byte_read(own, bag):
     steps: list[int] = []
     recorded_estimate(bag, "/filter/Imu", own, steps.append)
