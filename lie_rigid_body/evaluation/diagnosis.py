@@ -175,7 +175,8 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     limit = AT_LIMIT * comparison.longest_lag_s
     best = _named(few, tried, limit)
     most = TIE_FACTOR * min((e.median for e in tried if abs(e.misalignment.lag_s) >= limit), default=np.inf)
-    return Diagnosis(best, tried, *_lag(comparison, best), max(best.median, NEGLIGIBLE) > most)
+    lag_s, standard_error_s = _lag(comparison, best)
+    return Diagnosis(best, tried, lag_s, standard_error_s, max(best.median, NEGLIGIBLE) > most)
 
 
 def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: float) -> Explanation:
