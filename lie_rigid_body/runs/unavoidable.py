@@ -52,8 +52,13 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
         parts += [part] if len(part.stamps_ns) else []
     if not parts:
         return None
-    arrays = (np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS)
-    return UnavoidableError(*arrays, unobserved=next((part.unobserved for part in parts if part.unobserved), ""))
+    return UnavoidableError(
+        np.concatenate([part.filtered for part in parts]),
+        np.concatenate([part.smoothed for part in parts]),
+        np.concatenate([part.gyro_bias for part in parts]),
+        np.concatenate([part.stamps_ns for part in parts]),
+        next((part.unobserved for part in parts if part.unobserved), ""),
+    )
 
 
 def bound_of(segments: Sequence[Segment], truth: Truth, stamps_ns: Integers) -> UnavoidableError | None:
@@ -71,7 +76,6 @@ def bound_of(segments: Sequence[Segment], truth: Truth, stamps_ns: Integers) -> 
 
 THINNED: Final = 400
 """Readings of each sensor that are computed for a score: a tenth of a second, and within 2 % of the bound of all."""
-_ARRAYS: Final = ("filtered", "smoothed", "gyro_bias", "stamps_ns")
 
 
 def _of_segment(segment: Segment, last_ns: int, most: int | None) -> UnavoidableError | None:

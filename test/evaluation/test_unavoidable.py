@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
@@ -160,16 +162,17 @@ def test_stamps_have_to_rise():
 
 
 def test_what_is_no_noise_and_no_vector_is_one_line():
-    given = {"stamps_ns": [0, 1], "truth_xyzw": [[0, 0, 0, 1]] * 2, "gyro_noise": 0.1}
+    wrong: Any = 3
+    given: dict[str, Any] = {"stamps_ns": [0, 1], "truth_xyzw": [[0, 0, 0, 1]] * 2, "gyro_noise": 0.1}
     for call, message in [
         (lambda: VectorReadings([0], UP, 0.0), "noise of a vector: 0.0"),
         (lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1), "has no direction"),
-        (lambda: VectorReadings([0], UP, 0.1, 3), "bias: 3 is no BiasNoise"),
+        (lambda: VectorReadings([0], UP, 0.1, wrong), "bias: 3 is no BiasNoise"),
         (lambda: BiasNoise(turn_on=-1.0), "turn_on: -1.0"),
         (lambda: AttitudeReadings([0], np.zeros((3, 3))), "not positive definite"),
-        (lambda: unavoidable_error(**given, vectors=[3]), "vectors: .3. is not a list of VectorReadings"),
-        (lambda: unavoidable_error(**given, vectors=3), "vectors: 3 is not a list"),
-        (lambda: unavoidable_error(**given, gyro_bias=3), "gyro_bias: 3 is no BiasNoise"),
+        (lambda: unavoidable_error(**given, vectors=[wrong]), "vectors: .3. is not a list of VectorReadings"),
+        (lambda: unavoidable_error(**given, vectors=wrong), "vectors: 3 is not a list"),
+        (lambda: unavoidable_error(**given, gyro_bias=wrong), "gyro_bias: 3 is no BiasNoise"),
         (lambda: unavoidable_error(**{**given, "gyro_noise": 1e200}), "gyro_noise: 1e.200 is beyond"),
         (lambda: unavoidable_error(**{**given, "stamps_ns": [0.0, 1.0]}), "give integer nanoseconds"),
     ]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,12 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 
-GIVEN = {"imu_rate": 50.0, "magnetometer_rate": 25.0, "accelerometer_mode": "pivot_gravity", "motion": "closed_form"}
+GIVEN: dict[str, Any] = {
+    "imu_rate": 50.0,
+    "magnetometer_rate": 25.0,
+    "accelerometer_mode": "pivot_gravity",
+    "motion": "closed_form",
+}
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +99,17 @@ def test_without_noise_there_is_none(given):
 
 def test_every_sensor_helps(run):
     bounds = []
-    more = {"attitude_sensor_cross_boresight_noise": 1e-4, "attitude_sensor_roll_noise": 1e-3, "sun_sensor_noise": 1e-3}
-    for given in ({}, {"sun_sensor_rate": 10.0}, {"sun_sensor_rate": 10.0, "attitude_sensor_rate": 2.0}):
+    more: dict[str, Any] = {
+        "attitude_sensor_cross_boresight_noise": 1e-4,
+        "attitude_sensor_roll_noise": 1e-3,
+        "sun_sensor_noise": 1e-3,
+    }
+    choices: list[dict[str, Any]] = [
+        {},
+        {"sun_sensor_rate": 10.0},
+        {"sun_sensor_rate": 10.0, "attitude_sensor_rate": 2.0},
+    ]
+    for given in choices:
         same = simulate("tumbling_cubesat", duration=2.0, sensor_grade="mems", **GIVEN, **more, **given)
         found = unavoidable_error_of(same.segments, int(same.t_ns[-1]), 50)
         assert found is not None
@@ -114,8 +130,8 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
         "best smoother",
     ]
     content = score.to_json(series=True)
-    assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms  # type: ignore[index, union-attr]
-    assert len(content["series"]["unavoidable_deg"]) == score.samples  # type: ignore[arg-type, index]
+    assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
+    assert len(content["series"]["unavoidable_deg"]) == score.samples
     write_plot(score, tmp_path / "errors.png")
     write_report(score, tmp_path / "errors.html")
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
@@ -130,11 +146,11 @@ def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
     assert seen.best.beaten
     assert "nearer than noise allows" in str(seen)
     assert seen.findings == ()
-    assert run.score(estimate(run, 0.3)).best.beaten is False  # type: ignore[union-attr]
+    assert run.score(estimate(run, 0.3)).best.beaten is False
 
 
 def test_what_no_sensor_tells_is_said():
     run = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **{**GIVEN, "magnetometer_rate": 0.0})
     score = run.score(estimate(run, 1.0))
     assert "best filter   not known: no sensor tells a turn about the vertical" in str(score)
-    assert score.to_json()["unavoidable"]["filtered_deg"] is None  # type: ignore[index]
+    assert score.to_json()["unavoidable"]["filtered_deg"] is None
