@@ -43,7 +43,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
     "campaign": BAG | {"certificate", "runs"},
-    "testing": SCENARIO | {"evaluation", "runs"},
+    "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
     "report": BAG | {"evaluation", "runs", "console"},

@@ -18,10 +18,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     from lie_rigid_body.evaluation import Limits, evaluate
     from lie_rigid_body.runs.recorded_estimate import recorded_estimate
+    from lie_rigid_body.runs.unavoidable import bound_of
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     with progress_bar([path for path in (given.run, given.truth) if path], passes=1) as bar:
         read = recorded_estimate(given.run, given.estimate, given.truth, bar.update)
     track = read.track
-    score = evaluate(track.stamps_ns, track.attitude_xyzw, read.truth, limits=limits, covariance=read.covariance)
-    return answer(given, given.run, read, score, limits)
+    bound = bound_of(read.segments, read.truth, track.stamps_ns)
+    score = evaluate(
+        track.stamps_ns, track.attitude_xyzw, read.truth, limits=limits, covariance=read.covariance, bound=bound
+    )
+    return answer(given, given.run, read, score)

@@ -33,7 +33,7 @@ def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool
         If it is anything else; a text is, and so are NaN and infinity.
     """
     try:
-        number = float(value) if isinstance(value, Real) and type(value) is not bool else np.nan
+        number = np.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
     except OverflowError:
         number = np.inf
     if not np.isfinite(number) or number < 0.0 or (number == 0.0 and not or_zero):

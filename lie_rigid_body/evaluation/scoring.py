@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.alignment import LAG, Comparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
@@ -20,6 +21,7 @@ from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LAG_S: Final = 1.0
@@ -58,6 +60,10 @@ class Score:
         Where a covariance was given.
     gyro_bias_rad_s : Statistics or None
         Of the error of an estimated gyro bias, where one was given.
+    best : BestPossible or None
+        What the sensors' noise leaves at best, where it is known.
+    limits : Limits
+        Those that it was held against.
     """
 
     stamps_ns: Integers
@@ -75,8 +81,17 @@ class Score:
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
     gyro_bias_rad_s: Statistics | None = None
+    best: BestPossible | None = None
+    limits: Limits = field(default_factory=Limits)
 
     __repr__ = short_repr
+
+    def __str__(self) -> str:
+        """The table and the findings, as ``evaluate`` prints them, in several lines."""
+        from lie_rigid_body.evaluation import summary
+
+        verdict = (line for sentence in summary.verdict(self) for line in summary.wrapped(sentence))
+        return "\n".join([*summary.table(self), "", *summary.findings(self), *verdict])
 
     @property
     def samples(self) -> int:
@@ -108,6 +123,7 @@ class Score:
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
             "nees": self.consistency.to_json() if self.consistency else None,
             "gyro_bias_rad_s": self.gyro_bias_rad_s.to_json() if self.gyro_bias_rad_s else None,
+            "unavoidable": self.best.to_json() if self.best else None,
             "findings": [finding.to_json() for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
@@ -115,10 +131,11 @@ class Score:
         return content | ({"series": self.series()} if series else {})
 
     def series(self) -> dict[str, list[float] | list[int]]:
-        """Stamps, ns, and error angles, degrees, of every sample; the NEES where a covariance was given."""
+        """Stamps, ns, and error angles, degrees, of every sample; NEES and bound where they are known."""
         angles = {f"{name}_deg": np.degrees(angle).tolist() for name, angle in self.error._asdict().items()}
         nees = {"nees": self.consistency.nees.tolist()} if self.consistency else {}
-        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees}
+        best = {"unavoidable_deg": self.best.filtered_deg.tolist()} if self.best and not self.best.unobserved else {}
+        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees, **best}
 
 
 def evaluate(
@@ -132,6 +149,7 @@ def evaluate(
     converged_deg: float | None = None,
     longest_lag_s: float | None = None,
     diagnosed: bool = True,
+    bound: UnavoidableError | None = None,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
 
@@ -154,6 +172,8 @@ def evaluate(
         lag of 1 s seems to be too short.
     diagnosed : bool
         Whether lag and mistaken conventions are looked for, which takes most of the time.
+    bound : UnavoidableError, optional
+        What the sensors' noise leaves at best, on the same clock.
 
     Returns
     -------
@@ -206,6 +226,8 @@ def evaluate(
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
+        best=None if bound is None else BestPossible.of(bound, estimate.stamps_ns, statistics.rms),
+        limits=limits or Limits(),
     )
 
 

@@ -19,7 +19,6 @@ from lie_rigid_body.wording import suggestion
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.ros.following import Following
 
 NODE_NAME: Final = "evaluator"
@@ -78,7 +77,7 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
         node.destroy_node()
-    return _score(given, limits, following, missing, complete)
+    return _score(given, following, missing, complete)
 
 
 def _parameters(node: Node) -> dict[str, object]:
@@ -170,7 +169,7 @@ def _say(text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _score(given: argparse.Namespace, limits: Limits, following: Following, missing: str, complete: bool) -> int:
+def _score(given: argparse.Namespace, following: Following, missing: str, complete: bool) -> int:
     live = following.live
     if live is None or not live.messages:
         if not complete:
@@ -181,7 +180,7 @@ def _score(given: argparse.Namespace, limits: Limits, following: Following, miss
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
-    status = answer(given, "", read, score, limits)
+    status = answer(given, "", read, score)
     if live.unusable:
         console.complain(console.program("evaluate"), f"estimate: {live.fault()}")
         return console.UNUSABLE

@@ -21,6 +21,7 @@ from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -226,7 +227,12 @@ class LiveEstimate:
         read = self._read(most)
         track = read.track
         score = evaluate(
-            track.stamps_ns, track.attitude_xyzw, read.truth, limits=self._limits, covariance=read.covariance
+            track.stamps_ns,
+            track.attitude_xyzw,
+            read.truth,
+            limits=self._limits,
+            covariance=read.covariance,
+            bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
         )
         thinned = self._kept.stride > 1 or most is not None
         return read, self.tally.exact(score) if thinned and self.tally.count else score

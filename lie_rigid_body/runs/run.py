@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Limits, Score, bias_error, evaluate
+from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.evaluation.scoring import LONGEST_LAG_S
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault, ImuReadings
 from lie_rigid_body.simulation import Samples, Segment, SensorSamples, Taken
@@ -349,6 +350,7 @@ class Run:
             converged_deg=converged_deg,
             longest_lag_s=longest_lag_s,
             diagnosed=diagnosed,
+            bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
         )
         if gyro_bias is None:
             return score
@@ -357,6 +359,20 @@ class Run:
         if estimated.shape != (len(stamps), 3):
             raise InputError(f"gyro_bias: shape {estimated.shape} is not {(len(stamps), 3)}: give a row for each stamp")
         return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
+
+    def unavoidable_error(self) -> UnavoidableError | None:
+        """What the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
+
+        Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
+        and of the hard iron a bound. Readings that are missing or late count as well.
+
+        Returns
+        -------
+        UnavoidableError or None
+            None without an IMU, or where a sensor that tells the attitude has no noise: the bound is 0 then.
+        """
+        last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
+        return unavoidable_error_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.

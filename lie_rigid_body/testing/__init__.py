@@ -24,6 +24,8 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import ArrayLike
 
     from lie_rigid_body.evaluation import Score
@@ -109,6 +111,7 @@ def assert_attitude(
     max_after: str | tuple[str, ...] = (),
     after_s: float = 0.0,
     t_ns: ArrayLike | None = None,
+    plot: str | Path | None = None,
     **options: Any,
 ) -> Score:
     """Assert that an attitude estimate keeps its limits; if not, the message tells the error and its causes.
@@ -126,6 +129,8 @@ def assert_attitude(
         Estimates of so many seconds from the first on do not count: a filter converges.
     t_ns : array_like of int, shape (K,), optional
         Stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+    plot : str or Path, optional
+        A PNG that is drawn when a limit is broken, such as ``tmp_path / "errors.png"``; an older one is replaced.
     **options
         Further arguments of `Run.score`, such as ``covariance`` and ``gyro_bias``.
 
@@ -143,7 +148,6 @@ def assert_attitude(
     """
     __tracebackhide__ = True
     from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.evaluation.summary import findings, table
     from lie_rigid_body.runs import Run
 
     if not isinstance(run, Run):
@@ -154,5 +158,10 @@ def assert_attitude(
     score = run.score(estimate, t_ns, after_s=after_s, limits=limits, **options)
     if score.passed:
         return score
-    broken = "; ".join(score.broken)
-    raise AssertionError("\n".join([broken, "", *table(score), "", *findings(score)]))
+    picture = []
+    if plot is not None:
+        from lie_rigid_body.report import write_plot
+
+        write_plot(score, plot, overwrite=True)
+        picture = [f"The errors over time: {plot}"]
+    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture]))

@@ -19,6 +19,7 @@ from lie_rigid_body.recording import message_loops, message_scan
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.recording.message_loops import FIND, TAKE
+from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -109,13 +110,17 @@ SENSED_CHANGES = {
 }
 
 
+def sensor_readings(recording):
+    return {name: found for name, found in recording.readings.items() if isinstance(found, SensorMessages)}
+
+
 @pytest.mark.parametrize("change", SENSED_CHANGES)
 def test_sensors_are_read_and_judged_as_in_python(sensed, tmp_path, in_python, change):
     path = tamper(sensed, tmp_path / "changed.mcap", SENSED_CHANGES[change], CHUNK_BYTES)
-    quick, found = certify(Bag(path)), Bag(path).load().readings
+    quick, found = certify(Bag(path)), sensor_readings(Bag(path).load())
     assert quick.passed == (change == "honest")
     in_python()
-    certificate, expected = certify(Bag(path)), read_bag(path).readings
+    certificate, expected = certify(Bag(path)), sensor_readings(read_bag(path))
     assert repr(certificate.segments) == repr(quick.segments)
     assert (certificate.messages, certificate.sensors) == (quick.messages, quick.sensors)
     assert found.keys() == expected.keys()

@@ -8,11 +8,13 @@ import struct
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import partial
 from io import BytesIO, StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import lz4.frame
 import pytest
@@ -144,7 +146,7 @@ CONTENTS: dict[int, st.SearchStrategy[bytes]] = {
     15: st.just(bytes(4)) | st.binary(min_size=4, max_size=4),
 }
 ANY_RECORD = st.one_of(
-    *[content.map(lambda data, opcode=opcode: record(opcode, data)) for opcode, content in CONTENTS.items()],
+    *[content.map(partial(record, opcode)) for opcode, content in CONTENTS.items()],
     st.builds(record, st.integers(0, 255), DATA, st.none() | WORDS),
 )
 
@@ -230,7 +232,7 @@ SEGMENT = Segment(Scenario.from_parameters({"rate": 20.0, "imu_rate": 10.0, "mag
 NAMES = st.sampled_from([*json.loads(SEGMENT.to_json())]) | TEXTS
 
 
-def declared(values: dict[str, object]) -> bytes:
+def declared(values: Mapping[Any, Any]) -> bytes:
     """The bag with another scenario message."""
 
     def change(topic: str, number: int, data: bytes) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import tracemalloc
+from typing import Any
 
 import pytest
 
@@ -30,7 +31,13 @@ def test_more_than_fits_is_refused_before_anything_is_computed(given):
 
 
 def test_what_is_allowed_keeps_to_the_limit():
-    given = {"duration": 4.0, "rate": 1000.0, "imu_rate": 1000.0, "magnetometer_rate": 500.0, "sensor_grade": "mems"}
+    given: dict[str, Any] = {
+        "duration": 4.0,
+        "rate": 1000.0,
+        "imu_rate": 1000.0,
+        "magnetometer_rate": 500.0,
+        "sensor_grade": "mems",
+    }
     simulate("tumbling_cubesat", **{**given, "duration": 0.1})  # what is loaded at the first use is not counted
     with pytest.raises(InputError, match="which take ") as refused:
         simulate("tumbling_cubesat", memory_limit=2**20, seeds=range(3), **given)

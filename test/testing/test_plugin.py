@@ -169,3 +169,13 @@ def test_one(attitude_run):
     listed = run_pytest(tmp_path, "--collect-only", "-q").stdout
     assert listed.count("test_one[") == 1
     assert "test_one[tumbling_cubesat-mems]" in listed
+
+
+def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
+    late = run.attitude().at(np.maximum(stamps(run) - 20_000_000, 0))
+    picture = tmp_path / "errors.png"
+    assert_attitude(late, run, max_rms_deg=90.0, plot=picture)
+    assert not picture.exists()
+    with pytest.raises(AssertionError, match=r"The errors over time: .*errors\.png"):
+        assert_attitude(late, run, max_rms_deg=0.01, plot=picture)
+    assert picture.read_bytes().startswith(b"\x89PNG")
