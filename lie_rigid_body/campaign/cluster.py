@@ -119,7 +119,7 @@ def finished(
     """
     from distributed import KilledWorker, as_completed
 
-    waiting = iter(runs)
+    waiting, numbers, killed = iter(runs), dict[str, int](), list[int]()
     do: Any = (
         partial(carry_out_elsewhere, campaign, keep=bags)
         if elsewhere
@@ -129,18 +129,29 @@ def finished(
     def submitted(count: int) -> list[Any]:
         """The next runs on their way, together, as each way takes Dask milliseconds."""
         some = list(islice(waiting, count))
-        return client.map(do, some, pure=False) if some else []
+        futures = client.map(do, some, pure=False) if some else []
+        numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
+        return futures
 
     at_once = RUNS_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
     pool = as_completed(submitted(at_once), with_results=True, raise_errors=False)
     for count, (future, result) in enumerate(pool, 1):
         if count % (at_once // 2) == 0:
             pool.update(submitted(at_once // 2))
-        error = result[1] if future.status == "error" else result
+        run, error = numbers.pop(future.key), result[1] if future.status == "error" else result
         if isinstance(error, KilledWorker):
-            error = BagError("every process that tried it died")
-        yield error if isinstance(error, BaseException) else _row(result, folder)
+            killed.append(run)
+        else:
+            yield error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
+    for run in killed:  # alone: those that waited at a process for another run's end died with it
+        future = client.submit(do, run, pure=False)
+        try:
+            yield _row(future.result(), folder)
+        except KilledWorker:
+            yield BagError("every process that tried it died")
+        except Exception as error:  # as that of a run which failed at first
+            yield error
 
 
 def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:
