@@ -14,9 +14,6 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-# Without its bytecode every process of the tests would compile the package anew.
-unexport PYTHONDONTWRITEBYTECODE
-
 .PHONY: help sim quick test test-slow test-oldest lint docs bench league clean
 
 help:

@@ -55,7 +55,7 @@ FLINT_WHEELS_EXIST = (
     "(sys_platform != 'linux' or platform_machine in 'x86_64 aarch64')"
 )
 EXTRAS = {
-    "bench": ["mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
+    "bench": [*CAMPAIGN, "mujoco>=3.2", "numba", f"pybullet>=3.2.6{PYBULLET_WHEELS_EXIST}"],
     # make league: every attitude filter of PyPI that takes gyro, accelerometer and magnetometer
     "league": ["ahrs", "filterpy", "gtsam", "imufusion", "qmt", "scikit-kinematics", "vqf"],
     "ros": [

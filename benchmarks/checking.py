@@ -1,68 +1,71 @@
 """What checking a bag costs, beside reading its messages by the `mcap` library alone.
 
-    python benchmarks/checking.py                     # ten minutes at 1 kHz
-    python benchmarks/checking.py --duration 3600
+    python benchmarks/checking.py                      # from a minute to a day, two minutes on an idle machine
+    python benchmarks/checking.py --longest 600
+    python benchmarks/checking.py --save               # also writes the table of docs/benchmarks.md
 
-Processor times of all threads. The bag is recorded before; compiling, or loading what was compiled, is over before.
+Processor times of all threads. Each bag is recorded and checked in a process of its own, between two turns of the
+library, which reads a bag of the run's first minute. Compiling, or loading what was compiled, is over before.
 """
 
 from __future__ import annotations
 
-import argparse
-import resource
-import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final
 
-from mcap.reader import make_reader
-
+from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_reading, record, runs, tell
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.motion.closed_form.evaluation import compile_all
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-from lie_rigid_body.recording.message_scan import FIND, TAKE
-from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
-from recording import RATE
-
-MICROSECONDS: Final = 1e6
+from lie_rigid_body.recording.message_loops import FIND, TAKE
 
 
-def record(path: Path, duration: int) -> int:
-    """Record a run, and return the number of its samples."""
-    simulation = Simulation(Scenario.from_parameters({"rate": RATE}))
-    with BagWriter(path, stamped_twist=True) as bag:
-        for _ in write_run(bag, simulation, duration * NS - 1):
-            pass
-        return bag.sample_count
+def compile_loops() -> bool:
+    """Compile, or load, all that checking can use; whether numba is there to do it."""
+    return all([FIND.compile(), TAKE.compile(), WORK.compile(), LOOP.compile(), compile_all()])
+
+
+def recorded(run: Run, path: Path) -> int:
+    """Record a run, and return how many messages it has."""
+    LOOP.compile()
+    record(run.parameters, run.duration, path)
+    return messages_of(path)
+
+
+def ours(path: Path) -> Spent:
+    """What checking a bag costs, s, and no more loaded than a bag of that length pays for."""
+    for work in (FIND, TAKE, WORK):
+        work.compile()
+    with Spent() as spent:
+        assert certify(Bag(path)).passed
+    return spent
+
+
+def line(run: Run) -> tuple[str, ...]:
+    """A line of the table."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "bag.mcap")
+        messages, _ = alone(recorded, run, path)
+        before = plain_reading(run)
+        spent, memory = alone(ours, path)
+    plain, samples = mean(before, plain_reading(run)).cpu, run.rate * run.duration
+    check = spent.each(messages).cpu
+    print(
+        f"{run.sensors}, {run.text}: {samples / spent.cpu:.0f} samples, {messages / spent.cpu:.0f} messages a second; "
+        f"a message {check:.3f} µs, by the library {plain:.3f} µs",
+        flush=True,
+    )
+    return run.sensors, run.text, f"{messages / 1e6:.2f} million", f"{plain / check:.1f}", f"{memory:.0f} MiB"
 
 
 def main() -> None:
-    """Print the costs of a sample, and their ratio."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--duration", type=int, default=600, metavar="SECONDS", help="of the simulated run")
-    given = parser.parse_args()
-    LOOP.compile()
-    compiled = all([FIND.compile(), TAKE.compile(), WORK.compile(), compile_all()])
-    with TemporaryDirectory() as folder:
-        path = Path(folder, "bag.mcap")
-        samples = record(path, given.duration)
-        start = time.process_time()
-        assert certify(Bag(path)).passed
-        ours = (time.process_time() - start) / samples * MICROSECONDS
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        start = time.process_time()
-        with path.open("rb") as stream:
-            for _ in make_reader(stream).iter_messages(log_time_order=False):
-                pass
-        plain = (time.process_time() - start) / samples * MICROSECONDS
-    print(f"{samples} samples of pose and twist, {'compiled' if compiled else 'on arrays'}")
-    print(f"check {ours:.3f} µs a sample ({MICROSECONDS / ours:.0f} a second), messages by mcap alone {plain:.3f} µs")
-    print(f"ratio {plain / ours:.1f}; largest memory {memory:.0f} MiB")
+    """Print the table."""
+    given = arguments(__doc__)
+    print("compiled" if compile_loops() else "on arrays")
+    head = ("topics", "run", "messages", "times less processor time", "memory")
+    tell("checking", [head, *map(line, runs(given.longest))], save=given.save)
 
 
 if __name__ == "__main__":

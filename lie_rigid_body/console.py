@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import functools
 import os
+import re
 import shlex
 import sys
 import traceback
@@ -48,6 +49,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, verb: str, description: str) -> None:
         super().__init__(prog=program(verb), description=description, allow_abbrev=False)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """Print the help on stdout, by `say`."""

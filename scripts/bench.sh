@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")/.."
 
 usage='usage: make bench [ARGS=--save]
-Run this package beside other software, some minutes, and print the tables.
+Run this package beside other software, some ten minutes, and print the tables.
   --save   also write the pictures of docs/images and the tables of docs/benchmarks.md'
 # Before an environment is built, which takes minutes.
 for argument; do
@@ -17,4 +17,6 @@ $usage" >&2; exit 2 ;;
 done
 
 environment=$(scripts/environment.sh bench)
-exec "$environment/bin/python" benchmarks/work_precision.py "$@"
+for benchmark in work_precision recording checking campaign; do
+    "$environment/bin/python" "benchmarks/$benchmark.py" "$@"
+done

@@ -16,6 +16,10 @@ import pytest
 
 from ros_domains import own_domain
 
+# By itself each process has as many threads of linear algebra as there are cores, for small matrices. They wait for
+# one another in busy loops, which beside other processes takes many times as long as the work. NumPy is not loaded yet.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=40)
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000)
@@ -54,6 +58,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    # set in many containers; with it every process that a test starts would compile the package anew
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+        sys.dont_write_bytecode = False
     # under nohup, or in the background of a script, signals are ignored, and children inherit that
     for number, handler in ((signal.SIGHUP, signal.SIG_DFL), (signal.SIGINT, signal.default_int_handler)):
         if signal.getsignal(number) is signal.SIG_IGN:
@@ -101,6 +108,13 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
             reporter.write_line(f"left out: {count} files or tests ({library} is not installed)", yellow=True)
     if not ROS_INSTALLED:
         reporter.write_line(f"ROS part left out: {reasons[ROS_LEFT_OUT]} tests ({ROS_LEFT_OUT})", yellow=True)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what campaigns have counted."""
+    for report in terminalreporter.stats.get("passed", []):
+        if counts := ", ".join(f"{name}: {value}" for name, value in report.user_properties):
+            terminalreporter.write_line(f"{report.nodeid.rpartition('::')[2]}: {counts}")
 
 
 @pytest.fixture(autouse=True)

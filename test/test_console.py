@@ -23,7 +23,6 @@ ANSWERS = [
     "scenarios --json",
     "check {bag}",
     "explain",
-    "evaluate {bag} --estimate /pose",
 ]
 WRITERS = [
     "record {new} --duration 0.1",
@@ -63,10 +62,8 @@ def test_closed_stdout_is_nobodys_fault(command: str, bag: Path, tmp_path: Path)
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("command", ["explain", "evaluate {bag} --estimate /pose"])
-def test_reader_who_leaves_hears_no_complaint(command: str, bag: Path, tmp_path: Path) -> None:
-    done = run(command, bag, tmp_path, "| true")
-    assert done.stderr == ""
+def test_reader_who_leaves_hears_no_complaint(bag: Path, tmp_path: Path) -> None:
+    assert run("explain", bag, tmp_path, "| true").stderr == ""
 
 
 @pytest.mark.parametrize(("arguments", "status"), [([], 0), (["--inertia", "1,2,2.5"], 1)])

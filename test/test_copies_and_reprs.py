@@ -142,7 +142,7 @@ def of_a_score() -> list[Any]:
     bias, up = evaluation.BiasNoise(0.1, 0.01), evaluation.VectorReadings(TIMES, [0.0, 0.0, 9.8], 0.1)
     bound = evaluation.unavoidable_error(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
     found = [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
-    return [*found, bias, up, bound]
+    return [*found, bias, up, evaluation.AttitudeReadings(TIMES, np.eye(3)), bound]
 
 
 def exact_attitudes(t_ns: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
     "campaign": BAG | {"certificate", "runs"},
-    "testing": SCENARIO | {"evaluation", "runs"},
+    "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
     "report": BAG | {"evaluation", "runs", "console"},
@@ -116,11 +116,14 @@ def breaches(source: str, module: str, *, is_package: bool = False) -> list[str]
     ]
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_every_module_keeps_to_its_room(module: str) -> None:
-    path = MODULES[module]
-    assert room(module) in MAY_IMPORT, f"{module} is in a room that MAY_IMPORT does not know"
-    assert breaches(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py") == []
+def test_every_module_keeps_to_its_room() -> None:
+    assert [module for module in MODULES if room(module) not in MAY_IMPORT] == []
+    found = [
+        breach
+        for module, path in MODULES.items()
+        for breach in breaches(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py")
+    ]
+    assert found == []
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import shlex
-import subprocess
-import sys
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import pytest
 
+from lie_rigid_body.__main__ import main
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS
 
@@ -31,10 +32,12 @@ def commands(language: str, program: str, text: str = README) -> list[list[str]]
 def worked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[list[str], int, str]]]:
     """A folder in which the headless commands ran in their order, and each with its status and errors."""
     folder, runs = tmp_path_factory.mktemp("readme"), []
-    for _, *arguments in commands("bash", "lie-rigid-body"):
-        command = [sys.executable, "-m", "lie_rigid_body", *arguments]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        runs.append((arguments, run.returncode, run.stderr))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for _, *arguments in commands("bash", "lie-rigid-body"):
+            with redirect_stderr(StringIO()) as complained:
+                status = main(arguments)
+            runs.append((arguments, status, complained.getvalue()))
     return folder, runs
 
 

@@ -19,7 +19,7 @@ def full_table(task: Task, rows: Sequence[Row]) -> str:
     """One line for each contender: its errors, and its cost beside the unit's."""
     end = f"error at {task.judged_ns[-1] / 1e9:g} s"
     head = ("", "setting", f"{end} [rad]", "largest error [rad]", "relative cost")
-    return _markdown([head, *(_cells(row, unit(rows)) for row in rows)])
+    return markdown([head, *(_cells(row, unit(rows)) for row in rows)])
 
 
 def short_table(rows: Sequence[Row]) -> str:
@@ -30,7 +30,7 @@ def short_table(rows: Sequence[Row]) -> str:
         best = min(members, key=lambda row: (row.largest, row.cost))
         reached = [_cheapest(members, level, unit(rows)) for level in LEVELS]
         lines.append((family, *reached, f"{best.largest:.1e} rad", f"{best.cost / unit(rows):.2g}"))
-    return _markdown([head, *lines])
+    return markdown([head, *lines])
 
 
 def ahead_text(rows: Sequence[Row]) -> str:
@@ -52,10 +52,15 @@ def families(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 def replaced(page: str, task: Task, rows: Sequence[Row]) -> str:
     """A page with its table of this task exchanged for the one of these rows."""
-    first, last = (MARK.format(edge=edge, name=task.name) for edge in ("begin", "end"))
+    return exchanged(page, task.name, f"{short_table(rows)}\n\n{ahead_text(rows)}")
+
+
+def exchanged(page: str, name: str, table: str) -> str:
+    """A page with the table between the marks of a name exchanged for another."""
+    first, last = (MARK.format(edge=edge, name=name) for edge in ("begin", "end"))
     before, rest = page.split(first)
     _, after = rest.split(last)
-    return f"{before}{first}\n\n{short_table(rows)}\n\n{ahead_text(rows)}\n\n{last}{after}"
+    return f"{before}{first}\n\n{table}\n\n{last}{after}"
 
 
 def _cells(row: Row, unit_cost: float) -> tuple[str, ...]:
@@ -70,7 +75,8 @@ def _cheapest(rows: Sequence[Row], level: float, unit_cost: float) -> str:
     return f"{min(costs) / unit_cost:.2g}" if costs else "–"
 
 
-def _markdown(lines: Sequence[tuple[str, ...]]) -> str:
+def markdown(lines: Sequence[tuple[str, ...]]) -> str:
+    """A table of these lines, the first of which is its head."""
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     text = [" | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
     text.insert(1, " | ".join("-" * width for width in widths))

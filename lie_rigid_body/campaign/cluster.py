@@ -8,6 +8,7 @@ import signal
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -116,23 +117,41 @@ def finished(
     Row or BaseException
         What a run failed of, where it has no row, such as the death of every worker that tried it.
     """
-    from distributed import as_completed
+    from distributed import KilledWorker, as_completed
 
-    waiting = iter(runs)
+    waiting, numbers, killed = iter(runs), dict[str, int](), list[int]()
+    do: Any = (
+        partial(carry_out_elsewhere, campaign, keep=bags)
+        if elsewhere
+        else partial(carry_out, campaign, folder=str(folder) if bags else None)
+    )
 
-    def submit(run: int) -> Any:
-        if elsewhere:
-            return client.submit(carry_out_elsewhere, campaign, run, keep=bags, pure=False)
-        return client.submit(carry_out, campaign, run, str(folder) if bags else None, pure=False)
+    def submitted(count: int) -> list[Any]:
+        """The next runs on their way, together, as each way takes Dask milliseconds."""
+        some = list(islice(waiting, count))
+        futures = client.map(do, some, pure=False) if some else []
+        numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
+        return futures
 
     at_once = RUNS_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
-    pool = as_completed([submit(run) for run in islice(waiting, at_once)])
-    for future in pool:
-        for run in islice(waiting, 1):
-            pool.add(submit(run))
-        error = future.exception()
-        yield error if error is not None else _row(future.result(), folder)
+    pool = as_completed(submitted(at_once), with_results=True, raise_errors=False)
+    for count, (future, result) in enumerate(pool, 1):
+        if count % (at_once // 2) == 0:
+            pool.update(submitted(at_once // 2))
+        run, error = numbers.pop(future.key), result[1] if future.status == "error" else result
+        if isinstance(error, KilledWorker):
+            killed.append(run)
+        else:
+            yield error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
+    for run in killed:  # alone: those that waited at a process for another run's end died with it
+        future = client.submit(do, run, pure=False)
+        try:
+            yield _row(future.result(), folder)
+        except KilledWorker:
+            yield BagError("every process that tried it died")
+        except Exception as error:  # as that of a run which failed at first
+            yield error
 
 
 def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,15 +11,20 @@ import numpy as np
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.segments import Survey, SurveyedSegment, numbered_blocks, survey
+from lie_rigid_body.certificate.segments import Survey, numbered_blocks, survey
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -83,10 +89,9 @@ class Certificate:
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
-        laws = [*(law for segment in self.segments for law in segment.laws), *self.whole]
         samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
         what = f"{_counted(samples, 'sample')} in {_counted(segments, 'segment')}"
-        return f"<Certificate: {_verdict(laws, self.attitude_accuracy)}; {what}>"
+        return f"<Certificate: {_verdict(self.laws, self.attitude_accuracy)}; {what}>"
 
     @property
     def passed(self) -> bool:
@@ -170,11 +175,22 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
-        tuple(replace(segment, laws=segment.laws + own) for segment, own in zip(segments, sensors.laws, strict=True)),
-        whole_bag.laws(bag, surveyed),
+        tuple(
+            replace(segment, laws=segment.laws + laws, notes=segment.notes + notes)
+            for segment, laws, notes in zip(segments, sensors.laws, sensors.notes, strict=True)
+        ),
+        (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
         sensors.topics,
     )
+
+
+def expect(scenario: Scenario, duration: float) -> None:
+    """Take notice that bags of a scenario will be certified, of so many seconds in all; see `Motion.expect`."""
+    samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
+    ClosedForm(scenario.body(), scenario.start()).expect(samples)
+    WORK.compiled_for(samples)
+    message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 
 
 def _segments(

@@ -13,7 +13,7 @@ from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.segments import SurveyedSegment
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State

@@ -19,10 +19,11 @@ between what becomes of the two ends, which is one number, unless a step lies be
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 
@@ -84,34 +85,6 @@ class Expected:
         return np.take_along_axis(distance, axis, 1)[:, 0], np.take_along_axis(allowed, axis, 1)[:, 0]
 
 
-class Readings(Protocol):
-    """The readings of one topic in one segment, in order."""
-
-    @property
-    def motion_error(self) -> float:
-        """How far the declared motion that the readings are of may err, rad, before any cap."""
-        ...
-
-    @property
-    def walks(self) -> bool:
-        """Whether every reading depends on all before it, so that those that are left out have to be computed."""
-        ...
-
-    @property
-    def repeats(self) -> bool:
-        """Whether a reading may repeat one before it, so that those that are left out have to be computed in full."""
-        ...
-
-    @property
-    def next(self) -> int:
-        """Number of the reading that comes next."""
-        ...
-
-    def take(self, first: int, count: int) -> tuple[Expected, ...]:
-        """Each vector of so many readings, from number ``first`` on, which is ``next`` or beyond it."""
-        ...
-
-
 def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:
     """The clock of a sensor of a rate, and the number of its first reading in a segment."""
     clock = SampleClock(segment.scenario.epoch_ns, rate)
@@ -156,22 +129,74 @@ class Times:
         return np.arange(first - self.first, first - self.first + count, dtype=np.float64)[:, np.newaxis]
 
 
-class ImuReadings:
-    """What an IMU reads.
+class Readings(ABC):
+    """The readings of one topic in one segment, in order.
 
     Parameters
     ----------
     segment : Segment
+    rate : float
+        Readings per second.
     duration : float
         Of the segment, s.
+
+    Attributes
+    ----------
+    motion_error : float
+        How far the declared motion that the readings are of may err, rad, before any cap.
+    walks : bool
+        Whether every reading depends on all before it, so that those that are left out have to be computed.
+    repeats : bool
+        Whether a reading may repeat one before it, so that those that are left out have to be computed in full.
     """
+
+    walks = repeats = False
+    _sensor: Any
+
+    def __init__(self, segment: Segment, rate: float, duration: float) -> None:
+        self._times, self._tolerance = Times(segment, rate), limits_of(segment, rate, duration)
+        self.motion_error = float(self._tolerance.attitude_uncapped(np.array([duration]))[0])
+
+    @property
+    def next(self) -> int:
+        """Number of the reading that comes next."""
+        return self._times.next
+
+    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+        """Each vector of so many readings, from number ``first`` on, which is ``next`` or beyond it."""
+        if left_out := self._times.advance(first, count):
+            self._leave_out(first, left_out)
+        elapsed = self._times.elapsed_ns(first, count)
+        return self._expected(self._signal(elapsed), elapsed, self._times.since_start(first, count))
+
+    def _leave_out(self, first: int, count: int) -> None:
+        """Go on to a reading from so many before it."""
+        if not self.repeats:
+            self._skip(first, count)
+            return
+        for elapsed in self._times.blocks_ns(first - count, count):
+            self._signal(elapsed)
+
+    def _skip(self, first: int, count: int) -> None:
+        """Leave out so many readings before one."""
+        self._sensor.skip(count)
+
+    def _signal(self, elapsed_ns: Integers) -> Any:
+        """What the sensor makes of the exact motion, before its converter, at its next readings."""
+        return self._sensor.measure(elapsed_ns, self._times.motion.at(elapsed_ns))
+
+    @abstractmethod
+    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
+        """Each vector of readings with its limits, at so many ns after the start, with so many readings before each."""
+
+
+class ImuReadings(Readings):
+    """What an IMU reads. See `Readings` for the parameters."""
 
     def __init__(self, segment: Segment, duration: float) -> None:
         model = _imu_of(segment)
-        self._times, self._model = Times(segment, model.rate), model
-        self._imu = _imu(self._times, model, segment)
-        self._tolerance = limits_of(segment, model.rate, duration)
-        self.motion_error = motion_error_of(self._tolerance, duration)
+        super().__init__(segment, model.rate, duration)
+        self._model, self._sensor = model, _imu(self._times, model, segment)
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
         fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
         self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
@@ -182,95 +207,62 @@ class ImuReadings:
             model.accelerometer, model.rate, 2.0 * fastest * fastest * arm + model.support
         )
 
-    @property
-    def next(self) -> int:
-        """Number of the reading that comes next."""
-        return self._times.next
+    def _skip(self, first: int, count: int) -> None:
+        before_ns = self._times.before(first)
+        self._sensor.skip(count, before_ns, self._times.motion.at(before_ns))
 
-    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+    def _signal(self, elapsed_ns: Integers) -> Any:
+        return self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
+
+    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """Orientation, if it tells one, angular velocity and specific force."""
-        times, model = self._times, self._model
-        if left_out := times.advance(first, count):
-            self._leave_out(first, left_out)
-        elapsed = times.elapsed_ns(first, count)
-        signals = self._imu.signals(elapsed, times.motion.at(elapsed))
-        t, k, limits = seconds(elapsed), times.since_start(first, count), self._tolerance
+        t, limits, model = seconds(elapsed_ns), self._tolerance, self._model
         relative = limits.rate(t)
         rate = limits.fastest * relative if self._span is None else limits.mean_rate(t, self._span)
         force = np.asarray(self._force_of_rate * relative)
         if model.support:
             force += model.support * limits.attitude(t)
-        orientation = signals.orientation_xyzw
-        oriented = () if orientation is None else (turned(orientation, limits.attitude(t), self._of_orientation),)
+        attitude = signal.orientation_xyzw
+        oriented = () if attitude is None else (turned(attitude, limits.attitude(t), self._of_orientation),)
         return (
             *oriented,
-            Expected(signals.angular_velocity, self._gyro.at(rate, k), model.gyro.converter),
-            Expected(signals.linear_acceleration, self._accelerometer.at(force, k), model.accelerometer.converter),
+            Expected(signal.angular_velocity, self._gyro.at(rate, before), model.gyro.converter),
+            Expected(signal.linear_acceleration, self._accelerometer.at(force, before), model.accelerometer.converter),
         )
 
-    def _leave_out(self, first: int, count: int) -> None:
-        """Go on to a reading from so many before it."""
-        times = self._times
-        if not self.repeats:
-            before_ns = times.before(first)
-            self._imu.skip(count, before_ns, times.motion.at(before_ns))
-            return
-        for elapsed in times.blocks_ns(first - count, count):
-            self._imu.signals(elapsed, times.motion.at(elapsed))
 
+class BiasReadings(Readings):
+    """The true biases of an IMU, which no motion changes. See `Readings` for the parameters."""
 
-class BiasReadings:
-    """The true biases of an IMU.
-
-    Parameters
-    ----------
-    segment : Segment
-    """
-
-    def __init__(self, segment: Segment) -> None:
+    def __init__(self, segment: Segment, duration: float) -> None:
         model = _imu_of(segment)
-        self._times, self._triads, self._rate = (
-            Times(segment, model.rate),
-            (model.gyro, model.accelerometer),
-            model.rate,
-        )
-        self._imu = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
-        self.walks, self.repeats, self.motion_error = _walks(model), False, 0.0
+        super().__init__(segment, model.rate, duration)
+        self._model, self.walks, self.motion_error = model, _walks(model), 0.0
+        self._sensor = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
 
-    @property
-    def next(self) -> int:
-        """Number of the reading that comes next."""
-        return self._times.next
+    def _skip(self, first: int, count: int) -> None:
+        self._sensor.skip(count, 0, self._times.motion.at(0))
 
-    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+    def _signal(self, elapsed_ns: Integers) -> Any:
+        return self._sensor.biases(elapsed_ns)
+
+    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """Biases of gyro and accelerometer."""
-        if left_out := self._times.advance(first, count):
-            self._imu.skip(left_out, 0, self._times.motion.at(0))
-        k = self._times.since_start(first, count)
-        pairs = zip(self._imu.biases(self._times.elapsed_ns(first, count)), self._triads, strict=True)
+        triads = self._model.gyro, self._model.accelerometer
+        limits = (_bias_uncertainty(triad, self._model.rate, before) for triad in triads)
         return tuple(
-            Expected(bias, np.broadcast_to(_bias_uncertainty(triad, self._rate, k), bias.shape))
-            for bias, triad in pairs
+            Expected(bias, np.broadcast_to(limit, bias.shape)) for bias, limit in zip(signal, limits, strict=True)
         )
 
 
-class FieldReadings:
-    """What a magnetometer reads; nothing of it walks.
-
-    Parameters
-    ----------
-    segment : Segment
-    duration : float
-        Of the segment, s.
-    """
+class FieldReadings(Readings):
+    """What a magnetometer reads; nothing of it walks. See `Readings` for the parameters."""
 
     def __init__(self, segment: Segment, duration: float) -> None:
         model = segment.scenario.sensors.magnetometer
         assert model is not None
-        self._times, self._sensor = Times(segment, model.rate), Magnetometer(model)
-        self._tolerance, self._converter = limits_of(segment, model.rate, duration), model.converter
-        self.walks, self.repeats = False, _repeats(model.faults)
-        self.motion_error = motion_error_of(self._tolerance, duration)
+        super().__init__(segment, model.rate, duration)
+        self._sensor, self._converter, self.repeats = Magnetometer(model), model.converter, _repeats(model.faults)
         passing = 0.0 if model.disturbance is None else model.disturbance.size
         field = float(so3.norm(np.array(model.field))) + passing
         self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
@@ -279,27 +271,13 @@ class FieldReadings:
             ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + _size_of(model.faults, model.rate))
         )
 
-    @property
-    def next(self) -> int:
-        """Number of the reading that comes next."""
-        return self._times.next
+    def _signal(self, elapsed_ns: Integers) -> Any:
+        return self._sensor.signal(elapsed_ns, self._times.motion.at(elapsed_ns))
 
-    def take(self, first: int, count: int) -> tuple[Expected, ...]:
+    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """The field."""
-        if left_out := self._times.advance(first, count):
-            self._leave_out(first, left_out)
-        elapsed = self._times.elapsed_ns(first, count)
-        turned = self._tolerance.attitude(seconds(elapsed))[:, np.newaxis]
-        signal = self._sensor.signal(elapsed, self._times.motion.at(elapsed))
-        return (Expected(signal, self._gain * turned + self._rounding, self._converter),)
-
-    def _leave_out(self, first: int, count: int) -> None:
-        """Go on to a reading from so many before it."""
-        if not self.repeats:
-            self._sensor.skip(count)
-            return
-        for elapsed in self._times.blocks_ns(first - count, count):
-            self._sensor.signal(elapsed, self._times.motion.at(elapsed))
+        angle = self._tolerance.attitude(seconds(elapsed_ns))[:, np.newaxis]
+        return (Expected(signal, self._gain * angle + self._rounding, self._converter),)
 
 
 @lru_cache(maxsize=SHARED)
@@ -355,11 +333,6 @@ def limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
     return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
 
 
-def motion_error_of(limits: Tolerance, duration: float) -> float:
-    """How far the attitude may err at the end of a duration, s, before any cap, rad."""
-    return float(limits.attitude_uncapped(np.array([duration]))[0])
-
-
 class _Uncertainty:
     """How far readings of a triad may be from those of the exact motion.
 
@@ -388,5 +361,10 @@ def _bias_uncertainty(model: TriadModel, rate: float, k: Array) -> Array:
     """Round-off of a bias after k steps, shape (N, 1): of its deviates, and of the sums, each of the bias' size."""
     walked = np.sqrt(k)
     size = LARGEST_DEVIATE * model.turn_on_bias + _WALK * model.bias_random_walk / math.sqrt(rate) * walked
-    drift = 0.0 if model.faults is None else LARGEST_DEVIATE * model.faults.drift
-    return np.asarray(U * ((_DEVIATE + ROUNDINGS + _WALK * walked) * size + (_DEVIATE + ROUNDINGS) * drift))
+    drift = 0.0 if model.faults is None else model.faults.drift
+    return np.asarray(U * (_DEVIATE + ROUNDINGS + _WALK * walked) * size + deviate_rounding(drift))
+
+
+def deviate_rounding(sigma: float) -> float:
+    """Round-off of a normal deviate of a standard deviation."""
+    return U * (_DEVIATE + ROUNDINGS) * LARGEST_DEVIATE * sigma

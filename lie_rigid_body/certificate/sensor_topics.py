@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.erring_clocks import shown_ns
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
 from lie_rigid_body.certificate.readings import (
@@ -20,8 +21,8 @@ from lie_rigid_body.certificate.readings import (
     Readings,
     sensor_clock,
 )
-from lie_rigid_body.certificate.segments import SurveyedSegment
 from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
@@ -61,6 +62,7 @@ _LAWS: Final = {
 """Of each topic the laws of its readings: name, unit, field of the message, and its columns in `SensorMessages`."""
 _READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
     IMU_DATA: ImuReadings,
+    IMU_BIAS: BiasReadings,
     MAG: FieldReadings,
     ATTITUDE: AttitudeReadings,
     SUN: SunReadings,
@@ -142,7 +144,7 @@ class TopicLaws:
         if model is not None:
             self.clock, self.first = sensor_clock(segment, model.rate)
             self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
-        self.tally = StampTally(self.clock or segment.clock(), "reading")
+        self.tally = StampTally(self.clock or segment.clock(), "reading", partial(shown_ns, segment, model))
         self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
         laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
         self._columns = [columns for *_, columns in laws]
@@ -242,16 +244,10 @@ class TopicLaws:
         return replace(law, message=message)
 
     def _is_unlike(self, messages: SensorMessages) -> Booleans:
-        """Which messages have another frame or other fixed fields than the scenario makes them have.
-
-        What was read before a reset, and sent after it, is of the scenario then in force.
-        """
-        segment, later = self.found.segment, [successor.scenario for successor in self._successors]
-        unlike = ~_are_of([segment.scenario], self.name, messages)
-        sent_ns = messages.log_times_ns if self._is_late else messages.stamps_ns
-        if later and unlike.any():
-            unlike &= ~(_are_of(later, self.name, messages) & (sent_ns > self.last_sample_ns))
-        _, _, values = _fixed_fields(segment.scenario)[self.name]
+        """Which messages have another frame or other fixed fields than the scenario makes them have."""
+        frame, rest, values = _fixed_fields(self.found.segment.scenario)[self.name]
+        own = [name == frame and np.array_equal(np.frombuffer(numbers), rest) for name, numbers in messages.kinds]
+        unlike = ~np.array(own, dtype=bool)[messages.kind]
         return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
 
     def _compare(self, count: int) -> None:
@@ -259,7 +255,7 @@ class TopicLaws:
         ready, self._waiting = self._waiting[:count], self._waiting[count:]
         if self.is_too_far or not count:
             return
-        readings = self._readings = self._readings or _readings(self.name, self.found)
+        readings = self._readings = self._readings or _READINGS[self.name](self.found.segment, self.found.duration)
         self._motion_error = readings.motion_error
         ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
         while len(ready.numbers):
@@ -298,13 +294,6 @@ class _Recorded:
         return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
 
 
-def _readings(name: str, found: SurveyedSegment) -> Readings:
-    """What a topic should hold in a segment."""
-    if name == IMU_BIAS:
-        return BiasReadings(found.segment)
-    return _READINGS[name](found.segment, found.duration)
-
-
 def model_of(scenario: Scenario, name: str) -> SensorModel | None:
     """The sensor of a topic, if the scenario has it."""
     sensors = scenario.sensors
@@ -318,16 +307,6 @@ def _tells_no_orientation(scenario: Scenario, name: str) -> bool:
     return name == IMU_DATA and imu is not None and imu.orientation is None
 
 
-def _are_of(scenarios: Sequence[Scenario], name: str, messages: SensorMessages) -> Booleans:
-    """Which messages have the frame and the fixed fields that one of these scenarios makes them have."""
-    alike = [known[name] for known in map(_fixed_fields, scenarios) if name in known]
-    own = [
-        any(frame == other and np.array_equal(np.frombuffer(rest), fields) for other, fields, _ in alike)
-        for frame, rest in messages.kinds
-    ]
-    return np.array(own, dtype=bool)[messages.kind]
-
-
 @lru_cache(maxsize=4)
 def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
     """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
@@ -335,9 +314,10 @@ def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
     truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
     row = partial(SensorSamples[Any], at, at, np.zeros(1, dtype=np.bool_))
     imu, identity = ReadingsOfImu(zero, zero, zero, zero), np.array([[0.0, 0.0, 0.0, 1.0]])
-    taken = Taken(truth, row(imu), row(zero), row(identity), row(zero))
+    readings = {"imu": imu, "magnetometer": zero, "attitude_sensor": identity, "sun_sensor": zero}
+    rows: dict[str, Any] = {name: row(readings[name]) for name in scenario.sensors.on}
     found = {}
-    for messages in BatchEncoder(scenario).encode(taken).sensors:
+    for messages in BatchEncoder(scenario).encode(Taken(truth, **rows)).sensors:
         fields = varying_fields(SENSOR_TOPICS[messages.topic])
         decoded = decode(messages.payloads, len(fields), stamped=True)
         found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields], decoded.numbers[0, fields]

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from lie_rigid_body import __version__
+from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import Survey, segment_parts
+from lie_rigid_body.certificate.segments import Survey
 from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.certificate.surveyed_segment import segment_parts
+from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
+from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.bag_reader import Bag, OfSensor, Recording
 from lie_rigid_body.recording.sensor_reader import SensorMessages
-from lie_rigid_body.sensors import ImuModel
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
@@ -27,6 +29,8 @@ _SENSORS: Final = {
     "sun sensor": (SUN,),
 }
 _SOFTWARE: Final = f"{SOFTWARE} {__version__}"
+_COMPUTED: Final = VALUES | {FAULT_LAW}
+"""The laws that depend on how this software computes noise and faults."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +47,18 @@ class SensorFindings:
         What else there is, or should be, in words.
     logged_otherwise : int
         Messages that were not logged, or not published, at their stamps.
+    whole : tuple of LawResult
+        Of the bag as a whole.
+    notes : tuple of tuple of str
+        For each surveyed segment, which sensors have no reading there though no law is broken.
     """
 
     laws: tuple[tuple[LawResult, ...], ...]
     topics: tuple[str, ...] = ()
     not_certified: tuple[str, ...] = ()
     logged_otherwise: int = 0
+    whole: tuple[LawResult, ...] = ()
+    notes: tuple[tuple[str, ...], ...] = ()
 
     __repr__ = short_repr
 
@@ -66,13 +76,17 @@ class SensorLaws:
     def __init__(self, bag: Bag | Recording, surveyed: Survey) -> None:
         self._bag, self._surveyed, self._work = bag, surveyed, Work()
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        self._held = [name for name in SENSOR_TOPICS if name in self._declared]
+        self._held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._unlawful = {name: reason for name in self._held if (reason := _why_unlawful(surveyed.declared, name))}
         self._held = [name for name in self._held if name not in self._unlawful]
         if not surveyed.as_written:
             self._held = [name for name in self._held if name in bag.sensors]
+        self._faults = self._fault_law()
+        self._silent: list[list[str]] = []
         places = {id(found.segment): found for found in surveyed.segments}
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
+        self._clocks = {name: clocks for name in self._readings if (clocks := _erring(surveyed.declared, name))}
+        self._unshown: dict[str, tuple[int, int]] = {}
         self._topics: dict[tuple[int, str], TopicLaws] = {}
         self._open: dict[str, TopicLaws] = {}
         self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
@@ -83,17 +97,39 @@ class SensorLaws:
     @property
     def wanted(self) -> list[str]:
         """The topics of the bag that are to be added, by their relative names."""
+        return [*self._readings, *(name for name in (FAULTS,) if self._faults and name in self._bag.sensors)]
+
+    @property
+    def _readings(self) -> list[str]:
         return [name for name in self._held if name in self._bag.sensors]
 
-    def add(self, readings: Mapping[str, SensorMessages]) -> None:
+    def _fault_law(self) -> FaultLaw | None:
+        bag, surveyed = self._bag, self._surveyed
+        if FAULTS not in self._declared or not (surveyed.as_written or FAULTS in bag.sensors):
+            return None
+        last = surveyed.segments[-1]
+        horizon_ns = (last.last_ns or last.segment.start_ns) + round(2 * NS / last.segment.scenario.rate) + NS
+        most = MOST_LOOKED_THROUGH + 2 * sum(sensor.count for sensor in bag.sensors.values())
+        return FaultLaw(surveyed.declared, horizon_ns, is_whole=surveyed.as_written, most=most)
+
+    def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
         for name, messages in readings.items():
-            if len(messages):
-                self._add(name, messages)
+            if isinstance(messages, SensorMessages):
+                if len(messages):
+                    self._add(name, messages)
+            elif self._faults is not None:
+                self._faults.add(messages)
 
     def _add(self, name: str, messages: SensorMessages) -> None:
-        sent_ns = messages.log_times_ns if self._surveyed.as_written else messages.stamps_ns
-        self._last_ns = max(self._last_ns, int(sent_ns.max()))
+        own_times = self._surveyed.as_written
+        if name in self._clocks:
+            messages, unknown = self._clocks[name].measured(messages, in_order=own_times)
+            if len(unknown):
+                count, first = self._unshown.get(name, (0, int(unknown[0])))
+                self._unshown[name] = count + len(unknown), first
+        sent_ns = messages.log_times_ns if own_times else messages.stamps_ns
+        self._last_ns = max(self._last_ns, int(sent_ns.max(initial=0)))
         taken = 0
         for i, rows in segment_parts(self._surveyed.declared, messages.stamps_ns):
             own = messages[rows]
@@ -132,22 +168,39 @@ class SensorLaws:
             for i, found in enumerate(self._found)
             if found is not None
         ]
-        not_certified = tuple(self._unheld())
-        foreign = self._foreign_software() if _broken_values(laws) else None
+        whole = self._of_faults()
+        not_certified = [*self._unheld(), *self._unassigned()]
+        foreign = self._foreign_software() if _broken_values([*laws, whole]) else None
         if foreign is not None:
-            laws = [tuple(law for law in own if law.name not in VALUES) for own in laws]
-            not_certified += (
-                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others",
+            *laws, whole = (tuple(law for law in own if law.name not in _COMPUTED) for own in (*laws, whole))
+            not_certified.append(
+                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others"
             )
         far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
-        not_certified += tuple(f"{topic}: too many readings are missing to compute the others" for topic in sorted(far))
-        certified = [self._full_name(name) for name in self.wanted if foreign is None]
+        not_certified += [f"{topic}: too many readings are missing to compute the others" for topic in sorted(far)]
+        certified = [self._full_name(name) for name in self._readings if foreign is None]
         return SensorFindings(
             tuple(laws),
             tuple(topic for topic in certified if topic not in far),
-            not_certified + tuple(self._unassigned()),
+            tuple(not_certified),
             self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
+            whole,
+            tuple(map(tuple, self._silent)),
         )
+
+    def _of_faults(self) -> tuple[LawResult, ...]:
+        """The law of the messages about faults, if one speaks of them."""
+        if self._faults is None:
+            return ()
+        law = self._faults.result(self._full_name(FAULTS), self._end_ns)
+        self._logged_otherwise += self._faults.logged_otherwise
+        return () if self._faults.is_too_far else (law,)
+
+    @property
+    def _end_ns(self) -> int:
+        """Until when a bag that is to be whole has everything, ns: one that was cut off not all of its last time."""
+        cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
+        return max(self._last_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
 
     def _unheld(self) -> Iterator[str]:
         for name in SENSOR_TOPICS:
@@ -156,7 +209,7 @@ class SensorLaws:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
             if name in self._unlawful and sensor is not None:
                 yield f"topic {sensor.topic} ({sensor.count} messages): {self._unlawful[name]}"
-            elif name in self._declared and name not in self._held:
+            elif name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
@@ -164,6 +217,14 @@ class SensorLaws:
             yield f"readings before the first scenario's start: {self._early}"
         if self._unsampled:
             yield f"readings under scenarios without a sample: {self._unsampled}"
+        faults = self._faults
+        if faults is not None and faults.is_too_far:
+            yield f"{self._full_name(FAULTS)}: too many readings to compute the faults of all"
+        elif faults is not None and not self._surveyed.as_written:
+            if faults.early:
+                yield f"faults before the first scenario's start: {faults.early}"
+            if faults.repeated:
+                yield f"messages about faults that come again: {faults.repeated}"
 
     def _foreign_software(self) -> str | None:
         """The first software other than this that a scenario says it is of."""
@@ -171,12 +232,20 @@ class SensorLaws:
         return next((str(software) for software in found if software != _SOFTWARE), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
-        if self._early and self._surveyed.as_written and not i:
-            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
+        self._silent.append([])
+        if self._found[i] is self._surveyed.segments[0]:
+            yield from self._strays()
         for sensor, names in _SENSORS.items():
             topics = [self._laws(i, name) for name in names if name in self._held]
             if topics:
                 yield from self._sensor_laws(f"{sensor} stamps", topics, begun, is_last=is_last)
+
+    def _strays(self) -> Iterator[LawResult]:
+        if self._early and self._surveyed.as_written:
+            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
+        for name, (count, first) in self._unshown.items():
+            text = f"{self._full_name(name)}: readings whose stamp no clock of the scenario shows (first {first} ns)"
+            yield _stray("sensor stamps", count, text)
 
     def _sensor_laws(
         self, name: str, topics: Sequence[TopicLaws], begun: set[str], *, is_last: bool
@@ -193,10 +262,13 @@ class SensorLaws:
             whole = self._surveyed.as_written or topic.name in begun
             first = topic.first if whole or not topic.tally.count else topic.tally.low
             last = self._last(topic, clock, is_last=is_last)
-            if whole or topic.tally.count:
-                faults += topic.tally.faults(topic.topic, first, last, topic.lost(last))
+            lost = topic.lost(last)
+            wrong = topic.tally.faults(topic.topic, first, last, lost) if whole or topic.tally.count else []
+            faults += wrong
             if topic.tally.count:
                 begun.add(topic.name)
+            elif not wrong:
+                self._silent[-1].append(f"no reading on {topic.topic}: {self._why_silent(len(lost))}")
         checked = sum(topic.tally.count for topic in topics)
         if checked or faults:
             yield stamp_result(name, clock, faults, checked)
@@ -204,15 +276,17 @@ class SensorLaws:
             if topic.tally.count:
                 yield from topic.results()
 
+    def _why_silent(self, lost: int) -> str:
+        if not self._surveyed.as_written:
+            return "what a recorder lacks before its first one, or after its last, is not certified"
+        return f"the scenario loses all {lost} of this segment" if lost else "none arrives within this segment"
+
     def _last(self, topic: TopicLaws, clock: SampleClock, *, is_last: bool) -> int:
         """Number of the last reading that a topic is to have in a segment."""
         own, high = self._surveyed.as_written, topic.tally.high
         if is_last:
-            end = max(self._last_ns, topic.found.last_ns or 0)
-            if topic.end_ns is not None:
-                end = min(end, topic.end_ns)
-            cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-            return max(high, topic.arrived_until(end - cut_off) - 1) if own else high
+            end = self._end_ns if topic.end_ns is None else min(self._end_ns, topic.end_ns)
+            return max(high, topic.arrived_until(end) - 1) if own else high
         assert topic.end_ns is not None
         if topic.goes_on:
             return topic.arrived_until(topic.end_ns) - 1
@@ -220,20 +294,22 @@ class SensorLaws:
         return max(high, topic.arrived_until(topic.last_sample_ns) - 1) if own else high
 
 
+def _erring(segments: Sequence[Segment], name: str) -> ErringClocks | None:
+    """The clocks that stamp a topic, if any errs."""
+    models = [model_of(segment.scenario, name) for segment in segments]
+    return ErringClocks(segments, models) if err(models) else None
+
+
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
     """Why no law speaks of a topic; empty if laws do."""
-    if name not in itertools.chain(*_SENSORS.values()):
-        return "no law reads it"
     models = [model_of(segment.scenario, name) for segment in segments]
-    if any(model is not None and model.delivery is not None and model.delivery.is_off for model in models):
-        return "its readings are stamped by a clock that errs"
-    if name == IMU_DATA and len({model.orientation is None for model in models if isinstance(model, ImuModel)}) > 1:
-        return "a reset changes whether it tells an orientation"
+    if err(models) and any(model is not None and model.rate > FASTEST for model in models):
+        return f"its clock errs, and by that the times of more than {FASTEST:g} readings in a second are not told"
     return ""
 
 
 def _broken_values(laws: Sequence[tuple[LawResult, ...]]) -> bool:
-    return any(law.name in VALUES and not law.holds for own in laws for law in own)
+    return any(law.name in _COMPUTED and not law.holds for own in laws for law in own)
 
 
 def _stray(name: str, count: int, what: str) -> LawResult:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -130,6 +130,8 @@ class StampTally:
     clock : SampleClock
     noun : str, optional
         What its samples are called.
+    shown : callable, optional
+        What their headers say at given times, ns, if another clock stamps them.
 
     Attributes
     ----------
@@ -138,8 +140,10 @@ class StampTally:
         The least and the largest number of a sample so far.
     """
 
-    def __init__(self, clock: SampleClock, noun: str = "sample") -> None:
-        self._clock, self._noun = clock, noun
+    def __init__(
+        self, clock: SampleClock, noun: str = "sample", shown: Callable[[Integers], Integers] = lambda times: times
+    ) -> None:
+        self._clock, self._noun, self._shown = clock, noun, shown
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
         self._missing: list[tuple[int, int]] = []  # first and last of each run between low and high, rising
@@ -166,7 +170,7 @@ class StampTally:
         self.count += len(found)
 
     def _take_grid(self, found: Integers, stamps_ns: Integers) -> None:
-        off = np.abs(stamps_ns - _grid(self._clock, found))
+        off = np.abs(stamps_ns - grid(self._clock, found))
         self._off += int(np.count_nonzero(off))
         i = int(off.argmax())
         if off[i] > self._farthest:
@@ -244,10 +248,10 @@ class StampTally:
             found.append(StampFault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
         if self._off:
             number, stamp = self._worst
-            text = (
-                f"{topic}: {self._off} stamps off the grid, {self._noun} {number} stamped {stamp} ns "
-                f"instead of {self._clock.stamp_ns(number)}"
-            )
+            measured = self._clock.stamp_ns(number)
+            right = int(self._shown(np.array([measured]))[0])
+            text = f"{topic}: {self._off} stamps off the grid, {self._noun} {number} stamped"
+            text += f" {right + stamp - measured} ns instead of {right}"
             found.append(StampFault(OFF_GRID, self._farthest, number, text))
         return found
 
@@ -277,7 +281,7 @@ def _but_lost(gaps: Sequence[tuple[int, int]], lost: Integers) -> tuple[list[tup
     return rest, lost[(at < 0) | (lost > ends[at])]
 
 
-def _grid(clock: SampleClock, numbers: Integers) -> Integers:
+def grid(clock: SampleClock, numbers: Integers) -> Integers:
     """The exact stamps of samples by their numbers, ns."""
     low, high = int(numbers.min()), int(numbers.max())
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between

@@ -11,6 +11,7 @@ from lie_rigid_body import console
 from lie_rigid_body.cli.bag_arguments import add_topic_argument, topic_names
 from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.output_file import require_room, write_file
 
 
 @console.run
@@ -20,6 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
     topics = topic_names(given.topics)
+    require_room(given.out, overwrite=given.force)
 
     import numpy as np
 
@@ -27,7 +29,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
     from lie_rigid_body.recording.bag_reader import Bag
-    from lie_rigid_body.recording.output_file import write_file
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))

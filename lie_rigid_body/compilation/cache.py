@@ -7,8 +7,8 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Callable
+from functools import cache
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
@@ -53,20 +53,23 @@ def _source_files(module: str) -> set[Path]:
         if spec is None or spec.origin is None:
             continue
         found[name] = Path(spec.origin)
-        imported = set(_imports(found[name].read_bytes(), name if spec.submodule_search_locations else spec.parent))
+        imported = _imports(found[name].read_bytes(), name if spec.submodule_search_locations else spec.parent)
         waiting |= {one for one in imported if one.partition(".")[0] == package and one not in found}
     return set(found.values())
 
 
-def _imports(source: bytes, package: str | None) -> Iterator[str]:
+@cache
+def _imports(source: bytes, package: str | None) -> frozenset[str]:
     """Names of the modules that a source imports; ``from package import name`` may import a module of that name."""
+    found = set[str]()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = resolve_name("." * node.level + (node.module or ""), package)
-            yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names if _is_package(base))
+            found.add(base)
+            found.update(f"{base}.{alias.name}" for alias in node.names if _is_package(base))
+    return frozenset(found)
 
 
 def _is_package(name: str) -> bool:
@@ -75,6 +78,8 @@ def _is_package(name: str) -> bool:
 
 
 def _version(name: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version  # only now: it loads the library of e-mails
+
     try:
         return version(name)
     except PackageNotFoundError:

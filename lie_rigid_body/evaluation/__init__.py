@@ -12,10 +12,17 @@ from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.scoring import Score, evaluate
 from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
 from lie_rigid_body.evaluation.truth import ExactTruth, SampledTruth, Truth
-from lie_rigid_body.evaluation.unavoidable import BiasNoise, UnavoidableError, VectorReadings, unavoidable_error
+from lie_rigid_body.evaluation.unavoidable import (
+    AttitudeReadings,
+    BiasNoise,
+    UnavoidableError,
+    VectorReadings,
+    unavoidable_error,
+)
 
 __all__ = [
     "AttitudeError",
+    "AttitudeReadings",
     "BiasNoise",
     "Consistency",
     "ExactTruth",

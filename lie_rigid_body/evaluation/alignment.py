@@ -88,6 +88,17 @@ class Misalignment:
 
     __repr__ = short_repr
 
+    @property
+    def mounting_angle(self) -> float:
+        """Of the mounting, from 0 to π, rad."""
+        x, y, z, w = self.mounting
+        return 2.0 * float(np.arctan2(np.sqrt(x * x + y * y + z * z), abs(w)))
+
+    def only(self, free: frozenset[str]) -> Misalignment:
+        """With some of the constants, the others being none."""
+        kept = {HEADING: "heading", MOUNTING: "mounting", LAG: "lag_s"}
+        return Misalignment(**{field: getattr(self, field) for name, field in kept.items() if name in free})
+
     def moved(self, step: Array) -> Misalignment:
         """Changed by a step of heading, mounting (on its own axes) and lag, shape (5,)."""
         mounting = quaternion.normalize(quaternion.multiply(self.mounting, quaternion.exp(step[1:4])))
@@ -214,9 +225,10 @@ def separable(comparison: Comparison, free: frozenset[str], misalignment: Misali
 def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> float:
     """Standard error of a fitted lag, s.
 
-    The robust ("sandwich") covariance H⁻¹ S H⁻¹ of a fit with the normal matrix H; S is the covariance of the gradient,
-    from its sums over consecutive blocks of samples, so that errors may be correlated over times much shorter than a
-    block (K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986) 13).
+    The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
+    circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
+    counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
+    those of a heading, or to those of the body, as biases do: the larger value counts.
 
     Parameters
     ----------
@@ -231,11 +243,18 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
     weights = _weights(_norms(residual))
     J = _derivative(misalignment, truth, rate)[..., columns(free | {LAG})]
     normal, _ = _normal_equations(J, residual, weights)
-    gradients = np.einsum("nia,ni,n->na", J, residual, weights)
-    count = min(BLOCKS, len(gradients) // 2)
-    sums = np.stack([block.sum(axis=0) for block in np.array_split(gradients, count)])
-    steps = sums @ np.linalg.pinv(normal, rcond=1e-10)[:, -1]
-    return float(np.sqrt(count / (count - 1) * np.sum(steps**2)))
+    G = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1]
+    psi = weights[:, np.newaxis] * residual
+    predicted = misalignment.predict(truth)
+    on_world = [quaternion.rotate(predicted, vectors) for vectors in (G, psi)]
+    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world))
+
+
+def _rms_over_shifts(weights: Array, errors: Array) -> float:
+    """Root mean square of Σ weights · errors over all circular shifts of the errors, both of shape (N, 3)."""
+    spectra = np.conj(np.fft.rfft(weights, axis=0)) * np.fft.rfft(errors, axis=0)
+    sums = np.fft.irfft(spectra.sum(axis=1), n=len(weights))
+    return float(np.sqrt(np.mean(sums**2)))
 
 
 def _residual(misalignment: Misalignment, truth: Array, estimate: Array) -> Array:
@@ -267,8 +286,6 @@ def _norms(vectors: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
 
 
-BLOCKS: Final = 12
-"""Blocks of samples by which the standard error of a lag is estimated: few, as errors of filters last for seconds."""
 LARGEST_INFLATION: Final = 10.0
 SLOWEST_RATE: Final = 1e-6
 """A body that turns more slowly, rad/s, tells nothing about time."""

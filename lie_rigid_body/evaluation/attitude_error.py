@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.arguments import real_numbers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
@@ -102,10 +103,7 @@ def numbers(name: str, value: ArrayLike, *size: int) -> Array:
         With the first row that is at fault.
     """
     wanted = f"(..., {', '.join(map(str, size))})"
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
+    array = real_numbers(name, value, wanted)
     if array.shape[-len(size) :] != size:
         raise InputError(f"{name}: shape {array.shape} is not {wanted}: give such an array")
     if array.size == 0:

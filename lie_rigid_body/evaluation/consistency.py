@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.arguments import real_numbers
 from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
 from lie_rigid_body.wording import short_repr, shown
 
@@ -90,7 +91,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     """
     from scipy.stats import chi2  # loading it takes longer than all the rest of the package
 
-    e = np.asarray(errors, dtype=np.float64)
+    e = real_numbers("errors", errors, "(N, d)")
     if e.ndim != 2:
         raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
     d = e.shape[1]
@@ -169,7 +170,7 @@ def is_given(covariance: Array) -> bool:
 
 def rotation_block(covariance: ArrayLike) -> Array:
     """The 3 × 3 covariance of the rotation, of a covariance of a rotation or of a pose."""
-    P = np.asarray(covariance, dtype=np.float64)
+    P = real_numbers("covariance", covariance, "(..., 3, 3)")
     P = P[..., 3:, 3:] if P.shape[-2:] == (6, 6) else P
     P = numbers("covariance", P, 3, 3)
     if np.any(P[..., 0, 0] == -1.0) or not P.any(axis=(-2, -1)).all():

@@ -5,7 +5,8 @@ only if it at least halves that median, given the other causes that are named; o
 same, the one with fewer and simpler causes is taken. The median is used so that the convergence of a filter counts
 little. A cause with a fitted constant must also be constant: fitted to three quarters of the run, it must halve the
 median of the fourth, for each choice of the fourth; only the first quarter is excused, where a filter still converges.
-Drifts fail that, and so do 97 of 100 random walks. A median below `NEGLIGIBLE` is not explained at all.
+Drifts fail that, and so do 97 of 100 random walks. What fails is not replaced by a cause that leaves more, and what
+leaves more than `LARGEST_LEFT` explains nothing. A median below `NEGLIGIBLE` is not explained at all.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ from lie_rigid_body.wording import short_repr
 NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Medians below this, rad, count as this, and need no explanation."""
 
+LARGEST_LEFT: Final = float(np.radians(20.0))
+"""Conventions and constant rotations that leave a larger median, rad, are not the cause; a lag may leave more."""
+
 FEWEST_SAMPLES: Final = 12
 """Smallest number of samples from which a cause is named or a lag given."""
 
@@ -49,6 +53,12 @@ PRUNING_MARGIN: Final = 0.25
 
 TIE_FACTOR: Final = 1.25
 """Ratio of two medians, up to which their explanations are as good as each other."""
+
+AT_LIMIT: Final = 0.999
+"""Share of the longest lag from which on a fitted lag counts as at the limit."""
+
+SIGNIFICANT: Final = 3.0
+"""A lag is told from none if it is so many standard errors."""
 
 CONSTANT_SUBSETS: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
 """The sets of constants that may be fitted, from none to all."""
@@ -89,8 +99,13 @@ class Explanation:
 
     @property
     def cost(self) -> float:
-        """Score to minimise: number of causes + simplicity penalty + log₂ of the median angle, rad."""
-        simplicity = 0.05 * len(columns(self.free)) + 0.02 * self.convention.frd_body
+        """Score to minimise: number of causes + simplicity penalty + log₂ of the median angle, rad.
+
+        The penalty decides only between explanations that leave the same: a mounting of half a turn counts more than
+        the convention that is half a turn.
+        """
+        mounting = 0.04 * self.misalignment.mounting_angle / np.pi if MOUNTING in self.free else 0.0
+        simplicity = 0.005 * len(columns(self.free)) + 0.02 * self.convention.frd_body + mounting
         return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
 
     def without(self, cause: str) -> tuple[frozenset[str], Convention]:
@@ -115,12 +130,15 @@ class Diagnosis:
         The time lag that explains most of the error, beside the misalignment; positive if the estimate is late.
         None if the motion does not tell it.
     lag_standard_error_s : float or None
+    lag_at_limit : bool
+        Whether a lag at the limit of the search leaves clearly less: the true one may be longer.
     """
 
     explanation: Explanation
     tried: tuple[Explanation, ...]
     lag_s: float | None
     lag_standard_error_s: float | None
+    lag_at_limit: bool = False
 
     __repr__ = short_repr
 
@@ -154,8 +172,31 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     tried: tuple[Explanation, ...] = (plain,)
     if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
         tried = tuple(sorted(_explanations(few, plain), key=lambda e: e.cost))
-    best = next((e for e in tried if _is_constant(few, e, tried)), plain)
-    return Diagnosis(best, tried, *_lag(comparison, best))
+    limit = AT_LIMIT * comparison.longest_lag_s
+    best = _named(few, tried, limit)
+    most = TIE_FACTOR * min((e.median for e in tried if abs(e.misalignment.lag_s) >= limit), default=np.inf)
+    lag_s, standard_error_s = _lag(comparison, best)
+    return Diagnosis(best, tried, lag_s, standard_error_s, max(best.median, NEGLIGIBLE) > most)
+
+
+def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: float) -> Explanation:
+    """The first of those tried, the simplest last, whose constants are constant and that leaves little enough."""
+    unconstant: list[Explanation] = []
+    beyond = abs(tried[0].misalignment.lag_s) >= limit_s
+    for e in tried:
+        at_limit = abs(e.misalignment.lag_s) >= limit_s or (beyond and e.free)
+        unexplained = e.median > LARGEST_LEFT and set(e.causes) - {LAG}
+        if at_limit or unexplained or any(_is_worse(e, other) for other in unconstant):
+            continue
+        if _is_constant(comparison, e, tried):
+            return e
+        unconstant.append(e)
+    return next(e for e in tried if not e.causes)
+
+
+def _is_worse(explanation: Explanation, other: Explanation) -> bool:
+    """Whether an explanation leaves more than another, of which it is no part."""
+    return explanation.median > other.median and not set(explanation.causes) <= set(other.causes)
 
 
 def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
@@ -210,7 +251,9 @@ def _median(comparison: Comparison, convention: Convention, misalignment: Misali
 def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
     """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
 
-    Else beside what was found.
+    Else beside what was found. It is told if it is named as a cause or halves the error, and three times its standard
+    error; or if it is not, and this is small beside a lag that would turn the body by the error that is left. Between
+    the two is what slow errors may feign.
     """
     ours = written(comparison, explanation.convention)
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
@@ -218,6 +261,23 @@ def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float
         return None, None
     for free in (ALL_CONSTANTS, explanation.free | {LAG}):
         if separable(ours, free, explanation.misalignment) or free == explanation.free:
-            fitted = fit(ours, free, explanation.misalignment)
-            return fitted.lag_s, lag_standard_error(ours, free, fitted)
+            return _told_lag(ours, free, explanation)
     return None, None
+
+
+def _told_lag(
+    comparison: Comparison, free: frozenset[str], explanation: Explanation
+) -> tuple[float, float] | tuple[None, None]:
+    fitted = fit(comparison, free, explanation.misalignment)
+    without = fit(comparison, free - {LAG}, replace(fitted, lag_s=0.0))
+    before, left = (max(float(np.median(comparison.angles(m))), NEGLIGIBLE) for m in (without, fitted))
+    named = LAG in explanation.free
+    explains = named or (free == ALL_CONSTANTS and before >= 2.0 * left)
+    error = lag_standard_error(comparison, free, fitted if explains else without)
+    lag_s, rate = abs(fitted.lag_s), float(np.sqrt(np.mean(np.sum(comparison.true_states(0.0)[1] ** 2, axis=-1))))
+    if explains:
+        raw = max(float(np.median(comparison.angles(Misalignment()))), NEGLIGIBLE)
+        told = named or (SIGNIFICANT * error <= lag_s and lag_s * rate <= 2.0 * raw)
+    else:
+        told = lag_s <= SIGNIFICANT * error and 4.0 * error * rate <= before
+    return (fitted.lag_s, error) if told and lag_s < AT_LIMIT * comparison.longest_lag_s else (None, None)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.arguments import unmasked
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
@@ -94,6 +95,7 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     InputError
         If they are not that.
     """
+    unmasked(f"{name}: stamps", stamps_ns)
     stamps = np.asarray(stamps_ns)
     if stamps.ndim != 1 or stamps.size == 0:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
@@ -143,7 +145,7 @@ def _gaps(stamps: Integers) -> Remark | None:
 
 def _norms(given: Array) -> Remark | None:
     norms = quaternion.norm(given)
-    off = np.abs(norms**2 - 1.0) > NOT_UNIT
+    off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
     if not off.any():
         return None
     worst = norms[np.argmax(np.abs(norms - 1.0))]

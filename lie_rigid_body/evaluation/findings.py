@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Convention, Misalignment, fit
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
-from lie_rigid_body.evaluation.search import Grid, spread, written
+from lie_rigid_body.evaluation.search import spread, written
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
@@ -60,15 +60,24 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
     """
     found = []
     before = np.degrees(comparison.angles(Misalignment()))
+    fitted = _fitted(comparison, diagnosis.explanation)
     for cause, partial in _undone(diagnosis.explanation):
-        fitted, after = _left_deg(comparison, partial)
-        message = (
-            f"{_sentence(cause, comparison, diagnosis, fitted)} (median error {np.median(before):.3g}° before and "
-            f"{np.median(after):.3g}° after, rms {rms(before):.3g}° and {rms(after):.3g}°){_doubt(diagnosis, cause)}."
-        )
-        found.append(Finding(_code(cause, fitted), message, rms(after)))
+        # all constants are those of one fit: they hold together, and the last finding tells what they leave
+        after = np.degrees(written(comparison, partial.convention).angles(fitted.only(partial.free)))
+        sentence, doubt = _sentence(cause, comparison, diagnosis, fitted), _doubt(diagnosis, cause)
+        found.append(Finding(_code(cause, fitted), f"{sentence} ({_gain(before, after)}){doubt}.", rms(after)))
         before = after
     return tuple(found)
+
+
+def _gain(before: Array, after: Array) -> str:
+    """What undoing a cause does to the errors, degrees; alone it need not help."""
+    if np.median(after) >= np.median(before):
+        return "helps only together with what follows"
+    return (
+        f"median error {np.median(before):.3g}° before and {np.median(after):.3g}° after, "
+        f"rms {rms(before):.3g}° and {rms(after):.3g}°"
+    )
 
 
 def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
@@ -82,16 +91,14 @@ def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
         yield cause, partial
 
 
-def _left_deg(comparison: Comparison, explanation: Explanation) -> tuple[Misalignment, Array]:
+def _fitted(comparison: Comparison, explanation: Explanation) -> Misalignment:
+    """All constants of an explanation, fitted together to up to `FITTED` samples."""
     ours = written(comparison, explanation.convention)
     inside = ours.truth.covers(ours.true_stamps(ours.longest_lag_s)) & ours.truth.covers(
         ours.true_stamps(-ours.longest_lag_s)
     )
     few = ours.part(np.flatnonzero(inside))
-    few = few.part(spread(len(few.stamps_ns), FITTED))
-    start = Grid.of(few).best(Convention(), explanation.free)[1]
-    fitted = fit(few, explanation.free, start)
-    return fitted, np.degrees(ours.angles(fitted))
+    return fit(few.part(spread(len(few.stamps_ns), FITTED)), explanation.free, explanation.misalignment)
 
 
 def _code(cause: str, fitted: Misalignment) -> str:
@@ -109,7 +116,8 @@ def _sentence(cause: str, comparison: Comparison, diagnosis: Diagnosis, fitted: 
         body = " and its body forward-right-down" if diagnosis.explanation.convention.frd_body else ""
         return (
             f"The world of the estimate is north-east-down{body}: turn it to z up by (√½, √½, 0, 0) from the left"
-            f"{', and by (1, 0, 0, 0) from the right' if body else ''}"
+            f"{', and by (1, 0, 0, 0) from the right' if body else ''}; if it should not be, see whether the sign of "
+            "the accelerometer turns it upside down"
         )
     if cause == HEADING:
         return _heading(fitted)
@@ -121,8 +129,9 @@ def _sentence(cause: str, comparison: Comparison, diagnosis: Diagnosis, fitted: 
 def _heading(fitted: Misalignment) -> str:
     angle = float(np.degrees(np.remainder(fitted.heading + np.pi, 2.0 * np.pi) - np.pi))
     return (
-        f"The world of the estimate is turned by {angle:+.4g}° about the vertical: turn the estimate by {-angle:+.4g}° "
-        "from the left, or tell the filter its magnetic declination or what its x axis is"
+        f"The world of the estimate is turned by {angle:+.4g}° about the vertical: turn the estimate by {-angle:+.6g}° "
+        "from the left, or tell the filter its magnetic declination or what its x axis is; hard iron and a bias of the "
+        "gyro turn it as well"
     )
 
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import short_repr, shown
 
 ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
@@ -27,15 +28,35 @@ class Limits:
     Attributes
     ----------
     max_rms_deg : float or None
-        Largest RMS over the whole run, degrees.
+        Largest RMS over the whole run, degrees, above 0.
     max_after : tuple of (float, float)
-        Pairs of a time in s since the first sample, and the largest error from then on, degrees.
+        Pairs of a time in s since the first sample, and the largest error from then on, degrees, above 0.
+
+    Raises
+    ------
+    InputError
+        If a limit is not finite or not above 0, or a time is not finite or below 0: no error would break it, or every
+        one.
     """
 
     max_rms_deg: float | None = None
     max_after: tuple[tuple[float, float], ...] = ()
 
     __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        if self.max_rms_deg is not None:
+            quantity("max_rms_deg", self.max_rms_deg, "degrees", "max_rms_deg=1.0")
+        try:
+            pairs = tuple((start, limit) for start, limit in self.max_after)
+        except (TypeError, ValueError):
+            given = shown(self.max_after)
+            raise InputError(
+                f"max_after: {given} is not pairs of s and degrees: give for example ((10.0, 2.0),)"
+            ) from None
+        for start, limit in pairs:
+            quantity("max_after: time", start, "seconds", "((10.0, 2.0),)", or_zero=True)
+            quantity("max_after: limit", limit, "degrees", "((10.0, 2.0),)")
 
     @classmethod
     def parse(cls, max_rms: str | None = None, max_after: str | tuple[str, ...] = ()) -> Limits:
@@ -46,7 +67,7 @@ class Limits:
         InputError
             If a text is not an angle, or not a time, a colon and an angle.
         """
-        pairs = (max_after,) if isinstance(max_after, str) else max_after
+        pairs = max_after if isinstance(max_after, list | tuple) else (max_after,)
         return cls(None if max_rms is None else angle_deg(max_rms), tuple(_after(pair) for pair in pairs))
 
     def broken(self, t_s: Array, total_deg: Array) -> tuple[str, ...]:
@@ -94,8 +115,11 @@ class Limits:
 
 
 def angle_deg(text: str) -> float:
-    """Degrees of a text like ``1deg``, ``0.02rad`` or ``5 mrad``."""
-    return _quantity(text, ANGLES, "an angle such as 1deg")
+    """Degrees of a text like ``1deg``, ``0.02rad`` or ``5 mrad``, above 0."""
+    angle = _quantity(text, ANGLES, "an angle such as 1deg")
+    if angle == 0.0:
+        raise InputError(f"{text!r} is a limit that every error breaks: give an angle above 0, such as 1deg")
+    return angle
 
 
 def time_s(text: str) -> float:
@@ -104,16 +128,16 @@ def time_s(text: str) -> float:
 
 
 def _after(text: str) -> tuple[float, float]:
-    time, colon, angle = text.partition(":")
+    time, colon, angle = text.partition(":") if isinstance(text, str) else (text, "", "")
     if not colon:
-        raise InputError(f"{text!r} is not a time and an angle: give for example 10s:2deg")
+        raise InputError(f"{shown(text)} is not a time and an angle: give for example 10s:2deg")
     return time_s(time), angle_deg(angle)
 
 
 def _quantity(text: str, units: dict[str, float], wanted: str) -> float:
-    match = NUMBER.fullmatch(text)
+    match = NUMBER.fullmatch(text) if isinstance(text, str) else None
     if not match or match[2] not in units:
-        raise InputError(f"{text!r} is not {wanted}: give a number and one of {', '.join(units)}")
+        raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
     value = float(match[1]) * units[match[2]]
     if not np.isfinite(value):
         raise InputError(f"{text!r} is too large: give {wanted}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -10,19 +10,22 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.alignment import LAG, Comparison
+from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
-from lie_rigid_body.evaluation.diagnosis import diagnose
+from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LAG_S: Final = 1.0
-"""Default of the largest lag looked for, s, either way."""
+"""Longest lag looked for, s, either way, unless the errors ask for more."""
 ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
 
@@ -57,6 +60,10 @@ class Score:
         Where a covariance was given.
     gyro_bias_rad_s : Statistics or None
         Of the error of an estimated gyro bias, where one was given.
+    best : BestPossible or None
+        What the sensors' noise leaves at best, where it is known.
+    limits : Limits
+        Those that it was held against.
     """
 
     stamps_ns: Integers
@@ -74,8 +81,17 @@ class Score:
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
     gyro_bias_rad_s: Statistics | None = None
+    best: BestPossible | None = None
+    limits: Limits = field(default_factory=Limits)
 
     __repr__ = short_repr
+
+    def __str__(self) -> str:
+        """The table and the findings, as ``evaluate`` prints them, in several lines."""
+        from lie_rigid_body.evaluation import summary
+
+        verdict = (line for sentence in summary.verdict(self) for line in summary.wrapped(sentence))
+        return "\n".join([*summary.table(self), "", *summary.findings(self), *verdict])
 
     @property
     def samples(self) -> int:
@@ -107,6 +123,7 @@ class Score:
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
             "nees": self.consistency.to_json() if self.consistency else None,
             "gyro_bias_rad_s": self.gyro_bias_rad_s.to_json() if self.gyro_bias_rad_s else None,
+            "unavoidable": self.best.to_json() if self.best else None,
             "findings": [finding.to_json() for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
@@ -114,10 +131,11 @@ class Score:
         return content | ({"series": self.series()} if series else {})
 
     def series(self) -> dict[str, list[float] | list[int]]:
-        """Stamps, ns, and error angles, degrees, of every sample; the NEES where a covariance was given."""
+        """Stamps, ns, and error angles, degrees, of every sample; NEES and bound where they are known."""
         angles = {f"{name}_deg": np.degrees(angle).tolist() for name, angle in self.error._asdict().items()}
         nees = {"nees": self.consistency.nees.tolist()} if self.consistency else {}
-        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees}
+        best = {"unavoidable_deg": self.best.filtered_deg.tolist()} if self.best and not self.best.unobserved else {}
+        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees, **best}
 
 
 def evaluate(
@@ -129,8 +147,9 @@ def evaluate(
     covariance: ArrayLike | None = None,
     covariance_axes: str = "world",
     converged_deg: float | None = None,
-    longest_lag_s: float = LONGEST_LAG_S,
+    longest_lag_s: float | None = None,
     diagnosed: bool = True,
+    bound: UnavoidableError | None = None,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
 
@@ -143,15 +162,18 @@ def evaluate(
     truth : Truth
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
-        The estimator's own; see `attitude_nees`.
+        The estimator's own; see `attitude_nees`. A single one is that of every sample.
     covariance_axes : str
         ``"world"`` or ``"body"``.
     converged_deg : float, optional
         Total error below which the estimate counts as converged, degrees.
-    longest_lag_s : float
-        Longest lag that is looked for, s; at most a quarter of the run.
+    longest_lag_s : float, optional
+        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s, and a quarter of the run if a
+        lag of 1 s seems to be too short.
     diagnosed : bool
         Whether lag and mistaken conventions are looked for, which takes most of the time.
+    bound : UnavoidableError, optional
+        What the sensors' noise leaves at best, on the same clock.
 
     Returns
     -------
@@ -162,6 +184,9 @@ def evaluate(
     InputError
         If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth.
     """
+    longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
+    if converged_deg is not None:
+        quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     whole = Estimate.read(stamps_ns, attitude_xyzw)
     known = truth.covers(whole.stamps_ns)
     if not known.any():
@@ -184,7 +209,7 @@ def evaluate(
     )
     consistency = None
     if covariance is not None:
-        P = _at_samples(np.asarray(covariance), stamps_ns, known)
+        P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), stamps_ns, known)
         consistency = attitude_nees(estimate.attitude_xyzw, true, P, covariance_axes)
     return Score(
         stamps_ns=estimate.stamps_ns,
@@ -201,6 +226,8 @@ def evaluate(
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
+        best=None if bound is None else BestPossible.of(bound, estimate.stamps_ns, statistics.rms),
+        limits=limits or Limits(),
     )
 
 
@@ -210,26 +237,38 @@ def seconds(stamps_ns: Integers) -> Array:
 
 
 def _diagnosis(
-    estimate: Estimate, truth: Truth, longest_lag_s: float
+    estimate: Estimate, truth: Truth, longest_lag_s: float | None
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...]]:
     """The lag with its standard error, s, and what is found."""
     stamps = estimate.stamps_ns
-    longest = min(longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
-    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest)
-    # every lag is judged by the same samples: those that have a truth whatever the lag is
-    shift = round(longest * 1e9)
-    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
-    if not inner.size:
+    quarter = float(stamps[-1] - stamps[0]) / 4e9
+    longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
+    comparison, diagnosis = _within(estimate, truth, longest)
+    if longest_lag_s is None and longest < quarter and diagnosis is not None and diagnosis.lag_at_limit:
+        wider, other = _within(estimate, truth, quarter)
+        if other is not None and LAG in other.explanation.free:
+            comparison, diagnosis = wider, other
+    if diagnosis is None:
         return (None, None), ()
-    diagnosis = diagnose(comparison.part(inner))
     return (diagnosis.lag_s, diagnosis.lag_standard_error_s), findings(comparison, diagnosis)
 
 
+def _within(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[Comparison, Diagnosis | None]:
+    """The comparison with a limit to the lag, and its diagnosis if there are samples for one."""
+    stamps = estimate.stamps_ns
+    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest_lag_s)
+    # every lag is judged by the same samples: those that have a truth whatever the lag is
+    shift = round(longest_lag_s * 1e9)
+    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
+    return comparison, diagnose(comparison.part(inner)) if inner.size else None
+
+
 def _apart(stamps: Integers, truth: Truth) -> str:
+    ahead = (int(stamps[0]) - truth.first_ns) / 1e9
     return (
-        f"estimate: none of its {len(stamps)} stamps, from {stamps[0] / 1e9:.9g} s to {stamps[-1] / 1e9:.9g} s, is "
-        f"within the truth, from {truth.first_ns / 1e9:.9g} s to {truth.last_ns / 1e9:.9g} s: "
-        "stamp it by the clock of the truth, in ns"
+        f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
+        f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; "
+        "stamp them by its clock, in ns"
     )
 
 
@@ -271,4 +310,4 @@ def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Arr
             f"covariance: {len(covariance)} of them for {len(stamps)} estimates: give one, or one for each"
         )
     first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
-    return np.asarray(covariance[first_of_stamp][known], dtype=np.float64)
+    return np.asarray(covariance[first_of_stamp][known])

@@ -21,16 +21,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.arguments import quantity
+from lie_rigid_body.evaluation.attitude_error import numbers, unit
+from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import short_repr, shown
+
+LARGEST_DEVIATION: Final = 1e50
+"""Squares and their ratios stay finite."""
+
+
+def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
+    """Refuse what is no standard deviation of a noise, or so large that its square is none.
+
+    Raises
+    ------
+    InputError
+    """
+    number = quantity(name, value, "SI units", "0.01", or_zero=or_zero)
+    if number and not 1.0 / LARGEST_DEVIATION < number < LARGEST_DEVIATION:
+        raise InputError(f"{name}: {number:g} is beyond 1e-50 to 1e50: give its standard deviation in SI units")
 
 
 @dataclass(frozen=True)
@@ -48,6 +66,10 @@ class BiasNoise:
     turn_on: float = 0.0
     step: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name, value in (("turn_on", self.turn_on), ("step", self.step)):
+            deviation(name, value, or_zero=True)
+
 
 @dataclass(frozen=True)
 class VectorReadings:
@@ -57,7 +79,7 @@ class VectorReadings:
     ----------
     stamps_ns : array_like of int, shape (L,)
     vector : array_like, shape (3,)
-        In the world frame.
+        In the world frame; not 0, which would tell nothing.
     noise : float
         Standard deviation of the white noise on each axis of a reading, unit of the vector; above 0.
     bias : BiasNoise, optional
@@ -69,6 +91,44 @@ class VectorReadings:
     bias: BiasNoise = BiasNoise()
 
     __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        read_stamps("VectorReadings", self.stamps_ns)
+        vector = numbers("vector", self.vector, 3)
+        if vector.shape != (3,) or not vector.any():
+            raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
+        deviation("noise of a vector", self.noise)
+        if not isinstance(self.bias, BiasNoise):
+            raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
+
+
+@dataclass(frozen=True)
+class AttitudeReadings:
+    """Readings of the whole attitude, as of a star tracker.
+
+    Parameters
+    ----------
+    stamps_ns : array_like of int, shape (L,)
+    covariance : array_like, shape (3, 3)
+        Of the error of a reading on the body's axes, rad²; it has an inverse.
+    """
+
+    stamps_ns: ArrayLike
+    covariance: ArrayLike
+
+    __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        read_stamps("AttitudeReadings", self.stamps_ns)
+        self.whitening()
+
+    def whitening(self) -> Array:
+        """What makes the error of a reading one of unit variance on each axis, shape (3, 3)."""
+        covariance = numbers("covariance", self.covariance, 3, 3)
+        try:
+            return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+        except np.linalg.LinAlgError:
+            raise InputError("covariance: not positive definite: give one that has an inverse") from None
 
 
 @dataclass(frozen=True)
@@ -83,18 +143,28 @@ class UnavoidableError:
         The same from all readings.
     gyro_bias : ndarray, shape (N, 3, 3)
         Covariance of the gyro's bias from the readings up to the sample, (rad/s)²; zeros where it has none.
+    stamps_ns : ndarray of int64, shape (N,)
+    unobserved : str
+        What no reading tells, in words: ``the attitude``, or ``a turn about the vertical``. Empty if all is told.
     """
 
     filtered: Array
     smoothed: Array
     gyro_bias: Array
+    stamps_ns: Integers
+    unobserved: str = ""
 
     __repr__ = short_repr
 
     @staticmethod
     def rms(covariance: Array) -> float:
-        """The root of the mean square of the total angle over all samples, rad."""
-        return float(np.sqrt(np.mean(np.trace(covariance, axis1=-2, axis2=-1))))
+        """The root of the mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
+        return float(np.sqrt(np.mean(mean_square(covariance))))
+
+
+def mean_square(covariance: Array) -> Array:
+    """Mean square of the total angle of each covariance, rad², shape (...): no more than of an attitude at random."""
+    return np.asarray(np.minimum(np.trace(covariance, axis1=-2, axis2=-1), AT_RANDOM))
 
 
 def unavoidable_error(
@@ -104,6 +174,7 @@ def unavoidable_error(
     gyro_noise: float,
     gyro_bias: BiasNoise = BiasNoise(),
     vectors: Sequence[VectorReadings] = (),
+    attitudes: Sequence[AttitudeReadings] = (),
     initial: float = np.pi,
 ) -> UnavoidableError:
     """Bound the errors of every estimator that reads a gyro at each sample, and vectors at some.
@@ -120,6 +191,8 @@ def unavoidable_error(
         rad/s.
     vectors : sequence of VectorReadings, optional
         Each reading counts at the gyro's reading before it, or with it.
+    attitudes : sequence of AttitudeReadings, optional
+        The same.
     initial : float, optional
         Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
 
@@ -132,30 +205,49 @@ def unavoidable_error(
     InputError
         If stamps do not rise, or a noise is not above 0: without noise there is no bound but 0.
     """
-    stamps = np.asarray(stamps_ns, dtype=np.int64)
-    truth = unit("truth_xyzw", truth_xyzw)
-    _require(stamps, truth, gyro_noise, initial, vectors)
-    system = _System(stamps, truth, gyro_noise, gyro_bias, vectors)
+    stamps, truth = read_stamps("stamps_ns", stamps_ns), unit("truth_xyzw", truth_xyzw)
+    _require(stamps, truth, gyro_bias, vectors, attitudes)
+    deviation("gyro_noise", gyro_noise)
+    deviation("initial", initial)
+    system = _System(stamps, truth, gyro_noise, gyro_bias, vectors, attitudes)
     before, after = system.filter(initial)
     smoothed = system.smooth(before, after)
     bias = after[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
-    return UnavoidableError(after[:, :3, :3], smoothed[:, :3, :3], bias)
+    R = quaternion.to_matrix(truth[-1])
+    unobserved = _unobserved(R @ after[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
+    return UnavoidableError(after[:, :3, :3], smoothed[:, :3, :3], bias, stamps, unobserved)
 
 
 def _require(
-    stamps: Integers, truth: Array, gyro_noise: float, initial: float, vectors: Sequence[VectorReadings]
+    stamps: Integers,
+    truth: Array,
+    gyro_bias: BiasNoise,
+    vectors: Sequence[VectorReadings],
+    attitudes: Sequence[AttitudeReadings],
 ) -> None:
-    if stamps.ndim != 1 or len(stamps) < 1 or len(truth) != len(stamps) or not (np.diff(stamps) > 0).all():
+    if truth.shape != (len(stamps), 4) or not (np.diff(stamps) > 0).all():
         raise InputError(
             f"stamps_ns: {stamps.shape} stamps for {truth.shape} attitudes: give rising ones, one for each"
         )
-    numbers = {"gyro_noise": gyro_noise, "initial": initial, "the noise of a vector": 1.0}
-    numbers |= {f"the noise of vector {i}": sensor.noise for i, sensor in enumerate(vectors)}
-    for name, value in numbers.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(
-                f"{name}: {value:g} is not above 0: give its standard deviation; without noise the bound is 0"
-            )
+    if not isinstance(gyro_bias, BiasNoise):
+        raise InputError(f"gyro_bias: {shown(gyro_bias)} is no BiasNoise: give for example BiasNoise(turn_on=3e-3)")
+    kinds = {"vectors": (vectors, VectorReadings), "attitudes": (attitudes, AttitudeReadings)}
+    for name, (given, kind) in kinds.items():
+        if not isinstance(given, list | tuple) or not all(isinstance(readings, kind) for readings in given):
+            raise InputError(f"{name}: {shown(given)} is not a list of {kind.__name__}: give a list of them")
+
+
+def _unobserved(world_covariance: Array) -> str:
+    """The directions of the world about which an error of half a radian or more would not be seen."""
+    variances, axes = np.linalg.eigh(world_covariance)
+    if np.count_nonzero(variances > UNSEEN) > 1:
+        return "the attitude"
+    if variances[-1] <= UNSEEN:
+        return ""
+    axis = axes[:, -1] * np.sign(axes[np.argmax(np.abs(axes[:, -1])), -1])
+    if axis[2] > VERTICAL:
+        return "a turn about the vertical"
+    return f"a turn about ({', '.join(f'{x:.3g}' for x in axis)}) of the world"
 
 
 class _System:
@@ -168,6 +260,7 @@ class _System:
         gyro_noise: float,
         gyro_bias: BiasNoise,
         vectors: Sequence[VectorReadings],
+        attitudes: Sequence[AttitudeReadings],
     ) -> None:
         interval = np.diff(stamps, prepend=stamps[0]) / 1e9
         turn = np.zeros((len(stamps), 3))
@@ -188,15 +281,19 @@ class _System:
         self._bias_steps: list[list[tuple[int, float]]] = [[] for _ in stamps]
         for sensor, place in zip(vectors, self._vector_biases, strict=True):
             self._add(stamps, truth, sensor, place)
+        for tracker in attitudes:
+            seen = np.zeros((3, self.size))
+            seen[:, :3] = tracker.whitening()
+            for k in _at(stamps, tracker.stamps_ns):
+                self._readings[k].append((seen, 1.0))
         if self.gyro_bias is not None:
             for steps in self._bias_steps[1:]:
                 steps.append((self.gyro_bias, gyro_bias.step))
 
     def _add(self, stamps: Integers, truth: Array, sensor: VectorReadings, place: int | None) -> None:
-        when = np.searchsorted(stamps, np.asarray(sensor.stamps_ns, dtype=np.int64), side="right") - 1
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64))
         first = True
-        for k in when[when >= 0]:
+        for k in _at(stamps, sensor.stamps_ns):
             if place is not None and not first:
                 self._bias_steps[k].append((place, sensor.bias.step))
             first = False
@@ -253,9 +350,23 @@ class _System:
         return smoothed
 
 
+def _at(stamps: Integers, readings_ns: ArrayLike) -> Integers:
+    """Number of the sample before each reading, or with it; readings before the first are left out."""
+    when = np.searchsorted(stamps, read_stamps("readings", readings_ns), side="right") - 1
+    return np.asarray(when[when >= 0])
+
+
 def _updated(covariance: Array, seen: Array, variance: float) -> Array:
     """The covariance after a reading, in Joseph's form, which stays symmetric and positive."""
     innovation = seen @ covariance @ seen.T + variance * np.eye(3)
     gain = np.linalg.solve(innovation, seen @ covariance).T
     rest = np.eye(len(covariance)) - gain @ seen
     return np.asarray(rest @ covariance @ rest.T + variance * gain @ gain.T)
+
+
+AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
+"""Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
+UNSEEN: Final = 0.25
+"""Variance about an axis from which on nothing is known of it, rad²."""
+VERTICAL: Final = 0.999
+"""Cosine between an axis and the vertical from which on it is called that."""

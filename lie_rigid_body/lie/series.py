@@ -27,7 +27,7 @@ def _bernoulli(count: int) -> list[Fraction]:
     """The Bernoulli numbers B₀ … B_{count−1} by their defining recurrence Σ C(n+1, k) Bₖ = 0."""
     numbers: list[Fraction] = [Fraction(1)]
     for n in range(1, count):
-        partial = sum((math.comb(n + 1, k) * numbers[k] for k in range(n)), Fraction(0))
+        partial = sum((math.comb(n + 1, k) * numbers[k] for k in range(n) if numbers[k]), Fraction(0))
         numbers.append(-partial / (n + 1))
     return numbers
 

@@ -140,21 +140,27 @@ class BatchEncoder:
     Parameters
     ----------
     scenario : Scenario
+        Of what does not tell its own.
     """
 
     def __init__(self, scenario: Scenario) -> None:
+        self._begin(scenario)
+
+    def _begin(self, scenario: Scenario) -> None:
+        self._scenario = scenario
         self._truth = PoseTwistEncoder(scenario)
         self._sensors = {name: _encoder(model, scenario) for name, model in scenario.sensors.on.items()}
 
     def encode(self, taken: Taken) -> Batch:
-        """The messages of samples and readings that were taken at once."""
+        """The messages of samples and readings that were taken at once, with the frames of their own scenario."""
+        if taken.scenario is not None and taken.scenario is not self._scenario:
+            self._begin(taken.scenario)
         samples = taken.samples
         return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._of_sensors(taken)))
 
     def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
         for name, samples in taken.sensors.items():
-            # readings of a sensor that a reset has taken away are left out
-            if name in self._sensors and len(samples):
+            if len(samples):
                 yield from self._sensors[name].messages(samples)
         if taken.faults:
             yield _told(taken.faults)

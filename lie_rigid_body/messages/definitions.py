@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Final
 
 POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
@@ -97,6 +98,7 @@ def has_fields_of(text: str, message_type: str) -> bool:
     return _fields(text) == _fields(definition(message_type))
 
 
+@lru_cache(maxsize=64)
 def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
     """Type and name of every field, by the type that has them; types without their package, the first without name."""
     found = {}

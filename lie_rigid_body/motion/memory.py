@@ -67,13 +67,33 @@ def samples_within(bodies: int, times: int, memory_limit: int, needs: WorkingMem
     InputError
         If the limit is no integer, or leaves no room for the states and a small block of temporaries.
     """
-    if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
-        raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
     fixed = bodies * times * _STATE_BYTES + bodies * needs.body + times * needs.time + _FIXED_BYTES
     least = fixed + needs.sample * min(_SMALLEST_BLOCK, bodies * times)
+    require_memory(least, memory_limit, f"{bodies} bodies at {times} times")
+    return max(1, min(_LARGEST_BLOCK, (int(memory_limit) - fixed) // needs.sample))
+
+
+def require_memory(least: int, memory_limit: int, what: str) -> None:
+    """Refuse work that does not fit into the memory that a caller allows.
+
+    Parameters
+    ----------
+    least : int
+        Bytes that it takes.
+    memory_limit : int
+        Bytes that it may take.
+    what : str
+        What takes them, in the plural.
+
+    Raises
+    ------
+    InputError
+        Also if the limit is no integer.
+    """
+    if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
+        raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
     if memory_limit < least:
         raise InputError(
-            f"memory_limit {memory_limit} bytes is too little for {bodies} bodies at {times} times, which take "
-            f"{least}: ask for fewer at once, or give a larger memory_limit"
+            f"memory_limit {memory_limit} bytes is too little for {what}, which take {least}: "
+            "ask for fewer at once, or give a larger memory_limit"
         )
-    return max(1, min(_LARGEST_BLOCK, (int(memory_limit) - fixed) // needs.sample))

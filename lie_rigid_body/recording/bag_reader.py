@@ -13,17 +13,23 @@ from typing import Any, Final, TypeAlias, TypeVar
 import numpy as np
 
 from lie_rigid_body import messages
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.message_loops import are_compiled
 from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
-from lie_rigid_body.recording.sensor_reader import VALUES, SensorMessages, SensorTopic, sensor_messages
-from lie_rigid_body.recording.track_decoding import columns, named, require_cdr, texts
+from lie_rigid_body.recording.sensor_reader import (
+    VALUES,
+    FaultMessages,
+    SensorMessages,
+    SensorTopic,
+    varying_fields,
+)
+from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
 from lie_rigid_body.wording import short_repr
 
 _BATCH: Final = 32_768
@@ -88,8 +94,9 @@ class TwistTrack:
 
 
 Track = TypeVar("Track", PoseTrack, TwistTrack)
-TakeReadings: TypeAlias = Callable[[Mapping[str, SensorMessages]], object]
-"""Takes messages of sensors, by relative topic names."""
+OfSensor: TypeAlias = SensorMessages | FaultMessages
+TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
+"""Takes messages of sensors, and about their faults, by relative topic names."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +125,7 @@ class Recording:
         Whether `recover` says that it made the bag of a file that was cut off.
     sensors : dict of str to SensorTopic
         The topics of the body's sensors, by their relative names.
-    readings : dict of str to SensorMessages
+    readings : dict of str to SensorMessages or FaultMessages
         Their messages.
     """
 
@@ -133,7 +140,7 @@ class Recording:
     without_checksum: int = 0
     was_cut_off: bool = False
     sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
-    readings: Mapping[str, SensorMessages] = field(default_factory=dict)
+    readings: Mapping[str, OfSensor] = field(default_factory=dict)
 
     __repr__ = short_repr
 
@@ -172,7 +179,8 @@ class Bag:
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
-        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again.
+        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again. They
+        are not where compiled loops read it again, which is faster.
 
     Attributes
     ----------
@@ -199,7 +207,7 @@ class Bag:
         *,
         in_memory: bool = False,
     ) -> None:
-        files = BagFiles(path, progress)
+        files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
         contents = files.contents((STRING, *_OF_THE_TRUTH, *VALUES) if in_memory else (STRING,))
         self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 
@@ -237,11 +245,23 @@ class Bag:
         self.undefined = tuple(track.topic for track in known if not _is_defined(self._path, track))
         self.without_checksum = contents.without_checksum
         self.was_cut_off = CUT_OFF in contents.metadata
-        self._kept = (self._poses(pose.take(), 0), self._twists(twist.take(), 0)) if in_memory else None
+        self._kept = (
+            (
+                self._pose_track(self._decoded(self._pose, pose.take(), 0)),
+                self._twist_track(self._decoded(self._twist, twist.take(), 0)),
+            )
+            if in_memory
+            else None
+        )
         self._kept_readings = {
-            name: sensor_messages(self._path, track.topic, track.message_type, track.take(), 0)
+            name: self._decoded((track.topic, track.message_type), track.take(), 0)
             for name, track in sensors.items()
             if in_memory and track.message_type in VALUES
+        }
+        self._of_faults = {
+            name: FaultMessages.of(texts(self._path, track))
+            for name, track in sensors.items()
+            if track.message_type == STRING
         }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
@@ -258,24 +278,27 @@ class Bag:
         sensors : collection of str, optional
             Those of ``self.sensors`` that are read as well.
         take : callable, optional
-            Called with the messages of these that stand among the poses and twists of a batch, before it comes.
+            Called with the messages about faults first, and then with the messages of the others that stand among the
+            poses and twists of a batch, before it comes.
         """
+        take({name: self._of_faults[name] for name in sensors if name in self._of_faults})
+        sensors = [name for name in sensors if name not in self._of_faults]
         if self._kept is not None:
             take({name: self._kept_readings[name] for name in sensors})
             yield self._kept
             return
-        if not sensors and may_read_again(self._outlines, self._count):
-            yield from self._batches_again()
-            return
         keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
-        for (poses, before), (twists, done), *others in self._pieces(self._pose, self._twist, *keys.values()):
-            take(
-                {
-                    name: sensor_messages(self._path, *key, *pieces)
-                    for (name, key), pieces in zip(keys.items(), others, strict=True)
-                }
-            )
-            yield self._poses(poses, before), self._twists(twists, done)
+        if may_read_again(self._outlines, self._count + sum(self.sensors[name].count for name in sensors)):
+            found = self._batches_again(self._pose, self._twist, *keys.values())
+        else:
+            found = self._batches(self._pose, self._twist, *keys.values())
+        for poses, twists, *readings in found:
+            take(dict(zip(keys, readings, strict=True)))
+            yield self._pose_track(poses), self._twist_track(twists)
+
+    def _batches(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
+        for pieces in self._pieces(*keys):
+            yield [self._decoded(key, *of_one) for key, of_one in zip(keys, pieces, strict=True)]
 
     def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
         """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
@@ -293,15 +316,14 @@ class Bag:
             if position is None or waiting >= _BATCH:
                 contents.kept = 0
 
-    def _batches_again(self) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        pose = TopicReader(self._path, self._pose, messages.POSE_NUMBERS, stamped=True)
-        twist = TopicReader(self._path, self._twist, messages.TWIST_NUMBERS, stamped=self.stamped)
+    def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
+        readers = [TopicReader(self._path, key, *self._layout(key)) for key in keys]
         for outline, data in chunks(self._outlines, self._files.progress):
-            for topic in (pose, twist):
-                topic.add(data, outline.channels.get(topic.key, ()))
-            if pose.count + twist.count >= _BATCH:
-                yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
-        yield self._pose_track(*pose.taken()), self._twist_track(*twist.taken())
+            for reader in readers:
+                reader.add(data, outline.channels.get(reader.key, ()))
+            if sum(reader.count for reader in readers) >= _BATCH:
+                yield [reader.taken() for reader in readers]
+        yield [reader.taken() for reader in readers]
 
     def messages_of(self, types: Collection[str]) -> McapContents:
         """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
@@ -309,8 +331,8 @@ class Bag:
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        readings: list[Mapping[str, SensorMessages]] = []
-        names = [name for name, sensor in self.sensors.items() if sensor.message_type in VALUES]
+        names = [name for name in self.sensors if name not in self._of_faults]
+        readings: list[Mapping[str, Any]] = []
         poses, twists = zip(*self.batches(names, readings.append), strict=True)
         return Recording(
             self.library,
@@ -324,27 +346,30 @@ class Bag:
             self.without_checksum,
             self.was_cut_off,
             self.sensors,
-            {name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
+            {
+                **{name: SensorMessages.joined([batch[name] for batch in readings[1:]]) for name in names},
+                **self._of_faults,
+            },
         )
 
-    def _poses(self, pieces: list[RawMessages], first: int) -> PoseTrack:
-        with named(self._path, self._pose[0]):
-            return self._pose_track(*columns(pieces, messages.POSE_NUMBERS, stamped=True, first=first))
+    def _layout(self, key: tuple[str, str]) -> tuple[Booleans, bool]:
+        """Which numbers of a topic's messages are values, and whether these have stamps."""
+        if key in (self._pose, self._twist):
+            count = messages.POSE_NUMBERS if key == self._pose else messages.TWIST_NUMBERS
+            return np.full(count, fill_value=True), key == self._pose or self.stamped
+        return varying_fields(key[1]), True
 
-    def _twists(self, pieces: list[RawMessages], first: int) -> TwistTrack:
-        with named(self._path, self._twist[0]):
-            return self._twist_track(*columns(pieces, messages.TWIST_NUMBERS, stamped=self.stamped, first=first))
+    def _decoded(self, key: tuple[str, str], pieces: list[RawMessages], first: int) -> TopicMessages:
+        return topic_messages(self._path, key[0], pieces, *self._layout(key), first)
 
-    def _pose_track(self, log_times: Integers, decoded: Decoded) -> PoseTrack:
-        assert decoded.stamps_ns is not None
-        numbers = decoded.numbers
-        return PoseTrack(
-            self._pose[0], log_times, decoded.stamps_ns, numbers[:, 3:7], numbers[:, :3], decoded.frame_ids
-        )
+    def _pose_track(self, found: TopicMessages) -> PoseTrack:
+        times, numbers = (found.log_times_ns, found.stamps_ns), found.values
+        return PoseTrack(self.pose_topic, *times, numbers[:, 3:7], numbers[:, :3], found.frame_ids)
 
-    def _twist_track(self, log_times: Integers, decoded: Decoded) -> TwistTrack:
-        stamps, numbers = decoded.stamps_ns if self.stamped else None, decoded.numbers
-        return TwistTrack(self._twist[0], log_times, stamps, numbers[:, 3:6], numbers[:, :3], decoded.frame_ids)
+    def _twist_track(self, found: TopicMessages) -> TwistTrack:
+        stamps, frames = (found.stamps_ns, found.frame_ids) if self.stamped else (None, ())
+        numbers = found.values
+        return TwistTrack(self.twist_topic, found.log_times_ns, stamps, numbers[:, 3:6], numbers[:, :3], frames)
 
 
 def read_bag(path: str | Path) -> Recording:

@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
 
+MAGIC: Final = b"\x89MCAP0\r\n"
+"""The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
+
 HEAD: Final = np.dtype(
     [
         ("opcode", "u1"),
@@ -96,7 +99,8 @@ class MessageRecords:
             heads = np.empty(count, dtype=HEAD)
             heads["opcode"], heads["length"] = Opcode.MESSAGE, size - OPCODE_AND_LENGTH
             heads["channel"] = channels[messages.topic]
-            heads["sequence"] = np.arange(counts[messages.topic], counts[messages.topic] + count) % _SEQUENCE_NUMBERS
+            first = counts[messages.topic] % _SEQUENCE_NUMBERS
+            heads["sequence"] = np.arange(first, first + count).astype(np.uint32)  # goes on with 0 behind the last
             heads["log_time"] = heads["publish_time"] = messages.times_ns
             _put(data, places[mine], heads.view(np.uint8).reshape(-1, HEAD.itemsize))
             _put(data, places[mine] + HEAD.itemsize, messages.payloads.rows)

@@ -11,6 +11,19 @@ from mcap.records import Chunk
 LARGEST_CHUNK: Final = 256 * 1024 * 1024
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
 
+_MOST_RECORDS: Final = 65_536
+
+
+def most_records(size: int) -> int:
+    """The most records that the chunks of a file may hold: what differs in its time takes a byte of it, compressed.
+
+    Parameters
+    ----------
+    size : int
+        Of the file, bytes.
+    """
+    return _MOST_RECORDS + size
+
 
 def inflated(chunk: Chunk) -> bytes:
     """The records of a chunk.

@@ -8,6 +8,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, TypeVar
 
 import numpy as np
@@ -57,6 +58,9 @@ _IN_SUMMARY: Final = frozenset(
     }
 )
 _IN_CHUNK: Final = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
+
+_ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
+"""Of a message in the index of its channel."""
 
 R = TypeVar("R", Schema, Channel)
 
@@ -170,7 +174,7 @@ class Inventory:
         self._only_in_summary: Counter[type] = Counter()
         self._counts: Counter[int] = Counter()
         self._first, self._last = _LAST_TIME, 0
-        self._table: MessageTable | None = None  # of the chunk whose message indexes are being read
+        self._entries: dict[int, bytes] | None = None  # of the chunk whose message indexes are being read
         self._indexed: set[int] = set()
         self._chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
@@ -243,7 +247,7 @@ class Inventory:
             _agree("first time of a chunk", chunk.message_start_time, int(table.log_times.min()))
             _agree("last time of a chunk", chunk.message_end_time, int(table.log_times.max()))
         _agree("length of a chunk", chunk.uncompressed_size, len(table.data))
-        self._table, self._indexed = table, set()
+        self._entries, self._indexed = _entries(table), set()
         self._chunks.append(
             ChunkIndex(
                 message_start_time=chunk.message_start_time,
@@ -260,16 +264,13 @@ class Inventory:
 
     def message_index(self, content: bytes, position: int) -> None:
         """Take the index of one channel's messages in the chunk before it."""
-        _require(self._table is not None, "a message index follows no chunk")
-        assert self._table is not None
+        _require(self._entries is not None, "a message index follows no chunk")
+        assert self._entries is not None
         channel, size = int.from_bytes(content[:2], "little"), int.from_bytes(content[2:6], "little")
-        # log time and start of each; beyond 63 bits neither is that of a message
-        entries = np.frombuffer(content[6 : 6 + size], dtype="<i8").reshape(-1, 2)
-        own = self._table.channels == channel
-        found = np.stack([self._table.log_times[own], self._table.starts[own]], axis=-1)
-        if not np.array_equal(entries, found):
-            entries = entries[np.argsort(entries[:, 1], kind="stable")]
-        _require(np.array_equal(entries, found), f"the index of channel {channel} is not that of its chunk's messages")
+        found, said = self._entries.get(channel, b""), content[6 : 6 + size]
+        if said != found:
+            said = np.sort(np.frombuffer(said, dtype=_ENTRY), order="start", kind="stable").tobytes()
+        _require(said == found, f"the index of channel {channel} is not that of its chunk's messages")
         _require(channel not in self._indexed, f"a chunk has two indexes of channel {channel}")
         self._indexed.add(channel)
         index = self._chunks[-1]
@@ -277,10 +278,10 @@ class Inventory:
         index.message_index_length += OPCODE_AND_LENGTH + len(content)
 
     def _end_chunk(self) -> None:
-        if self._table is not None and self._indexed:
-            missing = set(np.flatnonzero(np.bincount(self._table.channels)).tolist()) - self._indexed
+        if self._entries is not None and self._indexed:
+            missing = self._entries.keys() - self._indexed
             _require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
-        self._table = None
+        self._entries = None
 
     def attachment(self, attachment: Attachment, position: int, length: int) -> None:
         """Take an attachment whose record begins at a byte, with its length without head."""
@@ -373,6 +374,16 @@ class Inventory:
             footer.summary_offset_start == offsets or not (self._offsets or footer.summary_offset_start),
             f"its footer says that the summary's offsets begin at byte {footer.summary_offset_start}, not {offsets}",
         )
+
+
+def _entries(table: MessageTable) -> dict[int, bytes]:
+    """For each channel the index of its messages in a chunk, as it is written: log time and start of each."""
+    order = np.argsort(table.channels, kind="stable")
+    entries = np.empty(len(order), dtype=_ENTRY)
+    entries["log_time"], entries["start"] = table.log_times[order], table.starts[order]
+    ends = np.cumsum(np.bincount(table.channels)).tolist()
+    bounds = enumerate(pairwise([0, *ends]))
+    return {channel: entries[begin:end].tobytes() for channel, (begin, end) in bounds if begin < end}
 
 
 def require_in_chunk(opcode: int) -> None:

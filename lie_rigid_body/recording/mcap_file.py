@@ -26,10 +26,9 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.writer import MCAP0_MAGIC as MAGIC
 from numpy.typing import NDArray
 
-from lie_rigid_body.recording.chunk import RawChunk, record_bytes
+from lie_rigid_body.recording.chunk import MAGIC, RawChunk, record_bytes
 
 _MESSAGE_INDEX: Final = struct.Struct("<BQHI")
 _FOOTER: Final = struct.Struct("<BQQQ")

@@ -32,13 +32,12 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.chunk import HEAD
-from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated
+from lie_rigid_body.recording.chunk import HEAD, MAGIC
+from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated, most_records
 from lie_rigid_body.recording.inventory import (
     ContradictionError,
     Inventory,
@@ -46,7 +45,8 @@ from lie_rigid_body.recording.inventory import (
     MessageTable,
     require_in_chunk,
 )
-from lie_rigid_body.recording.message_scan import FIND, FoundMessages
+from lie_rigid_body.recording.message_loops import FIND
+from lie_rigid_body.recording.message_scan import FoundMessages
 from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import short_repr
 
@@ -276,6 +276,7 @@ class _FileReader:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
         into.allow(self._size)
+        self._records, self._most_records = 0, most_records(self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
         self._inventory = Inventory()
@@ -421,26 +422,36 @@ class _FileReader:
         size = len(data)
         runs = self._runs(data)
         parts: list[MessageTable] = []
+        places = array("q")  # begin and end of messages that no run has
         while position < size:
             run = runs.at(position)
             if run is not None:
-                parts.append(run)
+                parts += [*_table(data, places), run]
                 position = int(run.ends[-1])
+                self._count_records(len(run.starts))
                 continue
+            self._count_records(1)
             opcode, record_length = _HEAD.unpack_from(data, position)
             end = position + _HEAD.size + record_length
             if end > size:
                 raise self._damaged("a record is longer than its chunk")
             if opcode == Opcode.MESSAGE:
-                parts.append(MessageTable.of(data, np.array([position]), np.array([end])))
+                places.extend((position, end))
             else:
                 require_in_chunk(opcode)
                 self._take(opcode, data[position + _HEAD.size : end])
             position = end
+        parts += _table(data, places)
         table = MessageTable.joined(data, parts)
         self._inventory.chunk(chunk, table, self._position, length)
         self._bare_chunks += not chunk.uncompressed_crc
         self._messages(table)
+
+    def _count_records(self, count: int) -> None:
+        """Count records in chunks: small ones that repeat are inflated to far more than their file."""
+        self._records += count
+        if self._records > self._most_records:
+            raise self._too_large(f"{self._records} records in chunks, in a file of {self._size} bytes")
 
     def _runs(self, data: bytes) -> MessageRuns | FoundMessages:
         new = self._taken - self._counted
@@ -511,6 +522,13 @@ class _FileReader:
 
     def _damaged(self, what: str) -> BagError:
         return BagError(f"{self._path} is damaged at byte {self._position}: {what}: restore a copy, or record again")
+
+
+def _table(data: bytes, places: array[int]) -> list[MessageTable]:
+    """The table of messages that stand between some places, which are then forgotten; none if there are none."""
+    bounds = np.array(places, dtype=np.int64).reshape(-1, 2)
+    del places[:]
+    return [MessageTable.of(data, bounds[:, 0], bounds[:, 1])] if len(bounds) else []
 
 
 def _piece(data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers) -> RawMessages:

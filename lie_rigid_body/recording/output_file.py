@@ -51,7 +51,9 @@ class OutputFile:
             else:
                 self._written, self._file = _beside(self._target)
         except FileExistsError:
-            raise BagError(f"{self.path} exists and is kept: give another name, or --force to replace it") from None
+            raise BagError(
+                f"{self.path} exists and is kept: give another name, or --force to replace it (Python: overwrite=True)"
+            ) from None
         except (OSError, ValueError) as error:
             if isinstance(error, FileNotFoundError) and not self.path.parent.is_dir():
                 raise BagError(
@@ -129,6 +131,17 @@ class OutputFile:
                 self._written.unlink()
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
+
+
+def require_room(path: str | Path, *, overwrite: bool) -> None:
+    """Refuse, before the work for it, a file that `write_file` would refuse after it.
+
+    Raises
+    ------
+    BagError
+        If it exists and may not be replaced, or cannot be created.
+    """
+    OutputFile(path, overwrite=overwrite).discard()
 
 
 def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:

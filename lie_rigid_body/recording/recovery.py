@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import struct
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
@@ -17,18 +17,19 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
-from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.chunk import RawChunk
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
+from lie_rigid_body.recording.chunk import MAGIC, RawChunk
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason
 from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
+_Place = tuple[int, int, int]
+"""Opcode, begin and end of the content of a record."""
 
 LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
@@ -136,6 +137,7 @@ class _Salvage:
     def __init__(self, stream: BinaryIO, out: BinaryIO) -> None:
         self._stream, self._out = stream, out
         self._size = stream.seek(0, 2)
+        self._records_left = most_records(self._size)
         self._position = len(MAGIC)
         self._file: McapFile | None = None
         self._loose = bytearray()
@@ -190,6 +192,8 @@ class _Salvage:
         if self._file is None or self._data_ended:
             return
         if opcode == Opcode.MESSAGE:
+            channel, *_ = _MESSAGE.unpack_from(content)
+            _require_channel(self._file, channel)
             self._loose += _RECORD.pack(opcode, len(content)) + content
             if len(self._loose) > LOOSE_BYTES:
                 self._close_loose()
@@ -210,13 +214,13 @@ class _Salvage:
         """Write the messages that are in no chunk in one."""
         data, self._loose = bytes(self._loose), bytearray()
         if self._file is not None and data:
-            raw = _whole_messages(self._file, data)
+            raw = _whole_messages(self._file, data, _records(data))
             self._file.add_chunk(compressed(raw, "zstd", compressor("zstd")), raw.indexes())
 
     def _take_chunk(self, file: McapFile, chunk: Chunk) -> None:
         _require_size(chunk.uncompressed_size)
         data = inflated(chunk)
-        raw = _whole_messages(file, data)
+        raw = _whole_messages(file, data, self._counted(data))
         if len(raw.data) < len(data):
             raise ValueError("a record in it is not whole")
         first_ns, last_ns = raw.log_times_ns()
@@ -228,20 +232,30 @@ class _Salvage:
         try:
             *_, size, _, length = _CHUNK.unpack_from(content)
             compression, begin = content[_CHUNK.size : _CHUNK.size + length].decode(), _CHUNK.size + length + 8
-            raw = _whole_messages(file, _unpacked(compression, content[begin:], size))
+            data = _unpacked(compression, content[begin:], size)
+            raw = _whole_messages(file, data, self._counted(data))
         except _DAMAGE:
             return
         file.add_chunk(compressed(raw, compression, compressor(compression)), raw.indexes())
 
+    def _counted(self, data: bytes) -> Iterator[_Place]:
+        """The records of a chunk, as long as there are no more than such a file may have."""
+        for place in _records(data):
+            self._records_left -= 1
+            if self._records_left < 0:
+                raise ValueError("its records are more than are read")
+            yield place
 
-def _whole_messages(file: McapFile, data: bytes) -> RawChunk:
+
+def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> RawChunk:
     """The chunk that the whole records at the start of some data make; at least one must be a message."""
     channels, log_times, offsets, end = array("H"), array("Q"), array("q"), 0
-    for opcode, begin, stop in _records(data):
+    for opcode, begin, stop in records:
         if opcode == Opcode.MESSAGE:
             channel, _, log_time, _ = _MESSAGE.unpack_from(data, begin)
-            if channel not in file.channels or stop < begin + _MESSAGE.size:
-                raise ValueError("a message is on no channel")
+            if stop < begin + _MESSAGE.size:
+                raise ValueError("a message is too short")
+            _require_channel(file, channel)
             channels.append(channel)
             log_times.append(log_time)
             offsets.append(begin - _RECORD.size)
@@ -258,7 +272,12 @@ def _whole_messages(file: McapFile, data: bytes) -> RawChunk:
     return RawChunk([data[:end]], [columns])
 
 
-def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
+def _require_channel(file: McapFile, channel: int) -> None:
+    if channel not in file.channels:
+        raise ValueError("a message is on no channel")
+
+
+def _records(data: bytes) -> Iterator[_Place]:
     """Opcode, begin and end of the content of each whole record at the start of some data."""
     end = 0
     while end + _RECORD.size <= len(data):

@@ -12,17 +12,17 @@ import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.records import Chunk
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Booleans
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.recording.bag_files import Progress
 from lie_rigid_body.recording.inflation import inflated_unverified
 from lie_rigid_body.recording.mcap_reader import Outline, RawMessages, opened, state_of
-from lie_rigid_body.recording.message_scan import FIND, TAKE, FoundMessages, Layout
+from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
+from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.output_file import reason
-from lie_rigid_body.recording.track_decoding import columns, named
+from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
 
 _RECORD: Final = struct.Struct("<BQ")
 _PAYLOAD: Final = 31
@@ -38,25 +38,25 @@ class TopicReader:
         Of the bag, for errors.
     key : tuple of (str, str)
         Topic and message type.
-    numbers : int
-        How many float64 fields each message has.
+    varying : ndarray of bool, shape (numbers,)
+        Which of the float64 fields of a message are its values; the others are part of its kind.
     stamped : bool
         Whether a std_msgs/Header comes first.
     """
 
-    def __init__(self, path: Path, key: tuple[str, str], numbers: int, *, stamped: bool) -> None:
+    def __init__(self, path: Path, key: tuple[str, str], varying: Booleans, stamped: bool) -> None:
         self.key = key
-        self._path, self._numbers, self._stamped = path, numbers, stamped
+        self._path, self._varying, self._stamped = path, varying, stamped
         self._layout: Layout | None = None
-        self._frame: tuple[str, ...] = ()
+        self._kind_of_layout: Kind = ("", b"")
         self._before = 0
         self._begin(0)
 
     def _begin(self, rows: int) -> None:
         """Begin with none, and place for so many."""
-        self.count, self._frames = 0, dict[str, None]()
-        self._log_times, self._stamps = np.empty(rows, dtype=np.int64), np.empty(rows, dtype=np.int64)
-        self._values = np.empty((rows, self._numbers))
+        self.count, self._kinds = 0, dict[Kind, int]()
+        self._log_times, self._stamps, self._kind = (np.empty(rows, dtype=np.int64) for _ in range(3))
+        self._values = np.empty((rows, np.count_nonzero(self._varying)))
 
     def add(self, data: bytes, channels: Sequence[int]) -> None:
         """Take the messages of channels in a chunk."""
@@ -68,16 +68,20 @@ class TopicReader:
             arrays = self._log_times[rest], self._stamps[rest], self._values[rest]
             taken = self._layout.take(data, channels[0], *arrays)
             if taken is not None:
+                if taken:
+                    self._kind[self.count : self.count + taken] = self._number_of(self._kind_of_layout)
                 self.count += taken
-                self._frames.update(dict.fromkeys(self._frame if taken else ()))
                 return
         self._add_one_by_one(data, channels)
 
+    def _number_of(self, kind: Kind) -> int:
+        return self._kinds.setdefault(kind, len(self._kinds))
+
     def _make_room(self, rows: int) -> None:
         if self.count + rows > len(self._stamps):
-            kept = self._log_times[: self.count], self._stamps[: self.count], self._values[: self.count]
             size = max(2 * len(self._stamps), self.count + rows)
-            for name, old in zip(("_log_times", "_stamps", "_values"), kept, strict=True):
+            for name in ("_log_times", "_stamps", "_values", "_kind"):
+                old = getattr(self, name)[: self.count]
                 new = np.empty((size, *old.shape[1:]), dtype=old.dtype)
                 new[: len(old)] = old
                 setattr(self, name, new)
@@ -85,43 +89,45 @@ class TopicReader:
     def _add_one_by_one(self, data: bytes, channels: Sequence[int]) -> None:
         """In the general way, from which the layout of those that follow is learned."""
         piece = _piece(data, channels)
-        with named(self._path, self.key[0]):
-            first = self._before + self.count
-            log_times, decoded = columns([piece], self._numbers, stamped=self._stamped, first=first)
-        if len(decoded.numbers) and len(decoded.frame_ids) <= 1:
-            self._learn(piece.data[piece.starts[0] : piece.ends[0]], decoded.frame_ids)
-        self._make_room(len(log_times))
-        rows = slice(self.count, self.count + len(log_times))
-        self._log_times[rows], self._values[rows] = log_times, decoded.numbers
-        if decoded.stamps_ns is not None:
-            self._stamps[rows] = decoded.stamps_ns
+        first = self._before + self.count
+        found = topic_messages(self._path, self.key[0], [piece], self._varying, self._stamped, first)
+        if len(found) and len(found.kinds) == 1:
+            self._learn(piece.data[piece.starts[0] : piece.ends[0]], found.kinds[0])
+        self._make_room(len(found))
+        rows = slice(self.count, self.count + len(found))
+        self._log_times[rows], self._stamps[rows], self._values[rows] = (
+            found.log_times_ns,
+            found.stamps_ns,
+            found.values,
+        )
+        self._kind[rows] = np.array([self._number_of(kind) for kind in found.kinds], dtype=np.int64)[found.kind]
         self.count = rows.stop
-        self._frames.update(dict.fromkeys(decoded.frame_ids))
 
-    def taken(self) -> tuple[Integers, Decoded]:
-        """Log times, ns, and contents of the messages that were added, with which it begins anew."""
+    def taken(self) -> TopicMessages:
+        """The messages that were added, with which it begins anew."""
         rows = slice(0, self.count)
-        stamps = self._stamps[rows] if self._stamped else None
-        frames = np.zeros(self.count, dtype=np.int64)  # which of them each has is not asked of poses and twists
-        found = self._log_times[rows], Decoded(stamps, self._values[rows], tuple(self._frames), frames)
+        columns = self._log_times[rows], self._stamps[rows], self._values[rows]
+        found = TopicMessages(*columns, tuple(self._kinds), self._kind[rows])
         self._before += self.count
         self._begin(len(self._stamps))
         return found
 
-    def _learn(self, payload: bytes, frames: tuple[str, ...]) -> None:
+    def _learn(self, payload: bytes, kind: Kind) -> None:
         take = TAKE.compiled_for(0)
         if take is None or byte_order(payload, 0) != "<":
             return
         frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self._stamped else 0
         start = numbers_after(frame_end) if self._stamped else 4
-        self._layout, self._frame = Layout(take, payload, start, frame_end), frames
+        self._layout = Layout(take, payload, start, frame_end, self._varying)
+        self._kind_of_layout = kind
 
 
 def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
     """Whether the files can be read again so: in chunks, by loops that are compiled for so many messages."""
     if not outlines or not all(outline.chunks for outline in outlines):
         return False
-    return FIND.compiled_for(count) is not None and TAKE.compiled_for(count) is not None
+    expect(count)
+    return are_compiled()
 
 
 def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Outline, bytes]]:

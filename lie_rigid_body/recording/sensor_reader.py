@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages import Decoded
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import (
     IMU,
@@ -20,8 +19,8 @@ from lie_rigid_body.messages.definitions import (
     STRING,
     VECTOR3_STAMPED,
 )
-from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
-from lie_rigid_body.recording.track_decoding import columns, named, stamped_columns, texts
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns, texts
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
@@ -33,9 +32,15 @@ VALUES: Final = {
     POSE_WITH_COVARIANCE_STAMPED: ((3, 4), (7, 36)),
     VECTOR3_STAMPED: ((0, 3),),
 }
-"""Of each type the fields that differ from message to message: where each begins, and how many numbers it has."""
+"""Of each type the fields that differ from message to message: where each begins, and how many numbers it has.
+
+Of an IMU its orientation, angular velocity, rad/s, and specific force, m/s²; of a magnetometer the field, T; of an
+attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun sensor the direction.
+"""
 SENSOR_TYPES: Final = (*_NUMBERS, STRING)
 """The message types of the sensors, and of their faults."""
+SensorMessages: TypeAlias = TopicMessages
+"""Messages of a sensor's topic; their values are the fields of `VALUES` one after the other."""
 
 
 @dataclass(frozen=True)
@@ -60,51 +65,27 @@ class SensorTopic:
 
 
 @dataclass(frozen=True)
-class SensorMessages:
-    """Messages of a sensor's topic, in file order, with every field.
+class FaultMessages:
+    """Messages of the topic of faults, in file order.
 
     Attributes
     ----------
-    log_times_ns, stamps_ns : ndarray of int64, shape (N,)
-    values : ndarray, shape (N, K)
-        The fields of `VALUES` one after the other: of an IMU its orientation, angular velocity, rad/s, and specific
-        force, m/s²; of a
-        magnetometer the field, T; of an attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun
-        sensor the direction.
-    kinds : tuple of (str, bytes)
-        What most messages have alike, once for each kind: name of the frame, and all other float64 fields in order.
-    kind : ndarray of int64, shape (N,)
-        Which of them each message has.
+    log_times_ns : ndarray of int64, shape (N,)
+    texts : tuple of str
     """
 
     log_times_ns: Integers
-    stamps_ns: Integers
-    values: Array
-    kinds: tuple[tuple[str, bytes], ...]
-    kind: Integers
+    texts: tuple[str, ...]
 
     __repr__ = short_repr
 
     def __len__(self) -> int:
-        return len(self.stamps_ns)
-
-    def __getitem__(self, rows: slice | Integers | Booleans) -> SensorMessages:
-        return SensorMessages(
-            self.log_times_ns[rows], self.stamps_ns[rows], self.values[rows], self.kinds, self.kind[rows]
-        )
+        return len(self.texts)
 
     @classmethod
-    def joined(cls, parts: Sequence[SensorMessages]) -> SensorMessages:
-        """Messages that continue each other as one."""
-        kinds = {kind: i for i, kind in enumerate(dict.fromkeys(kind for part in parts for kind in part.kinds))}
-        own = [np.array([kinds[kind] for kind in part.kinds], dtype=np.int64) for part in parts]
-        return cls(
-            np.concatenate([part.log_times_ns for part in parts]),
-            np.concatenate([part.stamps_ns for part in parts]),
-            np.concatenate([part.values for part in parts]),
-            tuple(kinds),
-            np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)]),
-        )
+    def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
+        """Of log time, ns, and text of each."""
+        return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
 
 
 @dataclass(frozen=True)
@@ -131,36 +112,12 @@ class SensorTrack:
         return self.numbers[:, first : first + count].copy()
 
 
-def sensor_messages(
-    path: Path, topic: str, message_type: str, pieces: Sequence[RawMessages], first: int
-) -> SensorMessages:
-    """Decode messages of a sensor's topic, the first of which has a number."""
-    with named(path, topic):
-        log_times, decoded = columns(pieces, _NUMBERS[message_type], stamped=True, first=first)
-    assert decoded.stamps_ns is not None
-    varying = varying_fields(message_type)
-    values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
-    return SensorMessages(log_times, decoded.stamps_ns, values, *_kinds(decoded, rest))
-
-
 def varying_fields(message_type: str) -> Booleans:
     """Which float64 fields of a type are those of `VALUES`."""
     fields = np.full(_NUMBERS[message_type], fill_value=False)
     for first, width in VALUES[message_type]:
         fields[first : first + width] = True
     return fields
-
-
-def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[tuple[str, bytes], ...], Integers]:
-    """The kinds of messages, and which of them each is, by frame and the fields that are not of `VALUES`."""
-    keys = np.column_stack([decoded.frames, rest.view(np.int64)])
-    if not len(keys) or (keys == keys[0]).all():
-        distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
-    else:
-        whole = np.ascontiguousarray(keys).view(f"V{keys.itemsize * keys.shape[1]}")[:, 0]
-        _, first, kind = np.unique(whole, return_index=True, return_inverse=True)
-        distinct = keys[first]
-    return tuple((decoded.frame_ids[int(key[0])], key[1:].tobytes()) for key in distinct), kind
 
 
 def sensor_track(path: Path, contents: McapContents, name: str) -> SensorTrack | None:

@@ -4,15 +4,72 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from lie_rigid_body import messages
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
 from lie_rigid_body.recording.mcap_reader import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC, RawMessages, RawTrack
+from lie_rigid_body.wording import short_repr
+
+Kind: TypeAlias = tuple[str, bytes]
+"""What messages of one topic have alike: name of the frame, empty without a header, and the bits of the float64 fields
+that do not differ."""
+
+
+@dataclass(frozen=True)
+class TopicMessages:
+    """Messages of a topic of float64 fields, in file order, with every field.
+
+    Attributes
+    ----------
+    log_times_ns, stamps_ns : ndarray of int64, shape (N,)
+    values : ndarray, shape (N, K)
+        The fields that differ from message to message, one after the other.
+    kinds : tuple of Kind
+        What most messages have alike, once for each kind: name of the frame, and all other float64 fields in order.
+    kind : ndarray of int64, shape (N,)
+        Which of them each message has.
+    """
+
+    log_times_ns: Integers
+    stamps_ns: Integers
+    values: Array
+    kinds: tuple[Kind, ...]
+    kind: Integers
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    @property
+    def frame_ids(self) -> tuple[str, ...]:
+        """The distinct names of frames, in order of appearance."""
+        return tuple(dict.fromkeys(frame for frame, _ in self.kinds))
+
+    def __getitem__(self, rows: slice | Integers | Booleans) -> TopicMessages:
+        return TopicMessages(
+            self.log_times_ns[rows], self.stamps_ns[rows], self.values[rows], self.kinds, self.kind[rows]
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[TopicMessages]) -> TopicMessages:
+        """Messages that continue each other as one."""
+        kinds = {kind: i for i, kind in enumerate(dict.fromkeys(kind for part in parts for kind in part.kinds))}
+        own = [np.array([kinds[kind] for kind in part.kinds], dtype=np.int64) for part in parts]
+        return cls(
+            np.concatenate([part.log_times_ns for part in parts]),
+            np.concatenate([part.stamps_ns for part in parts]),
+            np.concatenate([part.values for part in parts]),
+            tuple(kinds),
+            np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)]),
+        )
 
 
 @contextmanager
@@ -81,3 +138,41 @@ def stamped_columns(path: Path, track: RawTrack, numbers: int) -> tuple[Integers
         log_times, decoded = columns(pieces, numbers, stamped=True)
     assert decoded.stamps_ns is not None
     return log_times, decoded.stamps_ns, decoded
+
+
+def topic_messages(
+    path: Path, topic: str, pieces: Sequence[RawMessages], varying: Booleans, stamped: bool, first: int
+) -> TopicMessages:
+    """Decode messages of a topic, the first of which has a number.
+
+    Parameters
+    ----------
+    path, topic : Path and str
+        For errors.
+    pieces : sequence of RawMessages
+    varying : ndarray of bool, shape (numbers,)
+        Which of the float64 fields of a message are its values; the others are part of its kind.
+    stamped : bool
+        Whether a std_msgs/Header comes first.
+    first : int
+    """
+    with named(path, topic):
+        log_times, decoded = columns(pieces, len(varying), stamped=stamped, first=first)
+    stamps = np.zeros(len(log_times), dtype=np.int64) if decoded.stamps_ns is None else decoded.stamps_ns
+    if varying.all():
+        kinds = tuple((frame, b"") for frame in (decoded.frame_ids if stamped else ("",)))
+        return TopicMessages(log_times, stamps, decoded.numbers, kinds, decoded.frames)
+    values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
+    return TopicMessages(log_times, stamps, values, *_kinds(decoded, rest))
+
+
+def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[Kind, ...], Integers]:
+    """The kinds of messages, and which of them each is, by frame and the fields that are no values."""
+    keys = np.column_stack([decoded.frames, rest.view(np.int64)])
+    if not len(keys) or (keys == keys[0]).all():
+        distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
+    else:
+        whole = np.ascontiguousarray(keys).view(f"V{keys.itemsize * keys.shape[1]}")[:, 0]
+        _, first, kind = np.unique(whole, return_index=True, return_inverse=True)
+        distinct = keys[first]
+    return tuple((decoded.frame_ids[int(key[0])], key[1:].tobytes()) for key in distinct), kind

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation import Limits, Score
+from lie_rigid_body.evaluation import Score
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,40 +23,41 @@ _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic."""
 
 
-def png(title: str, score: Score, limits: Limits) -> bytes:
+def png(title: str, score: Score) -> bytes:
     """The picture as a PNG."""
     out = BytesIO()
-    _draw(title, score, limits).savefig(out, format="png", dpi=120)
+    _draw(title, score).savefig(out, format="png", dpi=120)
     return out.getvalue()
 
 
-def svg(title: str, score: Score, limits: Limits) -> str:
+def svg(title: str, score: Score) -> str:
     """The picture as an SVG element."""
     import matplotlib
 
     out = StringIO()
     # the same bytes for the same score, and text that a browser can search
     with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
-        _draw(title, score, limits).savefig(out, format="svg", metadata={"Date": None})
+        _draw(title, score).savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
     return text[text.index("<svg") :]
 
 
-def _draw(title: str, score: Score, limits: Limits) -> Figure:
+def _draw(title: str, score: Score) -> Figure:
     from matplotlib.figure import Figure
 
     rows = 2 if score.consistency is None else 3
     figure = Figure(figsize=(10.0, 2.2 + 2.0 * rows), layout="constrained")
     total, parts, *rest = figure.subplots(rows, sharex=True)
     _draw_angles(total, score, ("total",))
-    _draw_limits(total, score, limits)
+    _draw_best(total, score)
+    _draw_limits(total, score)
     _draw_angles(parts, score, ("heading", "inclination"))
     if rest:
         _draw_nees(rest[0], score)
     for axes in (total, parts, *rest):
         axes.grid(alpha=0.3, lw=0.6)
         axes.margins(x=0.0)
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, borderaxespad=0.1)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, borderaxespad=0.1)
     (rest[0] if rest else parts).set_xlabel("time since the first estimate [s]")
     rms = score.total_deg.rms
     figure.suptitle(f"{title}\nattitude error {rms:.4g}° rms, {score.samples} samples", fontsize=11)
@@ -76,8 +77,13 @@ def _draw_angles(axes: Axes, score: Score, names: tuple[str, ...]) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _draw_limits(axes: Axes, score: Score, limits: Limits) -> None:
-    end = float(score.t_s[-1])
+def _draw_best(axes: Axes, score: Score) -> None:
+    if score.best is not None and not score.best.unobserved:
+        axes.plot(*_thinned(score.t_s, score.best.filtered_deg), color="#CC79A7", lw=0.8, label="best by noise")
+
+
+def _draw_limits(axes: Axes, score: Score) -> None:
+    end, limits = float(score.t_s[-1]), score.limits
     if score.time_to_converge_s is not None and score.time_to_converge_s > 0.0:
         axes.axvline(score.time_to_converge_s, color="#009E73", lw=1.0, ls="--", label="converged")
     if limits.max_rms_deg is not None:

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.output_file import OutputFile
+from lie_rigid_body.recording import output_file
 from lie_rigid_body.simulation import Segment
 
 Figure = Mapping[str, Any]
@@ -92,7 +92,7 @@ def require_room(path: str, *, overwrite: bool) -> None:
     """
     if not find_spec("plotly"):
         raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
-    OutputFile(path, overwrite=overwrite).discard()
+    output_file.require_room(path, overwrite=overwrite)
 
 
 def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:

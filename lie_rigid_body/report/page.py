@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from lie_rigid_body.evaluation import Limits, Score, summary
+from lie_rigid_body.evaluation import Score, summary
 from lie_rigid_body.report import html_page, text
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
-def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, picture: str) -> bytes:
+def page(title: str, read: RecordedEstimate | None, score: Score, picture: str) -> bytes:
     """The page.
 
     Parameters
     ----------
     title : str
-    read : RecordedEstimate
+    read : RecordedEstimate or None
+        None of an estimate in arrays.
     score : Score
-    limits : Limits
     picture : str
         An SVG element.
 
@@ -28,13 +28,13 @@ def page(title: str, read: RecordedEstimate, score: Score, limits: Limits, pictu
         HTML.
     """
     parts = [
-        *(html_page.badge(sentence, passed=score.passed) for sentence in text.verdict(score, limits)),
+        *(html_page.badge(sentence, passed=score.passed) for sentence in summary.verdict(score)),
         html_page.paragraph(f"{text.extent(read, score)}."),
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
-        html_page.listing("Notes", map(escape, read.notes)),
+        html_page.listing("Notes", map(escape, read.notes if read else ())),
         f"<h2>Errors over time</h2><figure>{picture}</figure>",
-        *map(html_page.scenario, read.segments),
+        *map(html_page.scenario, read.segments if read else ()),
         html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
     ]
     return html_page.document(title, parts, with_figures=False)

@@ -11,7 +11,7 @@ from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
-    from lie_rigid_body.evaluation import Limits, Score
+    from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 BROKEN: Final = 1
@@ -87,7 +87,21 @@ def _parser() -> console.Parser:
     return parser
 
 
-def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score, limits: Limits) -> int:
+def require_room(given: argparse.Namespace) -> None:
+    """Refuse picture and page before the work if they could not be written after it; ``given`` is as `parse` gives it.
+
+    Raises
+    ------
+    BagError
+    """
+    from lie_rigid_body.recording import output_file
+
+    for path in (given.plot, given.report):
+        if path is not None:
+            output_file.require_room(path, overwrite=given.force)
+
+
+def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score) -> int:
     """Write and print what is asked for.
 
     Parameters
@@ -98,7 +112,6 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         Of the estimate: a bag, or empty for topics.
     read : RecordedEstimate
     score : Score
-    limits : Limits
 
     Returns
     -------
@@ -111,25 +124,25 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     title = f"{source}: {read.track.topic}" if source else read.track.topic
     for path, draw in ((given.plot, _picture), (given.report, _page)):
         if path is not None:
-            write_file(path, draw(title, read, score, limits), overwrite=given.force)
+            write_file(path, draw(title, read, score), overwrite=given.force)
     files = [path for path in (given.plot, given.report) if path is not None]
     if given.json:
         content = text.as_json(source or None, read, score, series=given.series)
         said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        said = "\n".join([text.as_table(title, read, score, limits), *(f"wrote {path}" for path in files)])
+        said = "\n".join([text.as_table(title, read, score), *(f"wrote {path}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else BROKEN
 
 
-def _picture(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> bytes:
+def _picture(title: str, read: RecordedEstimate, score: Score) -> bytes:
     from lie_rigid_body.report.figure import png
 
-    return png(title, score, limits)
+    return png(title, score)
 
 
-def _page(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> bytes:
+def _page(title: str, read: RecordedEstimate, score: Score) -> bytes:
     from lie_rigid_body.report.figure import svg
     from lie_rigid_body.report.page import page
 
-    return page(title, read, score, limits, svg(title, score, limits))
+    return page(title, read, score, svg(title, score))

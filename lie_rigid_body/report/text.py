@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from lie_rigid_body.evaluation import Limits, Score
-from lie_rigid_body.evaluation.summary import findings, table, wrapped
+from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation.summary import findings, table, verdict, wrapped
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
-def as_table(title: str, read: RecordedEstimate, score: Score, limits: Limits) -> str:
+def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
     """The score in lines for a terminal, without a final newline."""
     lines = [title, *wrapped(extent(read, score)), ""]
     lines += [*table(score), ""]
     for note in read.notes:
         lines += wrapped(note, "note: ")
     lines += findings(score)
-    lines += [line for sentence in verdict(score, limits) for line in wrapped(sentence)]
+    lines += [line for sentence in verdict(score) for line in wrapped(sentence)]
     return "\n".join(lines)
 
 
@@ -30,18 +30,13 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
     }
 
 
-def extent(read: RecordedEstimate, score: Score) -> str:
-    """What was compared with what, in a sentence."""
-    kind = read.track.message_type.replace("/msg/", "/")
+def extent(read: RecordedEstimate | None, score: Score) -> str:
+    """What was compared with what, in a sentence; of arrays there is nothing to read."""
+    kind = "attitudes" if read is None else read.track.message_type.replace("/msg/", "/")
+    source = "" if read is None else f" ({read.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
     return (
-        f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth ({read.source}) at "
+        f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth{source} at "
         f"these stamps{left_out}"
     )
-
-
-def verdict(score: Score, limits: Limits) -> list[str]:
-    """Whether limits are kept, in sentences; none if none were given."""
-    broken = [f"BROKEN: {sentence}." for sentence in score.broken]
-    return broken or ([] if limits == Limits() else ["PASSED: every limit is kept."])

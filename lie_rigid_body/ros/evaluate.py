@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.report.request import answer, parse
+from lie_rigid_body.report.request import answer, parse, require_room
 from lie_rigid_body.wording import suggestion
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.ros.following import Following
 
 NODE_NAME: Final = "evaluator"
@@ -46,9 +45,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score, 130 when interrupted before an
-        estimate came.
+        estimate came. An estimate with attitudes that cannot be used has its score, and 2.
     """
     given = parse(sys.argv[1:] if argv is None else argv)
+    require_room(given)
 
     from lie_rigid_body.ros.sim import require_ros
 
@@ -77,7 +77,7 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
         node.destroy_node()
-    return _score(given, limits, following, missing, complete)
+    return _score(given, following, missing, complete)
 
 
 def _parameters(node: Node) -> dict[str, object]:
@@ -128,6 +128,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count > compared:
                 compared, compared_at = live.tally.count, now
         said.say(compared > 0)
+        said.complain(live.fault() if live is not None else "")
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
@@ -139,10 +140,10 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
 
 
 class _Word:
-    """A word on stderr about what is missing, now and then, and one when the comparison begins."""
+    """A word on stderr about what is missing, now and then, one when the comparison begins, and one about a fault."""
 
     def __init__(self, following: Following) -> None:
-        self._following, self._begun = following, False
+        self._following, self._begun, self._complained = following, False, False
         self._due = time.monotonic() + WORD_S[0]
 
     def say(self, begun: bool) -> None:
@@ -155,6 +156,12 @@ class _Word:
             self._due = time.monotonic() + WORD_S[1]
             _say(f"still waiting: {self._following.silence()}")
 
+    def complain(self, fault: str) -> None:
+        """Say a fault of the estimate as soon as it is there, once."""
+        if fault and not self._complained:
+            self._complained = True
+            _say(fault)
+
 
 def _say(text: str) -> None:
     """A line on stderr: stdout is for the score."""
@@ -162,7 +169,7 @@ def _say(text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _score(given: argparse.Namespace, limits: Limits, following: Following, missing: str, complete: bool) -> int:
+def _score(given: argparse.Namespace, following: Following, missing: str, complete: bool) -> int:
     live = following.live
     if live is None or not live.messages:
         if not complete:
@@ -173,4 +180,8 @@ def _score(given: argparse.Namespace, limits: Limits, following: Following, miss
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
-    return answer(given, "", read, score, limits)
+    status = answer(given, "", read, score)
+    if live.unusable:
+        console.complain(console.program("evaluate"), f"estimate: {live.fault()}")
+        return console.UNUSABLE
+    return status

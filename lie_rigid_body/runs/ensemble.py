@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from itertools import count
+from itertools import count, islice
 from pathlib import Path
-from typing import overload
+from typing import Final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,22 +15,44 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
+from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, require_memory
 from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.simulation import Simulation, motions_of
+from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.wording import shown
+
+_TRUTH_BYTES: Final = 300
+"""Memory that a sample of the truth takes at most while it is computed, bytes."""
+_READING_BYTES: Final = {"imu": 700}
+"""The same of a sensor's reading; of one that is not named as much as of the truth."""
+_KEPT_BYTES: Final = 160
+"""Memory that a reading takes in a run, bytes."""
+_RUN_BYTES: Final = 2**16
+"""Memory that a run takes beside its arrays, bytes."""
 
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | None = None, *, duration: float, seeds: None = None, **parameters: object
+    scenario: str | Path | Scenario | None = None,
+    *,
+    duration: float,
+    seeds: None = None,
+    memory_limit: int = DEFAULT_MEMORY_LIMIT,
+    **parameters: object,
 ) -> Run: ...
 
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | None = None, *, duration: float, seeds: Iterable[int], **parameters: object
+    scenario: str | Path | Scenario | None = None,
+    *,
+    duration: float,
+    seeds: Iterable[int],
+    memory_limit: int = DEFAULT_MEMORY_LIMIT,
+    **parameters: object,
 ) -> tuple[Run, ...]: ...
 
 
@@ -39,6 +61,7 @@ def simulate(
     *,
     duration: float,
     seeds: Iterable[int] | None = None,
+    memory_limit: int = DEFAULT_MEMORY_LIMIT,
     **parameters: object,
 ) -> Run | tuple[Run, ...]:
     """Simulate a body and its sensors, with the same bits as in a bag of ``record``.
@@ -51,6 +74,8 @@ def simulate(
         Every sample before this time after the first is simulated, s.
     seeds : iterable of int, optional
         Values of the parameter ``sensor_seed``, for as many runs. They share the truth, which is computed once.
+    memory_limit : int, optional
+        Memory that the runs may take, bytes.
     **parameters
         Parameters by their public names, over those of the scenario.
 
@@ -62,16 +87,47 @@ def simulate(
     Raises
     ------
     InputError
-        If the duration is not a time, a name is unknown, or the parameters make no scenario.
+        If the duration is not a time, a name is unknown, the parameters make no scenario, or the memory limit leaves no
+        room for the runs: this is known before anything is computed.
     """
     length = exact_duration(_plain(duration), "duration", "duration=60.0")
+    if parameters.get("record_path"):
+        path = shown(parameters["record_path"])
+        raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
     given = {**_parameters(scenario), **{name: _plain(value) for name, value in parameters.items()}}
     if seeds is None:
-        return _run(Scenario.from_parameters(given), length, motions_of)
+        alone = Scenario.from_parameters(given)
+        _require_memory(alone, length, 1, memory_limit)
+        return _run(alone, length, motions_of)
     if "sensor_seed" in parameters:
         raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
+    chosen = _chosen(seeds, most=max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1)
+    scenarios = [Scenario.from_parameters({**given, "sensor_seed": _plain(chosen[0])})]
+    _require_memory(scenarios[0], length, len(chosen), memory_limit)
+    scenarios += [Scenario.from_parameters({**given, "sensor_seed": _plain(seed)}) for seed in chosen[1:]]
     shared = _SharedMotions()
-    return tuple(_run(Scenario.from_parameters({**given, "sensor_seed": _plain(s)}), length, shared) for s in seeds)
+    return tuple(_run(scenario, length, shared) for scenario in scenarios)
+
+
+def _chosen(seeds: Iterable[int], most: int) -> list[int]:
+    """The seeds, and of too many for the memory one more than it has room for."""
+    try:
+        chosen = list(islice(seeds, most + 1))
+    except TypeError:
+        raise InputError(f"seeds {shown(seeds)} are no numbers in a row: give for example seeds=range(3)") from None
+    if not chosen:
+        raise InputError("seeds are none: give at least one, for example seeds=range(3)")
+    return chosen
+
+
+def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_limit: int) -> None:
+    """Refuse runs that would take more memory than is allowed, before any is computed."""
+    truth = SampleClock(0, scenario.rate).count_before(duration)
+    readings = {name: SampleClock(0, model.rate).count_before(duration) for name, model in scenario.sensors.on.items()}
+    largest = max((_READING_BYTES.get(name, _TRUTH_BYTES) * count for name, count in readings.items()), default=0)
+    kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
+    samples = truth + runs * sum(readings.values())
+    require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
 
 
 def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:

@@ -9,16 +9,19 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
+from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.evaluation.tally import Tally
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -115,6 +118,8 @@ class LiveEstimate:
     ----------
     messages : int
         How many messages of the estimate came.
+    unusable : int
+        How many attitudes were left out because they are not finite, or zero.
     tally : Tally
         Of all estimates that were compared so far.
     first_ns, last_ns : int or None
@@ -130,7 +135,8 @@ class LiveEstimate:
         self._recent: deque[tuple[Integers, Array]] = deque(maxlen=RECENT)
         self._waiting: list[tuple[Integers, Array]] = []
         self._pairs: dict[Frames, None] = {}
-        self._given_up = self.messages = 0
+        self._given_up = self.messages = self.unusable = 0
+        self._first_unusable_ns = 0
         self._template: AttitudeTrack | None = None
         self._pose_template: AttitudeTrack | None = None
         self.first_ns: int | None = None
@@ -208,7 +214,8 @@ class LiveEstimate:
         Parameters
         ----------
         most : int, optional
-            Of so many samples only, evenly spread: a score on the way.
+            A score on the way: of so many samples only, evenly spread over the second half of the time, as a filter
+            converges at first.
 
         Raises
         ------
@@ -220,7 +227,12 @@ class LiveEstimate:
         read = self._read(most)
         track = read.track
         score = evaluate(
-            track.stamps_ns, track.attitude_xyzw, read.truth, limits=self._limits, covariance=read.covariance
+            track.stamps_ns,
+            track.attitude_xyzw,
+            read.truth,
+            limits=self._limits,
+            covariance=read.covariance,
+            bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
         )
         thinned = self._kept.stride > 1 or most is not None
         return read, self.tally.exact(score) if thinned and self.tally.count else score
@@ -230,15 +242,30 @@ class LiveEstimate:
             raise InputError(f"nothing tells the truth of {self._heard.topic}: neither a scenario nor a pose came")
         if self._template is None:
             raise InputError(f"topic {self._heard.topic} {self._why_nothing()}")
+        if not self._kept.count:
+            raise InputError(f"topic {self._heard.topic}: {self.fault()}")
         stamps, numbers = self._kept.rows()
-        if most is not None and len(stamps) > most:
-            chosen = np.linspace(0, len(stamps) - 1, most).round().astype(np.int64)
+        if most is not None:
+            settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)
+            chosen = settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]
             stamps, numbers = stamps[chosen], numbers[chosen]
         track = _track(self._template, stamps, numbers)
         with_poses = self._kept_poses.count and not (self._segments and most is not None)
         true = self._motion(self._kept_poses.rows() if with_poses else None)
-        read = held_against(track, true, self._truth(true, stamps))
+        truth = self._truth(true, stamps)
+        if most is not None and truth.first_ns < stamps[0] <= truth.last_ns:
+            truth.first_ns = int(stamps[0])
+        read = held_against(track, true, truth)
         return replace(read, notes=(*read.notes, *self._notes()))
+
+    def fault(self) -> str:
+        """What is wrong about the attitudes that were left out, in a sentence without a full stop; empty if nothing."""
+        if not self.unusable:
+            return ""
+        return (
+            f"{self.unusable} of {self.unusable + self._kept.count} attitudes are not finite, or zero, the first "
+            f"stamped {self._first_unusable_ns / NS:.13g} s: they are left out; find out why the filter gave them"
+        )
 
     def _why_nothing(self) -> str:
         if self._heard.message_type == TF_MESSAGE and self._pairs:
@@ -254,6 +281,8 @@ class LiveEstimate:
                 f"{kept.disordered} estimates were stamped before one that had come, and are left out: is there one "
                 "publisher, and does time never jump back?"
             )
+        if self.unusable:
+            yield f"{self.fault()}."
         if self._given_up:
             yield f"{self._given_up} estimates came before any truth, and are left out."
         if kept.stride > 1:
@@ -314,13 +343,24 @@ class LiveEstimate:
         numbers = track.attitude_xyzw
         if track.covariance is not None:
             numbers = np.concatenate([numbers, track.covariance.reshape(-1, 9)], axis=1)
-        stamps, numbers = self._kept.add(track.stamps_ns, numbers)
+        usable = self._usable(track.stamps_ns, track.attitude_xyzw)
+        if not usable.any():
+            return []
+        stamps, numbers = self._kept.add(track.stamps_ns[usable], numbers[usable])
         if not len(stamps):
             return []
         self.first_ns = int(stamps[0]) if self.first_ns is None else self.first_ns
         self.last_ns = int(stamps[-1])
-        finite = np.isfinite(numbers[:, :4]).all(axis=1) & numbers[:, :4].any(axis=1)
-        return [(stamps[finite], numbers[finite])] if finite.any() else []
+        return [(stamps, numbers)]
+
+    def _usable(self, stamps: Integers, attitude_xyzw: Array) -> Booleans:
+        """Which attitudes are finite and not zero; the others are counted."""
+        finite = np.isfinite(attitude_xyzw).all(axis=1)
+        usable = finite & (quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0)) >= SMALLEST_NORM)
+        if not usable.all():
+            self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(stamps[~usable][0])
+            self.unusable += int(np.count_nonzero(~usable))
+        return np.asarray(usable)
 
     def _chosen(self, found: dict[Frames, AttitudeTrack]) -> Frames:
         """The frames of the estimate: of transforms those of the scenario, else those of all messages."""

@@ -87,9 +87,9 @@ def recorded_estimate(
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_TYPES)
     if truth_bag is None:
-        true = _true_motion(path, contents, topic)
+        true = _true_motion(path, contents, topic, near=topic)
     else:
-        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "")
+        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "", near=topic)
     track = read_attitudes(path, contents, topic, true.frames)
     return held_against(track, true, true.until(int(track.stamps_ns.max())))
 
@@ -135,15 +135,18 @@ class TrueMotion:
         return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
 
 
-def _true_motion(path: Path, contents: McapContents, estimate_topic: str) -> TrueMotion:
-    """The truth in a bag, in which the topic of the estimate is not the truth, whatever its name."""
+def _true_motion(path: Path, contents: McapContents, estimate_topic: str, near: str) -> TrueMotion:
+    """The truth in a bag, in which the topic of the estimate is not the truth, whatever its name.
+
+    Of several bodies it is that in the namespace of the topic `near`.
+    """
     candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
-    scenario = _only(path, candidates, "scenario", STRING, estimate_topic)
+    scenario = _only(path, candidates, "scenario", STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
         segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
-    pose = _only(path, candidates, "pose", POSE_STAMPED, estimate_topic)
+    pose = _only(path, candidates, "pose", POSE_STAMPED, near)
     if scenario is None and pose is None:
         raise BagError(
             f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth"
@@ -197,7 +200,7 @@ def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_t
     try:
         topic = nearest(found, ending, estimate_topic)
     except InputError as error:
-        raise BagError(f"{path} has {error}: record those of one body") from None
+        raise BagError(f"{path} has {error}: record one body, or the estimate in its namespace") from None
     return None if topic is None else found[topic]
 
 
@@ -211,7 +214,9 @@ def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | No
     """
     found = [topic for topic in topics if topic.rpartition("/")[2] == ending]
     if len(found) > 1:
-        near = [topic for topic in found if namespace(topic) and estimate_topic.startswith(f"{namespace(topic)}/")]
+        # that of the scenario is a private topic of the node, that of the poses is not
+        spaces = {topic: namespace(topic) if ending == "scenario" else topic.rpartition("/")[0] for topic in found}
+        near = [topic for topic, space in spaces.items() if space and estimate_topic.startswith(f"{space}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:
         raise InputError(f"several topics .../{ending}: {listed(sorted(found))}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
+from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
@@ -14,13 +15,17 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Score, bias_error, evaluate
+from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
+from lie_rigid_body.evaluation.arguments import quantity, real_numbers
+from lie_rigid_body.evaluation.estimate import read_stamps
+from lie_rigid_body.evaluation.scoring import LONGEST_LAG_S
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault, ImuReadings
 from lie_rigid_body.simulation import Samples, Segment, SensorSamples, Taken
-from lie_rigid_body.wording import call_repr, short_repr
+from lie_rigid_body.wording import call_repr, short_repr, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
@@ -200,6 +205,8 @@ class Run:
         from lie_rigid_body.recording.bag_reader import Bag
         from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, recorded_faults, sensor_track
 
+        if not isinstance(path, str | PathLike):
+            raise InputError(f"bag {shown(path)} is no path: give that of an MCAP file, or of a folder of them")
         path, bag = Path(path), Bag(path)
         contents, own = bag.messages_of(SENSOR_TYPES), as_written(bag)
         faults = recorded_faults(path, contents)
@@ -287,8 +294,12 @@ class Run:
         *,
         after_s: float = 0.0,
         gyro_bias: ArrayLike | None = None,
+        limits: Limits | None = None,
         covariance: ArrayLike | None = None,
-        **options: Any,
+        covariance_axes: str = "world",
+        converged_deg: float | None = None,
+        longest_lag_s: float = LONGEST_LAG_S,
+        diagnosed: bool = True,
     ) -> Score:
         """Score an attitude estimate of this run.
 
@@ -302,34 +313,66 @@ class Run:
             Estimates of so many seconds from the first on do not count, s: a filter converges.
         gyro_bias : array_like, shape (K, 3), optional
             Estimated biases of the gyro at the same stamps, rad/s.
+        limits, covariance_axes, converged_deg, longest_lag_s, diagnosed : optional
+            As of `lie_rigid_body.evaluation.evaluate`.
         covariance : array_like, shape (K, 3, 3), (K, 6, 6), (3, 3) or (6, 6), optional
-            The estimator's own, of small rotations, rad².
-        **options
-            Further arguments of `lie_rigid_body.evaluation.evaluate`.
+            The estimator's own, of small rotations, rad². A single one is that of every sample.
 
         Returns
         -------
         Score
+            Its ``str`` is the table that ``evaluate`` prints; `lie_rigid_body.report` draws it.
 
         Raises
         ------
         InputError
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
-        attitude = np.atleast_1d(np.asarray(estimate_xyzw))
-        stamps = self.stamps_of(len(attitude)) if t_ns is None else np.atleast_1d(np.asarray(t_ns))
+        after_s = quantity("after_s", after_s, "seconds", "after_s=10.0", or_zero=True)
+        attitude = real_numbers("estimate", estimate_xyzw, "(N, 4)")
+        if attitude.ndim != 2:
+            raise InputError(f"estimate: shape {attitude.shape} is not (N, 4): give a row for each stamp")
+        stamps = self.stamps_of(len(attitude)) if t_ns is None else read_stamps("estimate", t_ns)
         truth, counted = self.attitude(), slice(None)
         if after_s:
             counted = slice(_first_after(stamps, after_s), None)
             truth.first_ns = int(stamps[counted][0])
-        if covariance is not None and np.ndim(covariance) == 3:
-            covariance = np.asarray(covariance)[counted]
-        stamps = stamps[counted]
-        score = evaluate(stamps, attitude[counted], truth, covariance=covariance, **options)
+        if covariance is not None:
+            covariance = real_numbers("covariance", covariance, "(N, 3, 3)")
+            covariance = covariance[counted] if covariance.ndim == 3 else covariance
+        score = evaluate(
+            stamps[counted],
+            attitude[counted],
+            truth,
+            limits=limits,
+            covariance=covariance,
+            covariance_axes=covariance_axes,
+            converged_deg=converged_deg,
+            longest_lag_s=longest_lag_s,
+            diagnosed=diagnosed,
+            bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
+        )
         if gyro_bias is None:
             return score
-        true_bias = self.gyro_bias_at(stamps)
-        return replace(score, gyro_bias_rad_s=bias_error(np.asarray(gyro_bias)[counted], true_bias))
+        true_bias = self.gyro_bias_at(stamps[counted])
+        estimated = real_numbers("gyro_bias", gyro_bias, "(N, 3)")
+        if estimated.shape != (len(stamps), 3):
+            raise InputError(f"gyro_bias: shape {estimated.shape} is not {(len(stamps), 3)}: give a row for each stamp")
+        return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
+
+    def unavoidable_error(self) -> UnavoidableError | None:
+        """What the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
+
+        Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
+        and of the hard iron a bound. Readings that are missing or late count as well.
+
+        Returns
+        -------
+        UnavoidableError or None
+            None without an IMU, or where a sensor that tells the attitude has no noise: the bound is 0 then.
+        """
+        last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
+        return unavoidable_error_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.

@@ -210,7 +210,7 @@ def scenario_file(name: str) -> Path:
     files = scenario_files()
     if name not in files:
         hint = suggestion(name, list(files), "scenarios")
-        raise InputError(f"--scenario {shown(name)} is unknown: {hint}; 'scenarios' lists all")
+        raise InputError(f"scenario {shown(name)} is unknown: {hint}; 'scenarios' lists all")
     return files[name]
 
 

@@ -116,8 +116,7 @@ class Delivery:
         ParameterError
             If that is no stamp of ROS.
         """
-        error = self.clock_offset_ns + np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
-        stamps = np.asarray(measured_ns + error, dtype=np.int64)
+        stamps = np.asarray(measured_ns + self.error_ns(measured_ns, epoch_ns), dtype=np.int64)
         if len(stamps) and not 0 <= stamps.min() <= stamps.max() <= MAX_EPOCH_NS:
             worst = int(stamps[np.argmax((stamps < 0) | (stamps > MAX_EPOCH_NS))])
             raise ParameterError(
@@ -125,6 +124,11 @@ class Delivery:
                 f"a reading would be stamped {worst} ns, outside [0, {MAX_EPOCH_NS}]: give another epoch_ns",
             )
         return stamps
+
+    def error_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
+        """How far the sensor's clock is ahead at some times, ns; see `stamps_ns`."""
+        drift = np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
+        return np.asarray(self.clock_offset_ns + drift)
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
         """What happened to the readings of a stretch of time; see `Faulty`."""

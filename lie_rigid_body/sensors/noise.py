@@ -26,6 +26,10 @@ BLOCK: Final = 256
 _WORDS_PER_COUNT: Final = 4
 """Words that Philox 4×64 makes of one value of its counter."""
 _SKIPPED_AT_ONCE: Final = 65_536
+_HIGHEST_BIT: Final = np.uint64(2**63)
+"""The sign of a double; in a random word it is not set where the uniform number is below ½."""
+_ONE: Final = np.float64(1.0).view(np.uint64)
+"""The bits of the double 1."""
 
 
 @unique
@@ -81,8 +85,7 @@ class WhiteNoise:
     def draw(self, count: int) -> Array:
         """The next ``count`` vectors, shape (count, 3)."""
         self._taken += 3 * count
-        numbers = uniform(self._words.random_raw(3 * count))
-        return self._normal(numbers).reshape(count, 3)
+        return self._normal(self._words.random_raw(3 * count)).reshape(count, 3)
 
     @property
     def sigma(self) -> float:
@@ -96,18 +99,19 @@ class WhiteNoise:
         self._words = np.random.Philox(counter=blocks, key=self._key)
         self._words.random_raw(rest)
 
-    def _normal(self, numbers: Array) -> Array:
+    def _normal(self, words: NDArray[np.uint64]) -> Array:
         if self._sigma == 0.0:
-            return np.copysign(0.0, numbers - 0.5)  # the zeros have the signs of deviates
+            return (~words & _HIGHEST_BIT).view(np.float64)  # the zeros have the signs of deviates
         from scipy.special import ndtri  # slow to import: not before there is noise
 
-        return np.asarray(self._sigma * ndtri(numbers))
+        numbers = uniform(words)
+        return np.multiply(self._sigma, ndtri(numbers, out=numbers), out=numbers)
 
 
 def uniform(words: NDArray[np.uint64]) -> Array:
     """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
-    odd = (words >> np.uint64(12)) * np.uint64(2) + np.uint64(1)
-    return np.asarray(odd.astype(np.float64) * 2.0**-53)
+    numbers = (words >> np.uint64(12) | _ONE).view(np.float64)  # 1 + 2⁻⁵² j
+    return np.subtract(numbers, 1.0 - 2.0**-53, out=numbers)
 
 
 class Draws:

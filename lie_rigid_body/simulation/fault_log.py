@@ -11,7 +11,7 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.segment import Segment
 
 _READINGS_AHEAD: Final = 64
-"""Readings of the fastest sensor whose faults are looked for at once: few take almost as long."""
+"""Readings of the fastest sensor whose faults are looked for at once, for a second at most: few take almost as long."""
 
 
 class FaultLog:
@@ -53,7 +53,9 @@ class _SegmentFaults:
         self._faulty = [sensor for sensor in sensors if any(faulty is not None for faulty in sensor.faulty)]
         self._known_ns = segment.start_ns
         fastest = max((sensor.rate for sensor in self._faulty), default=0.0)
-        self._ahead_ns = int(_READINGS_AHEAD * NS / fastest) if fastest else 0
+        self._ahead_ns = (
+            min(int(_READINGS_AHEAD * NS / fastest), NS) if fastest else 0
+        )  # of slow ones no sea of episodes
         self._ready: list[Fault] = []
 
     def take(self, until_ns: int) -> list[Fault]:

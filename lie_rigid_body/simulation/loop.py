@@ -46,7 +46,7 @@ STEPS_AHEAD: Final = 64
 
 @dataclass(frozen=True)
 class Taken:
-    """Samples of the truth and readings of the sensors that were taken from a simulation at once.
+    """Samples of the truth and readings of the sensors that were taken from a simulation at once, all of one segment.
 
     Parameters
     ----------
@@ -56,6 +56,8 @@ class Taken:
         The readings that arrived. None: there is no such sensor.
     faults : tuple of Fault
         Those that began.
+    scenario : Scenario or None
+        That of the segment, where it was told.
     """
 
     samples: Samples
@@ -64,6 +66,7 @@ class Taken:
     attitude_sensor: SensorSamples[Array] | None = None
     sun_sensor: SensorSamples[Array] | None = None
     faults: tuple[Fault, ...] = ()
+    scenario: Scenario | None = None
 
     @property
     def sensors(self) -> dict[str, SensorSamples[Any]]:
@@ -94,6 +97,7 @@ class Simulation:
         self._motions = motions or motions_of
         self._sensors: dict[str, SensorQueue[_Readings]] = {}
         self._faults: FaultLog | None = None
+        self._ended: list[tuple[Scenario, int]] = []
         epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
         self._begin(replace(scenario, epoch_ns=epoch), 0)
 
@@ -152,7 +156,10 @@ class Simulation:
         return self._truth.take(count)
 
     def take_until(self, stamp_ns: int, at_most: int) -> Taken:
-        """What comes next up to a time, of the truth and of every sensor.
+        """What comes next up to a time, of the truth and of every sensor, in one segment.
+
+        Readings left over from before a reset come alone, and first: messages tell the frame and the noise of the
+        sensor that made them.
 
         Parameters
         ----------
@@ -165,6 +172,7 @@ class Simulation:
         -------
         Taken
         """
+        scenario, stamp_ns = self._oldest(stamp_ns)
         for queue in self._queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
@@ -175,7 +183,16 @@ class Simulation:
         last_ns = max((int(of_one[-1]) for of_one in (truth.times_ns, *times) if len(of_one)), default=-1)
         assert self._faults is not None
         received = {name: rows.received() for name, rows in taken.items()}
-        return Taken(truth, faults=self._faults.take(last_ns), **received)
+        return Taken(truth, faults=self._faults.take(last_ns), scenario=scenario, **received)
+
+    def _oldest(self, until_ns: int) -> tuple[Scenario, int]:
+        """The scenario of what comes next, and the last time up to one at which it is in force, ns."""
+        while self._ended:
+            scenario, end_ns = self._ended[0]
+            if any(queue.count_until(end_ns) for queue in self._sensors.values()):
+                return scenario, min(until_ns, end_ns)
+            self._ended.pop(0)
+        return self._segment.scenario, until_ns
 
     def require_stamps(self, last_ns: int) -> None:
         """Refuse samples and readings until a time, ns, whose stamps would be none.
@@ -206,6 +223,7 @@ class Simulation:
         else:
             epoch = int(self._clock.stamps_ns(self.next_sample, 1)[0])
             self._begin(replace(scenario, epoch_ns=epoch), 0)
+        self._ended.append((present, self._segment.start_ns - 1))
         return self._segment
 
 

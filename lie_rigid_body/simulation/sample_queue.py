@@ -137,16 +137,11 @@ class SensorQueue(Generic[R]):
         return ending + self._last.count_until(stamp_ns)
 
     def take(self, count: int) -> R:
-        """The next ``count`` samples."""
-        taken: R | None = None
-        while self._ending:
-            queue, end_ns = self._ending[0]
-            left = queue.count_until(end_ns)
-            part = queue.take(min(count, left))
-            taken = part if taken is None else taken.joined(part)
-            if count < left:
-                return taken
-            count -= left
+        """The next ``count`` samples, all of one segment."""
+        if not self._ending:
+            return self._last.take(count)
+        queue, end_ns = self._ending[0]
+        taken = queue.take(count)
+        if not queue.count_until(end_ns):
             self._ending.pop(0)
-        part = self._last.take(count)
-        return part if taken is None else taken.joined(part)
+        return taken

@@ -106,6 +106,5 @@ def _concatenated(one: Any, other: Any) -> Any:
     if isinstance(one, np.ndarray):
         return np.concatenate([one, other])
     pairs = zip(vars(one).items(), vars(other).values(), strict=True)
-    # where a reset changes whether an IMU tells its orientation, the readings about it tell none
     joined: dict[str, Any] = {n: None if a is None or b is None else np.concatenate([a, b]) for (n, a), b in pairs}
     return ImuReadings(**joined)

@@ -15,13 +15,17 @@ Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import ArrayLike
 
     from lie_rigid_body.evaluation import Score
@@ -64,9 +68,15 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
     marker = metafunc.definition.get_closest_marker(FIXTURE)
     chosen = dict(marker.kwargs) if marker else {}
-    scenarios, grades = chosen.get("scenarios") or list(scenario_files()), chosen.get("grades") or list(GRADES)
+    scenarios = _names(chosen.get("scenarios")) or list(scenario_files())
+    grades = _names(chosen.get("grades")) or list(GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
+
+
+def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
+    """What a marker chooses, of which a text is one name."""
+    return [chosen] if isinstance(chosen, str) else chosen or []
 
 
 def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
@@ -101,6 +111,7 @@ def assert_attitude(
     max_after: str | tuple[str, ...] = (),
     after_s: float = 0.0,
     t_ns: ArrayLike | None = None,
+    plot: str | Path | None = None,
     **options: Any,
 ) -> Score:
     """Assert that an attitude estimate keeps its limits; if not, the message tells the error and its causes.
@@ -118,6 +129,8 @@ def assert_attitude(
         Estimates of so many seconds from the first on do not count: a filter converges.
     t_ns : array_like of int, shape (K,), optional
         Stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
+    plot : str or Path, optional
+        A PNG that is drawn when a limit is broken, such as ``tmp_path / "errors.png"``; an older one is replaced.
     **options
         Further arguments of `Run.score`, such as ``covariance`` and ``gyro_bias``.
 
@@ -135,13 +148,20 @@ def assert_attitude(
     """
     __tracebackhide__ = True
     from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.evaluation.summary import findings, table
+    from lie_rigid_body.runs import Run
 
+    if not isinstance(run, Run):
+        raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
     limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
     if limits == Limits():
         raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")
     score = run.score(estimate, t_ns, after_s=after_s, limits=limits, **options)
     if score.passed:
         return score
-    broken = "; ".join(score.broken)
-    raise AssertionError("\n".join([broken, "", *table(score), "", *findings(score)]))
+    picture = []
+    if plot is not None:
+        from lie_rigid_body.report import write_plot
+
+        write_plot(score, plot, overwrite=True)
+        picture = [f"The errors over time: {plot}"]
+    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture]))

@@ -251,11 +251,46 @@ def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Pop
     workers = [
         pid for pid in children(process.pid) if "multiprocessing" in command(pid) and "spawn_main" in command(pid)
     ]
+    done = finished(out)
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
     os.kill(workers[0], signal.SIGKILL)
     said, complained = process.communicate(timeout=DEADLINE)
     assert (process.returncode, complained) == (0, "")
     assert f"{MANY} runs, {MANY} certified" in said
     assert sorted(finished(out)) == list(range(MANY))
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(MANY)]
+    assert table_of(out)["run"].to_pylist() == list(range(MANY))
+    assert table_of(out)["certified"].to_pylist() == [True] * MANY
+
+
+DEADLY = """
+import os, signal
+def from_truth(run):
+    if dict(run.scenario.sensor_parameters)["sensor_seed"] == 2 and not os.path.exists("mended"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return run.truth.attitude_xyzw
+"""
+
+
+@pytest.mark.slow
+def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path) -> None:
+    """It is done when what kills it is mended, and the others are not done again."""
+    (tmp_path / "estimator_of_a_campaign.py").write_text(DEADLY)
+    command = [*COMMAND, str(written(tmp_path)), "--out", "out", "--workers", "2"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    out, others = tmp_path / "out", [0, 1, 3, 4, 5]
+    broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (broken.returncode, broken.stdout) == (2, "")
+    [line] = broken.stderr.splitlines()
+    assert "1 of 6 runs failed, the first of: every process that tried it died; the others are kept" in line
+    assert sorted(finished(out)) == others
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
+    (tmp_path / "mended").touch()
+    mended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert mended.returncode == 0, mended.stderr
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others} == before
+    assert table_of(out)["run"].to_pylist() == list(range(6))
 
 
 def children(pid: int) -> list[int]:

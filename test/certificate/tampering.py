@@ -24,7 +24,7 @@ class Message(NamedTuple):
 Change = Callable[[list[Message]], list[Message]]
 
 
-def tamper(source: Path, target: Path, change: Change) -> Path:
+def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) -> Path:
     """Write a changed copy of a bag; the record that counts the samples at its end is kept only if the count stays."""
     with source.open("rb") as stream:
         reader = make_reader(stream)
@@ -32,7 +32,7 @@ def tamper(source: Path, target: Path, change: Change) -> Path:
         assert summary is not None
         messages = [Message(c.topic, m.log_time, m.data) for _, c, m in reader.iter_messages(log_time_order=False)]
     with target.open("wb") as stream:
-        writer = Writer(stream)
+        writer = Writer(stream, chunk_size=chunk_size)
         writer.start(profile="ros2", library="someone else")
         channels = {}
         for channel in summary.channels.values():

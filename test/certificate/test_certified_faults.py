@@ -21,7 +21,7 @@ from test_certified_sensors import (
     write,
 )
 
-from lie_rigid_body.certificate import certify, readings, sensor_topics
+from lie_rigid_body.certificate import LawResult, SegmentCertificate, certify, readings, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag
 
 ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
@@ -41,11 +41,6 @@ AXES: dict[str, dict[str, object]] = {
     "disturbance": episodes("magnetic_disturbance"),
 }
 EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
-DELIVERY: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
-    "clock offset": ({"magnetometer_clock_offset": -1.3}, (MAG,)),
-    "clock skew": ({"imu_clock_skew": 0.01}, (IMU, BIAS)),
-}
-"""Parameters, and the topics that no law reads then."""
 LATER: dict[str, object] = {
     "attitude_sensor_rate": 10.0,
     "attitude_sensor_cross_boresight_noise": 1e-4,
@@ -69,7 +64,8 @@ def test_faults_of_axes_are_computed_anew(tmp_path, name):
     assert found.passed, found.messages
     assert found.sensors == ALL
     assert all(law.worst == 0.0 for value in VALUES for law in laws(found, value))
-    assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
+    assert [law.holds for law in found.whole if law.name == "faults"] == [True]
+    assert not any(FAULTS in text for text in found.not_certified)
 
 
 @pytest.mark.parametrize("motion", ["dmv20", "rkmk4"])
@@ -191,18 +187,6 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     assert "1 messages are not logged" in found.messages[0]
 
 
-@pytest.mark.parametrize("name", DELIVERY)
-def test_sensors_whose_clock_errs_are_listed_and_break_no_law(tmp_path, name):
-    parameters, topics = DELIVERY[name]
-    found = certify(Bag(write(tmp_path / "a.mcap", ({**START, **parameters}, 1.0))))
-    assert found.passed, found.messages
-    assert found.sensors == tuple(topic for topic in ALL if topic not in topics)
-    for topic in topics:
-        [said] = [text for text in found.not_certified if text.startswith(f"topic {topic} ")]
-        assert said.endswith("its readings are stamped by a clock that errs")
-    assert any(text.startswith(f"topic {FAULTS} ") and text.endswith("no law reads it") for text in found.not_certified)
-
-
 @pytest.mark.parametrize("sensors", [LATER, PERFECT], ids=["noisy", "perfect"])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_attitude_sun_and_orientation_are_computed_anew(tmp_path, motion, sensors):
@@ -276,16 +260,25 @@ def test_attitude_and_sun_sensors_that_are_declared_otherwise_are_caught(pointin
     assert law in broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", declared(**{name: value})))))
 
 
-def test_a_reset_that_switches_the_orientation_is_told(tmp_path):
-    start = {**START, **LATER}
-    found = certify(Bag(write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3))))
-    assert found.passed, found.messages
-    assert found.sensors == (BIAS, MAG, ATTITUDE, SUN)
-    assert any("a reset changes whether it tells an orientation" in text for text in found.not_certified)
+@pytest.mark.parametrize("motion", ["closed form", "dmv20"])
+def test_a_reset_that_switches_the_orientation_is_certified_segment_by_segment(tmp_path, motion):
+    start = {**MOTIONS[motion], **FORCE, **NOISY, **LATER, "rate": 7.0}
+    path = write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3), (start, 0.4))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == (*ALL, ATTITUDE, SUN)
+        assert [bool(laws_of_orientation(segment)) for segment in found.segments] == [True, False, True]
+    turned = certify(Bag(tamper(path, tmp_path / "c.mcap", on(IMU, at(2, forged_orientation)))))
+    assert broken(turned) == {"IMU orientation"}
+    none = certify(Bag(tamper(path, tmp_path / "d.mcap", on(IMU, at(150, forged_orientation)))))
+    assert broken(none) == {"IMU frame and covariances"}
 
 
-def test_a_fault_of_one_segment_takes_its_topic_from_all(tmp_path):
-    faulty = {**START, "magnetometer_clock_offset": 3.0}
-    found = certify(Bag(write(tmp_path / "a.mcap", (START, 0.3), (faulty, 0.3), (START, 0.3))))
-    assert found.passed, found.messages
-    assert found.sensors == (IMU, BIAS)
+def laws_of_orientation(segment: SegmentCertificate) -> list[LawResult]:
+    return [law for law in segment.laws if law.name == "IMU orientation"]
+
+
+def forged_orientation(message: Message) -> Message:
+    """Another first component."""
+    return with_numbers(message, 37, lambda numbers: np.concatenate([[numbers[0] + 1e-9], numbers[1:]]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 
 import numpy as np
 import pytest
@@ -13,12 +14,20 @@ from lie_rigid_body.certificate import certify, residuals
 from lie_rigid_body.certificate.residuals import Residuals
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.recording import message_scan
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording import message_loops, message_scan
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
-from lie_rigid_body.recording.message_scan import FIND, TAKE
+from lie_rigid_body.recording.bag_writer import BagWriter, write_run
+from lie_rigid_body.recording.message_loops import FIND, TAKE
+from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
 
 pytest.importorskip("numba")
-KERNELS = {message_scan: ("FIND", "TAKE"), residuals: ("WORK",)}
+CHUNK_BYTES = 20_000
+"""So little that a bag has many chunks: by the first one of a topic its layout is learned."""
+SENSORS = {"imu": 100.0, "magnetometer": 25.0, "attitude_sensor": 10.0, "sun_sensor": 5.0}
+KERNELS = {message_loops: ("FIND", "TAKE"), residuals: ("WORK",)}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -57,7 +66,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_the_certificate_is_that_of_python(honest, tmp_path, in_python, change):  # noqa: F811
-    path = tamper(honest, tmp_path / "changed.mcap", CHANGES[change])
+    path = tamper(honest, tmp_path / "changed.mcap", CHANGES[change], CHUNK_BYTES)
     quick = certify(Bag(path))
     assert repr(Bag(path).load().poses) == repr(read_bag(path).poses)
     in_python()
@@ -65,6 +74,61 @@ def test_the_certificate_is_that_of_python(honest, tmp_path, in_python, change):
     assert [law.message for s in certify(Bag(path)).segments for law in s.laws] == [
         law.message for s in quick.segments for law in s.laws
     ]
+
+
+@pytest.fixture(scope="module")
+def sensed(tmp_path_factory):
+    """A bag of four seconds with all sensors whose readings laws speak of."""
+    rates = {f"{name}_rate": rate for name, rate in SENSORS.items()}
+    noise = {"gyro_bias_random_walk": 1e-3, "accelerometer_noise_density": 1e-2, "magnetometer_noise_density": 1e-8}
+    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **rates, **noise}))
+    path = tmp_path_factory.mktemp("bags") / "sensed.mcap"
+    with BagWriter(path, stamped_twist=True, chunk_size=30_000) as bag:
+        for _ in write_run(bag, simulation, 4 * NS - 1):
+            pass
+    return path
+
+
+def with_number(number, value):
+    """A change of one of the numbers at the end of a message, which counts from behind."""
+
+    def change(message):
+        at = len(message.data) + 8 * number
+        return message._replace(data=message.data[:at] + struct.pack("<d", value) + message.data[at + 8 :])
+
+    return change
+
+
+SENSED_CHANGES = {
+    "honest": lambda ms: ms,
+    "another frame": on("/imu/bias", at(100, lambda m: m._replace(data=m.data.replace(b"imu_link", b"imu_lynk")))),
+    "a covariance": on("/imu/data_raw", at(250, with_number(-1, 1e-3))),
+    "a reading": on("/imu/mag", at(33, with_number(-12, 1.0))),
+    "not a number": on("/imu/data_raw", at(9, with_number(-12, np.nan))),
+    "gap": on("/attitude/pose", lambda ms: [*ms[:20], *ms[23:]]),
+    "swapped": on("/sun/direction", lambda ms: [*ms[:10], ms[11], ms[10], *ms[12:]]),
+}
+
+
+def sensor_readings(recording):
+    return {name: found for name, found in recording.readings.items() if isinstance(found, SensorMessages)}
+
+
+@pytest.mark.parametrize("change", SENSED_CHANGES)
+def test_sensors_are_read_and_judged_as_in_python(sensed, tmp_path, in_python, change):
+    path = tamper(sensed, tmp_path / "changed.mcap", SENSED_CHANGES[change], CHUNK_BYTES)
+    quick, found = certify(Bag(path)), sensor_readings(Bag(path).load())
+    assert quick.passed == (change == "honest")
+    in_python()
+    certificate, expected = certify(Bag(path)), sensor_readings(read_bag(path))
+    assert repr(certificate.segments) == repr(quick.segments)
+    assert (certificate.messages, certificate.sensors) == (quick.messages, quick.sensors)
+    assert found.keys() == expected.keys()
+    assert len(found) == 5
+    for name, readings in found.items():
+        for column in ("log_times_ns", "stamps_ns", "values"):
+            np.testing.assert_array_equal(getattr(readings, column), getattr(expected[name], column))
+        assert [readings.kinds[k] for k in readings.kind] == [expected[name].kinds[k] for k in expected[name].kind]
 
 
 def test_files_that_continue_each_other_are_one_bag(honest, tmp_path, in_python):  # noqa: F811

@@ -20,10 +20,12 @@ DEADLINE = 300.0
 """Time, s, after which something is wrong, however slow the machine."""
 OPTIONS = (
     *("--headless=new", "--no-sandbox", "--no-first-run", "--remote-debugging-pipe"),
-    *("--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing"),
     *("--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND"),
+    "--blink-settings=defaultFontSize=8",
 )
-"""WebGL in software, as a machine of tests has no graphics card; nothing of the network is found."""
+"""WebGL, and nothing else, by software that stands for a graphics card, as a machine of tests has none; nothing of the
+network is found; half the usual size, that there is less to draw."""
 
 
 class Browser:

@@ -14,6 +14,7 @@ from estimates import Make, beside, messages, write
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.cli.evaluate import main
+from lie_rigid_body.evaluation import Score
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
@@ -81,10 +82,14 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return err
 
 
+@pytest.fixture(scope="module")
+def score(run: Run, noisy: np.ndarray) -> Score:
+    return run.score(noisy)
+
+
 @pytest.mark.parametrize("kind", list(HOW))
-def test_every_type_of_message_has_the_same_score(kind, bag, run, noisy, capsys):
+def test_every_type_of_message_has_the_same_score(kind, bag, score, capsys):
     content = scored(capsys, bag, "--estimate", f"filter/{kind.rpartition('/')[2]}")
-    score = run.score(noisy)
     assert content["type"] == kind
     assert content["samples"] == 250
     assert content["truth"] == "poses and scenario"
@@ -114,6 +119,20 @@ def test_the_truth_in_another_bag_or_by_the_scenario_alone(own, bag, stamps, noi
     assert by_poses["truth"] == "poses"
     # the geodesic from one sample of the truth to the next misses it by |ω̇| h²/8 at most
     assert by_poses["total_deg"]["rms"] == pytest.approx(rms, abs=0.02)
+
+
+def test_of_several_truths_that_beside_the_estimate_is_meant(own, stamps, noisy, tmp_path, capsys):
+    run = Run.from_bag(own)
+    poses = [(POSE, HOW[POSE], f"/{name}/pose", run.t_ns, run.truth.attitude_xyzw[::step]) for name, step in AB]
+    ours = [(POSE, HOW[POSE], topic, stamps[:200], noisy[:200]) for topic in ("/a/estimate", "/estimate")]
+    bag = beside(own, tmp_path / "two.mcap", *poses, *ours, without="/pose /twist /lie_rigid_body/scenario")
+    assert scored(capsys, bag, "--estimate", "/a/estimate")["total_deg"]["max"] < 5.0
+    assert "has several topics .../pose: /a/pose, /b/pose" in refused(capsys, bag, "--estimate", "/estimate")
+    others = beside(own, tmp_path / "truth.mcap", *poses, without="/pose /twist /lie_rigid_body/scenario")
+    assert scored(capsys, bag, "--estimate", "/a/estimate", "--truth", others)["total_deg"]["max"] < 5.0
+
+
+AB = (("a", 1), ("b", -1))
 
 
 def test_progress_tells_every_byte_read(own, bag):
@@ -168,7 +187,8 @@ def test_picture_and_page(bag, tmp_path, capsys):
         assert wanted in html
     # it needs no other file: nothing is loaded from anywhere
     assert not re.search(r"<(script|link|img|iframe)|url\(h|@import|src=", html)
-    assert "exists and is kept" in refused(capsys, *given)
+    for option, file in (("--plot", picture), ("--report", page)):  # before the work
+        assert "exists and is kept" in refused(capsys, "absent.mcap", "--estimate", "/filter/Imu", option, file)
     assert main([*given, "--force"]) == 0
     assert "only PNG is written" in refused(capsys, *given[:3], "--plot", "a.svg")
     assert "only HTML is written" in refused(capsys, *given[:3], "--report", "a.pdf")
@@ -312,3 +332,8 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
                 writer.finish()
             said = refused(capsys, tmp_path / "bad.mcap", "--estimate", "/estimate", "--truth", own)
             assert "topic /estimate: message 0" in said
+
+
+def test_a_negative_limit_is_told_as_such(capsys):
+    assert "'-1deg' is not an angle" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "-1deg")
+    assert "'-1s' is not a time" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-after", "-1s:1deg")

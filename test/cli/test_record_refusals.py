@@ -72,7 +72,7 @@ BAD_USAGE = {
     "out.mcap --duration 1 --chunk-size 0": "--chunk-size 0 is not a number of bytes from 1 to 16777216: give for",
     "out.mcap --duration 1 --chunk-size 1e6": "--chunk-size 1e6 is not a number of bytes",
     "out.mcap --duration 1 --chunk-size 16777217": "--chunk-size 16777217 is not a number of bytes",
-    "out.mcap --duration 1 --scenario none": "--scenario 'none' is unknown: the scenarios are asymmetric_top, ",
+    "out.mcap --duration 1 --scenario none": "scenario 'none' is unknown: the scenarios are asymmetric_top, ",
     "out.mcap --duration 1 --scenario dzanibekov": "did you mean dzhanibekov?",
     "out.mcap --duration 1 --params-file none.yaml": "none.yaml does not exist",
     "out.mcap --duration 1 --params-file .": "is a folder",

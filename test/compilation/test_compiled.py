@@ -168,14 +168,6 @@ def test_of_runs_side_by_side_one_compiles(monkeypatch, tmp_path):
     assert list(folder.rglob("*.nb?")) == []
 
 
-def test_nothing_is_compiled_or_imported_at_the_start():
-    code = (
-        "import sys; from lie_rigid_body import MovingChart, RigidBody, State; "
-        "MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0, 1, 0])).at(10**9); assert 'numba' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
 @needs_numba
 def test_work_that_is_known_beforehand_runs_compiled_from_its_first_step(monkeypatch):
     """Where the cache has it; otherwise another process begins to compile at once."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from motions import MOTIONS, PERIOD_NS, STAMPS, about_up, attitude, truth_of, turns
@@ -199,3 +201,85 @@ def test_a_body_at_rest_tells_no_lag():
     score = evaluate(STAMPS, quaternion.multiply([0.0, 0.0, 0.6, 0.8], turns(1.0, 5)), truth)
     assert score.lag_s is None
     assert score.findings == ()
+
+
+def followed(estimate, findings):
+    """The estimate after doing what each finding says, to the letter."""
+    for finding in findings:
+        numbers = [float(n) for n in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", finding.message)]
+        if finding.code == "scalar_first":
+            estimate = np.roll(estimate, -1, axis=-1)
+        elif finding.code == "inverted":
+            estimate = quaternion.conjugate(estimate)
+        elif finding.code == "heading_offset":
+            estimate = quaternion.multiply(about_up(numbers[1]), estimate)
+        else:
+            estimate = quaternion.multiply(estimate, numbers[4:8])
+    return estimate
+
+
+@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3))])
+def test_following_the_findings_to_the_letter_leaves_what_the_last_one_tells(seed):
+    """A turn of the world and one of the body are fitted together: one alone is pulled by the other."""
+    rng, few = np.random.default_rng(seed), STAMPS[::5]
+    heading, mounting = rng.uniform(-180.0, 180.0), quaternion.exp(rng.normal(size=3))
+    truth = truth_of("dzhanibekov")
+    q = quaternion.multiply(quaternion.multiply(about_up(heading), truth.at(few)), mounting)
+    convention = Convention(inverted=bool(seed & 1), scalar_first=bool(seed & 2))
+    estimate = convention.apply(quaternion.multiply(q, turns(0.01, seed, len(few))))
+    found = evaluate(few, estimate, truth).findings
+    assert {"heading_offset", "body_mounting"} <= {finding.code for finding in found}
+    left = evaluate(few, followed(estimate, found), truth, diagnosed=False)
+    assert left.total_deg.rms == pytest.approx(found[-1].rms_deg_after, abs=1e-3)
+    assert left.total_deg.rms < 0.05
+    told = [re.findall(r"median error (\S+)° before and (\S+)° after", finding.message) for finding in found]
+    assert all(float(after) <= float(before) for pairs in told for before, after in pairs)
+
+
+SLOW = ClosedForm(RigidBody([0.04, 0.05, 0.06]), State([0, 0, 0, 1], [0.03, 0.04, -0.01]))
+MINUTE = np.arange(600) * 100_000_000
+SLOW_TRUTH = ExactTruth(lambda t_ns: SLOW.at(t_ns).attitude_xyzw, 0, int(MINUTE[-1]))
+DRIFTS = {
+    "heading drift": lambda q: quaternion.multiply(quaternion.exp(np.outer(MINUTE / 6e10, [0, 0, 0.05])), q),
+    "roll drift": lambda q: quaternion.multiply(q, quaternion.exp(np.outer(MINUTE / 6e10, [0.05, 0, 0]))),
+    "random walk": lambda q: quaternion.multiply(quaternion.exp(0.04 * WALK[::2][:600]), q),
+}
+
+
+@pytest.mark.parametrize("error", [pytest.param(e, marks=pytest.mark.slow if e[0] == "r" else ()) for e in DRIFTS])
+def test_slow_errors_of_a_slow_body_are_no_lag(error):
+    score = evaluate(MINUTE, DRIFTS[error](SLOW.at(MINUTE).attitude_xyzw), SLOW_TRUTH)
+    assert score.findings == ()
+    if score.lag_s is not None:
+        assert score.lag_standard_error_s is not None
+        assert abs(score.lag_s) < 3.0 * score.lag_standard_error_s
+
+
+@pytest.mark.parametrize("lag_s", [1.5, pytest.param(-3.0, marks=pytest.mark.slow)])
+def test_a_lag_beyond_the_search_is_found_or_nothing_is_told(lag_s):
+    shifted = np.clip(MINUTE - round(lag_s * 1e9), 0, MINUTE[-1])
+    inside = shifted == MINUTE - round(lag_s * 1e9)
+    stamps, late = MINUTE[inside], SLOW.at(shifted[inside]).attitude_xyzw
+    score = evaluate(stamps, late, SLOW_TRUTH)
+    assert score.lag_s == pytest.approx(lag_s, abs=1e-6)
+    assert [code for code in codes(score) if code != "gaps"] == ["lagging" if lag_s > 0 else "leading"]
+
+
+def test_at_the_limit_of_the_search_neither_a_lag_nor_a_mounting_is_told():
+    score = evaluate(MINUTE[15:], SLOW.at(MINUTE[:-15]).attitude_xyzw, SLOW_TRUTH, longest_lag_s=1.0)
+    assert (score.lag_s, score.findings) == (None, ())
+
+
+def test_what_leaves_most_of_a_large_error_is_no_cause():
+    noise = quaternion.exp(np.radians(25.0) * correlated(0.1))
+    turned = quaternion.multiply(quaternion.multiply(attitude("dzhanibekov"), quaternion.exp([2.2, 0, 0])), noise)
+    assert evaluate(STAMPS, turned, truth_of("dzhanibekov")).findings == ()
+
+
+def test_the_named_convention_wins_over_a_mounting_of_half_a_turn():
+    slightly = quaternion.multiply(noisy("dzhanibekov", size_deg=0.1), quaternion.exp([0.0, np.radians(1.0), 0.0]))
+    estimate = quaternion.multiply(quaternion.multiply(NED, slightly), FRD)
+    first, second = evaluate(STAMPS, estimate, truth_of("dzhanibekov")).findings
+    assert (first.code, second.code) == ("ned_world", "body_mounting")
+    assert "its body forward-right-down" in first.message
+    assert "turned by 0.99" in second.message or "turned by 1" in second.message

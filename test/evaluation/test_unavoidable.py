@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
+from lie_rigid_body.evaluation import (
+    AttitudeReadings,
+    BiasNoise,
+    UnavoidableError,
+    VectorReadings,
+    unavoidable_error,
+)
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.rotation_vector import hat
 
@@ -139,8 +147,7 @@ def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"gyro_noise": 0.0}, "gyro_noise: 0 is not above 0"),
-        ({"gyro_noise": 1.0, "vectors": [VectorReadings([0], UP, 0.0)]}, "noise of vector 0"),
+        ({"gyro_noise": 0.0}, "gyro_noise: 0.0 is not a finite number of SI units above 0"),
         ({"gyro_noise": 1.0, "initial": float("nan")}, "initial"),
     ],
 )
@@ -152,3 +159,50 @@ def test_without_noise_there_is_no_bound(given, words):
 def test_stamps_have_to_rise():
     with pytest.raises(InputError, match="rising"):
         unavoidable_error([1, 1], [[0, 0, 0, 1]] * 2, gyro_noise=1.0)
+
+
+def test_what_is_no_noise_and_no_vector_is_one_line():
+    wrong: Any = 3
+    given: dict[str, Any] = {"stamps_ns": [0, 1], "truth_xyzw": [[0, 0, 0, 1]] * 2, "gyro_noise": 0.1}
+    for call, message in [
+        (lambda: VectorReadings([0], UP, 0.0), "noise of a vector: 0.0"),
+        (lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1), "has no direction"),
+        (lambda: VectorReadings([0], UP, 0.1, wrong), "bias: 3 is no BiasNoise"),
+        (lambda: BiasNoise(turn_on=-1.0), "turn_on: -1.0"),
+        (lambda: AttitudeReadings([0], np.zeros((3, 3))), "not positive definite"),
+        (lambda: unavoidable_error(**given, vectors=[wrong]), "vectors: .3. is not a list of VectorReadings"),
+        (lambda: unavoidable_error(**given, vectors=wrong), "vectors: 3 is not a list"),
+        (lambda: unavoidable_error(**given, gyro_bias=wrong), "gyro_bias: 3 is no BiasNoise"),
+        (lambda: unavoidable_error(**{**given, "gyro_noise": 1e200}), "gyro_noise: 1e.200 is beyond"),
+        (lambda: unavoidable_error(**{**given, "stamps_ns": [0.0, 1.0]}), "give integer nanoseconds"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            call()
+
+
+def test_what_no_reading_tells_is_named_and_no_angle_is_larger_than_that_of_a_guess():
+    t_ns = stamps(100)
+    q = MOTION.at(t_ns).attitude_xyzw
+    up, north = VectorReadings(t_ns, UP, 0.3), VectorReadings(t_ns, NORTH, 0.03)
+
+    def bound(*vectors: VectorReadings) -> UnavoidableError:
+        return unavoidable_error(t_ns, q, gyro_noise=0.01, vectors=vectors)
+
+    nothing = bound()
+    assert nothing.unobserved == "the attitude"
+    assert nothing.rms(nothing.smoothed) == pytest.approx(np.sqrt(np.pi**2 / 3.0 + 2.0))
+    assert bound(up).unobserved == "a turn about the vertical"
+    assert bound(north).unobserved == "a turn about (-0.0558, -0.447, 0.893) of the world"
+    assert bound(up, north).unobserved == ""
+
+
+def test_readings_of_the_attitude_are_those_of_three_vectors():
+    """Three vectors at right angles of noise σ tell as much as an attitude of variance σ²/2 on each axis."""
+    t_ns = stamps(50)
+    q = MOTION.at(t_ns).attitude_xyzw
+    three = [VectorReadings(t_ns[::5], axis, 0.02) for axis in np.eye(3)]
+    whole = AttitudeReadings(t_ns[::5], 0.5 * 0.02**2 * np.eye(3))
+    one = unavoidable_error(t_ns, q, gyro_noise=0.01, vectors=three)
+    other = unavoidable_error(t_ns, q, gyro_noise=0.01, attitudes=[whole])
+    np.testing.assert_allclose(other.smoothed, one.smoothed, rtol=0, atol=1e-12)
+    assert other.unobserved == ""

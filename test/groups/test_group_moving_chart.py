@@ -106,7 +106,7 @@ def run(name: str, steps: int, samples: int = 50) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", GROUPS)
 def test_invariants_hold(name):
-    for key, change in run(name, steps=1000).items():
+    for key, change in run(name, steps=400).items():
         assert change < 1e-13, key
 
 
@@ -175,7 +175,7 @@ def test_groups_from_generators_go_round_without_a_seam(generators, rate):
     group = MatrixLieGroup.from_generators(generators)
     start = GroupState(group.identity, np.array(rate))
     times = np.arange(0, 9_000_000_000, 500_000_000)
-    found = GroupMovingChart(Lagrangian(group, np.eye(group.dimension)), start, max_step=0.005).at(times)
+    found = GroupMovingChart(Lagrangian(group, np.eye(group.dimension)), start, max_step=0.02).at(times)
     exact = np.array([group.exp(1e-9 * t * start.rate) for t in times])
     np.testing.assert_allclose(found.element, exact, rtol=0, atol=1e-11)
 
@@ -236,9 +236,9 @@ def test_translations_may_be_of_any_length():
 def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     group = MatrixLieGroup.from_generators([np.diag([1j, np.sqrt(2.0) * 1j])], name="torus")
     lagrangian, rate = Lagrangian(group, [[1.0]]), np.array([1.0])
-    half = GroupMovingChart(lagrangian, GroupState(group.identity, rate)).at(4_000_000_000)
+    half = GroupMovingChart(lagrangian, GroupState(group.identity, rate), max_step=0.01).at(4_000_000_000)
     assert not group.contains(half.element)
-    end = GroupMovingChart(lagrangian, half).at(4_000_000_000)
+    end = GroupMovingChart(lagrangian, half, max_step=0.01).at(4_000_000_000)
     np.testing.assert_allclose(end.element, group.exp(8.0 * rate), rtol=0, atol=1e-12)
 
 
@@ -281,15 +281,15 @@ def test_su2_is_the_double_cover_of_so3():
     top = ClosedForm(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], rate)).at(500_000_000)
     np.testing.assert_allclose(su2.rate, top.body_rate, rtol=0, atol=1e-12)
     axis = np.array([0.0, 0.0, 2.0 * np.pi])
-    turned = GroupMovingChart(Lagrangian(SU(2), np.eye(3)), GroupState(SU(2).identity, axis)).at(10**9)
+    turned = GroupMovingChart(Lagrangian(SU(2), np.eye(3)), GroupState(SU(2).identity, axis), max_step=0.01).at(10**9)
     np.testing.assert_allclose(turned.element, -np.eye(2), rtol=0, atol=1e-12)
 
 
 def test_calls_continue_one_another():
     lagrangian, start, _ = body(SO(4))
     times = np.arange(0, 700_000_000, 7_000_000)
-    whole = GroupMovingChart(lagrangian, start).at(times)
-    chart = GroupMovingChart(lagrangian, start)
+    whole = GroupMovingChart(lagrangian, start, max_step=0.003).at(times)
+    chart = GroupMovingChart(lagrangian, start, max_step=0.003)
     parts = [chart.at(times[:13]), chart.at(times[13:])]
     np.testing.assert_array_equal(whole.element, np.concatenate([p.element for p in parts]))
     assert GroupMovingChart(lagrangian, start).at(0).element.shape == (4, 4)

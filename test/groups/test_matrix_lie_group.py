@@ -128,13 +128,13 @@ def test_Ad_of_exp_is_exp_of_ad(group):  # noqa: N802
 
 
 @groups
-@pytest.mark.parametrize("scale", [1e-300, 1e-15, 1e-8, 1e-4, 0.1, 0.4, 0.6, 1.0, 2.0, 3.0])
-def test_log_is_the_inverse_of_exp(group, scale):
+def test_log_is_the_inverse_of_exp(group):
     """Relative to the argument at any size, except where 1 + δ on the diagonal has rounded a small one."""
-    x = coordinates(group, 14, 10, scale=scale)
-    error = np.abs(group.log(group.exp(x)) - x).max()
     rounded = np.finfo(float).eps * np.abs(np.diagonal(group.generators, axis1=1, axis2=2).real).max()
-    assert error <= 2e-14 * np.abs(x).max() * np.exp(2 * scale) + rounded
+    for scale in (1e-300, 1e-15, 1e-8, 1e-4, 0.1, 0.4, 0.6, 1.0, 2.0, 3.0):
+        x = coordinates(group, 14, 10, scale=scale)
+        error = np.abs(group.log(group.exp(x)) - x).max()
+        assert error <= 2e-14 * np.abs(x).max() * np.exp(2 * scale) + rounded, scale
 
 
 @compact
@@ -151,14 +151,14 @@ def test_exp_of_log_is_the_element(group):
 
 
 @groups
-@pytest.mark.parametrize("scale", [1e-8, 0.1, 1.0, 3.0])
-def test_dexpinv_is_the_inverse_of_dexp(group, scale):
-    x = coordinates(group, 17, 10, scale=scale)
-    J, inverse = group.dexp(x), group.dexpinv(x)
-    condition = np.linalg.norm(J, axis=(-2, -1)).max() * np.linalg.norm(inverse, axis=(-2, -1)).max()
-    one = np.broadcast_to(np.eye(group.dimension), J.shape)
-    close(J @ inverse, one, 1e-15 * condition)
-    close(inverse @ J, one, 1e-15 * condition)
+def test_dexpinv_is_the_inverse_of_dexp(group):
+    for scale in (1e-8, 0.1, 1.0, 3.0):
+        x = coordinates(group, 17, 10, scale=scale)
+        J, inverse = group.dexp(x), group.dexpinv(x)
+        condition = np.linalg.norm(J, axis=(-2, -1)).max() * np.linalg.norm(inverse, axis=(-2, -1)).max()
+        one = np.broadcast_to(np.eye(group.dimension), J.shape)
+        close(J @ inverse, one, 1e-15 * condition)
+        close(inverse @ J, one, 1e-15 * condition)
 
 
 @groups

@@ -30,21 +30,21 @@ def require_transform(payload: bytes, k: int, frame: str, child: str) -> None:
     assert np.array([q.x, q.y, q.z, q.w]).tobytes() == ATTITUDES[k].tobytes()
 
 
-@pytest.mark.parametrize("child", [*NAMES, "körper", "刚体"])
 @pytest.mark.parametrize("frame", [*NAMES, "wörld"])
-def test_others_read_the_transform(frame: str, child: str) -> None:
-    payloads = TransformEncoder(frame, child).encode(STAMPS, ATTITUDES)
-    assert len(payloads) == len(STAMPS)
-    for k, payload in enumerate(payloads):
-        require_transform(payload, k, frame, child)
+def test_others_read_the_transform(frame: str) -> None:
+    for child in (*NAMES, "körper", "刚体"):
+        payloads = TransformEncoder(frame, child).encode(STAMPS, ATTITUDES)
+        assert len(payloads) == len(STAMPS)
+        for k, payload in enumerate(payloads):
+            require_transform(payload, k, frame, child)
 
 
-@pytest.mark.parametrize("child", NAMES)
 @pytest.mark.parametrize("frame", NAMES)
-def test_bytes_equal_those_of_another_serialiser(frame: str, child: str) -> None:
-    for payload in TransformEncoder(frame, child).encode(STAMPS, ATTITUDES):
-        again = STORE.serialize_cdr(STORE.deserialize_cdr(payload, TYPE), TYPE)
-        assert payload == bytes(again)
+def test_bytes_equal_those_of_another_serialiser(frame: str) -> None:
+    for child in NAMES:
+        for payload in TransformEncoder(frame, child).encode(STAMPS, ATTITUDES):
+            again = STORE.serialize_cdr(STORE.deserialize_cdr(payload, TYPE), TYPE)
+            assert payload == bytes(again)
 
 
 def test_batches_of_any_size_give_the_same_bytes() -> None:

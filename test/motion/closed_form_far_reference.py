@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +17,17 @@ from closed_form_reference import Reference, carried, context, dot, inverse, mov
 from mpmath import mp, mpf
 
 
+class Polhode(NamedTuple):
+    """The moments of inertia, the third about the axis that the momentum circles, with 2H, l² and 1 − m."""
+
+    moments: tuple[mpf, mpf, mpf]
+    energy: mpf
+    square: mpf
+    m1: mpf
+
+
 class Course(NamedTuple):
-    """Period in s, growth of the precession angle over it, and 1 − m; both infinite on the separatrix."""
+    """Period in s, growth of the precession angle over it, and 1 − m; the first two infinite on the separatrix."""
 
     period: mpf
     growth: mpf
@@ -39,8 +49,8 @@ def momentum_of(inertia, rate) -> list[mpf]:
     return [sum(mpf(float(x)) * mpf(float(w)) for x, w in zip(row, rate, strict=True)) for row in inertia]
 
 
-def course_of(inertia, rate) -> Course:
-    """The course of a motion that is not steady, in the digits in force."""
+def polhode_of(inertia, rate) -> Polhode:
+    """The polhode of a motion that is not steady, in the digits in force."""
     momentum = momentum_of(inertia, rate)
     energy = sum(p * mpf(float(w)) for p, w in zip(momentum, rate, strict=True))
     square = sum(p * p for p in momentum)
@@ -48,6 +58,17 @@ def course_of(inertia, rate) -> Course:
     if square < energy * j2:
         j1, j3 = j3, j1
     m1 = (j3 - j1) * (square - energy * j2) / ((j3 - j2) * (square - energy * j1))
+    return Polhode((j1, j2, j3), energy, square, m1)
+
+
+def course_of(inertia, rate) -> Course:
+    """The course of a motion that is not steady, in the digits in force."""
+    return _course(tuple(map(tuple, np.asarray(inertia, dtype=float).tolist())), tuple(map(float, rate)), mp.prec)
+
+
+@cache
+def _course(inertia, rate, _: int) -> Course:
+    (j1, j2, j3), energy, square, m1 = polhode_of(inertia, rate)
     if m1 == 0:
         return Course(mp.inf, mp.inf, m1)
     m = (j2 - j1) * (energy * j3 - square) / ((j3 - j2) * (square - energy * j1))
@@ -115,7 +136,7 @@ def slowly_moved(m, q, w, axis, seconds: mpf) -> Reference:
     j, inverse_m, p = m[0][0], inverse(m), [dot(row, w) for row in m]
     slow = [[x - (1 / j if i == k else 0) for k, x in enumerate(row)] for i, row in enumerate(inverse_m)]
     speed = norm([norm(row) for row in slow]) * norm(p)
-    q, p = carried(slow, q, p, decimal(seconds), speed)
+    q, p = carried(slow, q, p, decimal(seconds), lambda _: speed)
     length = mp.sqrt(sum(x * x for x in axis))
     fast = turned([mpf(str(x)) for x in q], axis, length / mpf(str(j)) * seconds)
     return Reference(fast, [dot(row, p) for row in inverse_m])

@@ -1,18 +1,22 @@
 """Torque-free motion by Taylor series in decimal arithmetic: an independent reference for the closed form.
 
-It integrates M ω′ = Mω × ω and q′ = ½ q ⊗ ω in the body frame, with 45 digits, order 36 and steps of a quarter radian,
+It integrates M ω′ = Mω × ω and q′ = ½ q ⊗ ω in the body frame, with 45 digits, order 22 and steps of a quarter radian,
 and knows nothing of principal axes, regimes or elliptic functions. Its quaternion is the continuous lift.
+
+By the triangle inequality of the moments |ωᵢ′| ≤ |ωⱼωₖ|, so |ω′| ≤ |ω|²/√3: the series converges for √3/|ω|, and what a
+step leaves out is at most some (0.25/√3)²³ = 5e-20.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
 
-ORDER = 36
+ORDER = 22
 STEP = Decimal("0.25")
 
 
@@ -26,7 +30,7 @@ def context():
 
 
 def dot(a, b):
-    return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))
+    return sum(map(mul, a, b), Decimal(0))
 
 
 def norm(a):
@@ -56,43 +60,56 @@ def inverse(m):
 
 
 def series(inverse_m, attitude, momentum):
-    """Taylor coefficients of q, Mω at a state, by the recurrences of the two equations."""
-    w, p, q = [[dot(row, momentum) for row in inverse_m]], [momentum], [attitude]
-    for k in range(ORDER):
-        torque = [Decimal(0)] * 3
-        turn = [Decimal(0)] * 4
-        for j in range(k + 1):
-            (a, b, c), (x, y, z) = p[j], w[k - j]
-            torque = [torque[0] + b * z - c * y, torque[1] + c * x - a * z, torque[2] + a * y - b * x]
-            turn = [s + t for s, t in zip(turn, multiply(q[j], [*w[k - j], Decimal(0)]), strict=True)]
-        p.append([t / (k + 1) for t in torque])
-        w.append([dot(row, p[-1]) for row in inverse_m])
-        q.append([t / (2 * (k + 1)) for t in turn])
+    """Taylor coefficients of q, Mω at a state, by the recurrences of the two equations.
+
+    Each component is a list of its own, and those of ω begin with the last, so that a Cauchy product is a dot product.
+    """
+    q, p = [[x] for x in attitude], [[x] for x in momentum]
+    x, y, z, s = q
+    a, b, c = p
+    u, v, w = ([dot(row, momentum)] for row in inverse_m)
+    for k in range(1, ORDER + 1):
+        torque = dot(b, w) - dot(c, v), dot(c, u) - dot(a, w), dot(a, v) - dot(b, u)
+        turn = (
+            dot(s, u) + dot(y, w) - dot(z, v),
+            dot(s, v) + dot(z, u) - dot(x, w),
+            dot(s, w) + dot(x, v) - dot(y, u),
+            -dot(x, u) - dot(y, v) - dot(z, w),
+        )
+        for component, rate in zip(p, torque, strict=True):
+            component.append(rate / k)
+        for component, rate in zip(q, turn, strict=True):
+            component.append(rate / (2 * k))
+        for component, row in zip((u, v, w), inverse_m, strict=True):
+            component.insert(0, dot(row, (a[-1], b[-1], c[-1])))
     return q, p
 
 
 def horner(coefficients, h):
-    value = coefficients[-1]
-    for row in reversed(coefficients[:-1]):
-        value = [v * h + c for v, c in zip(value, row, strict=True)]
+    value = Decimal(0)
+    for c in reversed(coefficients):
+        value = value * h + c
     return value
 
 
-def carried(inverse_m, q, p, seconds: Decimal, speed: Decimal):
-    """The attitude and momentum of q′ = ½ q ⊗ ω, p′ = p × ω with ω = M⁻¹p this much later."""
-    step, now = STEP / speed if speed else Decimal(1), Decimal(0)
+def carried(inverse_m, q, p, seconds: Decimal, speed):
+    """The attitude and momentum of q′ = ½ q ⊗ ω, p′ = p × ω with ω = M⁻¹p this much later.
+
+    A step is a quarter over `speed(p)`.
+    """
+    now = Decimal(0)
     while now != seconds:
+        step = STEP / (speed(p) or 1)
         h = max(min(seconds - now, step), -step)
         qs, ps = series(inverse_m, q, p)
-        q, p, now = horner(qs, h), horner(ps, h), now + h
+        q, p, now = [horner(c, h) for c in qs], [horner(c, h) for c in ps], now + h
     return q, p
 
 
 def moved(m, q, w, seconds: Decimal):
     """The state q, ω this much later, in the context in force."""
     inverse_m, p = inverse(m), [dot(row, w) for row in m]
-    # by the triangle inequality of the moments |ω′| ≤ |ω|², and |ω| stays within the ratio of the moments
-    q, p = carried(inverse_m, q, p, seconds, norm(w))
+    q, p = carried(inverse_m, q, p, seconds, lambda p: norm([dot(row, p) for row in inverse_m]))
     return q, [dot(row, p) for row in inverse_m]
 
 

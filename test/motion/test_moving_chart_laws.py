@@ -30,7 +30,7 @@ ROUND_OFF = 3e-15
 
 EVERY_METHOD = pytest.mark.parametrize("method", METHODS)
 REVERSIBLE = pytest.mark.parametrize("method", [name for name in METHODS if name.startswith("dmv")])
-A_FEW = settings(max_examples=15)
+A_FEW = settings(max_examples=8)
 SOME = settings(max_examples=40)
 
 

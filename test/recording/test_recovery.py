@@ -13,6 +13,8 @@ from bags import COMPRESSIONS
 from lz4.frame import LZ4FrameDecompressor
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
+from mcap.records import Channel, Header, Message
+from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import Writer
 
 from lie_rigid_body.certificate import certify
@@ -20,11 +22,12 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.chunk import record_bytes
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
-Message = tuple[str, int, int, bytes]
+Found = tuple[str, int, int, bytes]
 COUNT = 120
 CHUNK = 9000
 RECORD = struct.Struct("<BQ")
@@ -45,7 +48,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {compression: folder / f"{compression}.mcap" for compression in COMPRESSIONS}
 
 
-def messages(path: Path) -> list[Message]:
+def messages(path: Path) -> list[Found]:
     """All messages in file order, by the `mcap` library, with every checksum compared."""
     with open(path, "rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
@@ -213,3 +216,14 @@ def test_a_chunk_that_claims_to_be_huge_is_left_out(whole: dict[str, Path], tmp_
     with pytest.raises(BagError, match="holds no whole message"):  # the others lack the channels of the first
         recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
     assert not (tmp_path / "fixed.mcap").exists()
+
+
+def test_a_stray_message_outside_of_chunks_is_left_out_and_told(tmp_path: Path) -> None:
+    """It costs neither its neighbours nor the record that comes after them."""
+    channel = Channel(id=1, topic="/x", message_encoding="cdr", metadata={}, schema_id=0)
+    head = record_bytes(Header(profile="ros2", library="another recorder"), channel)
+    good, stray = (record_bytes(Message(number, 5, b"data", 5, 0)) for number in (1, 9))
+    broken = MAGIC + head + good + stray + good
+    (tmp_path / "broken.mcap").write_bytes(broken)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.damaged) == (2, (len(MAGIC + head + good),))

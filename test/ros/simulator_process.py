@@ -91,6 +91,10 @@ class SimulatorProcess:
             self.process.kill()
         self.wait()
 
+    def errors(self) -> list[str]:
+        """What it complained of, but for being late, which is the machine's."""
+        return [line for line in self.complained if "catching up" not in line]
+
     def end(self, *numbers: signal.Signals) -> int:
         """Send signals one after the other, and return the exit status."""
         for number in numbers:

@@ -45,7 +45,7 @@ CASES = {
     **{f"own: {name}": case for name, case in BAD_PARAMETERS.items() if "params file" in name or "bag" in name},
     **{f"ros: {name}": (["--ros-args", *arguments], words) for name, (arguments, words) in BAD_PARAMETERS.items()},
     "own: bad inertia": (["-p", "inertia:=[1.0, 1.0, 3.0]"], ["inertia", "triangle"]),
-    "own: unknown scenario": (["--scenario", "perpetual"], ["--scenario 'perpetual'", "dzhanibekov"]),
+    "own: unknown scenario": (["--scenario", "perpetual"], ["scenario 'perpetual'", "dzhanibekov"]),
     "own: unknown option": (["--fast"], ["--fast", "--help"]),
     "ros: unknown option": (["--ros-args", "--fast"], ["--fast"]),
     "ros: bad remapping": (["--ros-args", "-r", "pose"], ["-r pose"]),

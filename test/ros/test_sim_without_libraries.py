@@ -14,7 +14,7 @@ pytestmark = pytest.mark.ros
 def test_without_a_bag_and_sensors_the_node_needs_few_libraries() -> None:
     with SimulatorProcess(without=["mcap", "zstandard", "scipy", "matplotlib", "tqdm"]) as running:
         assert running.end(signal.SIGINT) == 0
-    assert running.complained == []
+    assert running.errors() == []
 
 
 def test_a_bag_that_cannot_be_written_is_told_before_the_first_sample(tmp_path) -> None:

@@ -193,7 +193,9 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
 def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
     """Though a scenario would tell a truth at any time."""
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + 10**18, noisy))
-    with pytest.raises(InputError, match=r"none of its 149 stamps, .* is within the truth, from 0 s to 6 s"):
+    with pytest.raises(
+        InputError, match=r"none of its 149 stamps is within the truth, from 0 s to 5.999999999 s: they begin 1"
+    ):
         followed(bag, POSE_STAMPED).score()
 
 
@@ -207,3 +209,37 @@ def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
         if topic.endswith("/scenario"):
             live.hear_scenario(payload)
     assert live.score()[1].total_deg.rms == pytest.approx(scored(bag).total_deg.rms, rel=1e-12)
+
+
+@pytest.mark.parametrize("broken", [np.nan, 0.0])
+def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, tmp_path):
+    spoilt = noisy.copy()
+    spoilt[[40, 90]] = broken
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
+    live = followed(bag, POSE_STAMPED)
+    read, score = live.score()
+    kept = np.delete(np.arange(len(stamps)), [40, 90])
+    alone = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[kept], noisy[kept]))
+    assert score.total_deg == scored(alone).total_deg
+    assert live.unusable == 2
+    assert read.notes == (f"{live.fault()}.",)
+    assert f"2 of 149 attitudes are not finite, or zero, the first stamped {stamps[40] / NS:.13g} s" in live.fault()
+    assert followed(alone, POSE_STAMPED).fault() == ""
+
+
+def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
+    with pytest.raises(InputError, match="149 of 149 attitudes are not finite"):
+        followed(bag, POSE_STAMPED).score()
+
+
+def test_a_score_on_the_way_does_not_judge_the_convergence(own, stamps, noisy, tmp_path):
+    wrong = np.radians(150.0) * (stamps < 2.5 * NS)[:, np.newaxis] * [0.0, 0.0, 1.0]
+    converging = quaternion.multiply(noisy, quaternion.exp(wrong))
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, converging))
+    live = followed(bag, POSE_STAMPED)
+    score = live.score(50)[1]
+    assert score.samples <= 50
+    assert score.stamps_ns[0] > 2.5 * NS
+    assert score.findings == ()
+    assert score.total_deg.max == pytest.approx(live.tally.largest_deg[0])

@@ -65,7 +65,7 @@ def test_source_numbers_are_these_for_ever() -> None:
 @pytest.mark.parametrize("seed", [0, 1, 7, 2**63 - 1])
 @pytest.mark.parametrize("source", NoiseSource)
 def test_deviates_are_the_inverse_normal_of_the_words(seed: int, source: NoiseSource) -> None:
-    drawn = white(source, seed).draw(20).ravel()
+    drawn = white(source, seed).draw(6).ravel()
     for ours, word in zip(drawn.tolist(), words(seed, source), strict=False):
         assert abs(mpmath.mpf(ours) - normal(word)) < 2e-15 * max(1.0, abs(ours))
 

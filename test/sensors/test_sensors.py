@@ -9,7 +9,6 @@ import re
 import pytest
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import Parameter
 from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
 
 TRIADS = ("gyro", "accelerometer")
@@ -116,19 +115,17 @@ def test_names_are_distinct_and_defaults_are_allowed() -> None:
         assert parameter.read(value) == parameter.default
 
 
-@pytest.mark.parametrize("name", NOT_NEGATIVE)
 @pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf, "much", True])
-def test_amounts_are_finite_and_not_negative(name: str, value: object) -> None:
-    assert refusal({name: value}).name == name
+def test_amounts_are_finite_and_not_negative(value: object) -> None:
+    assert [refusal({name: value}).name for name in NOT_NEGATIVE] == NOT_NEGATIVE
 
 
-@pytest.mark.parametrize("parameter", ARRAYS, ids=lambda p: p.name)
 @pytest.mark.parametrize("value", [math.nan, math.inf, "much", None])
-def test_arrays_are_finite_numbers(parameter: Parameter, value: object) -> None:
-    good = [0.0] * parameter.lengths[0]
-    name = parameter.name
-    assert refusal({name: [*good[1:], value]}).name == name
-    assert refusal({name: good[1:]}).name == name
+def test_arrays_are_finite_numbers(value: object) -> None:
+    for parameter in ARRAYS:
+        good, name = [0.0] * parameter.lengths[0], parameter.name
+        assert refusal({name: [*good[1:], value]}).name == name
+        assert refusal({name: good[1:]}).name == name
 
 
 @pytest.mark.parametrize(("name", "given", "said"), LIMITS.values(), ids=LIMITS)

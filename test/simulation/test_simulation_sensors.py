@@ -104,11 +104,31 @@ def test_another_rate_leaves_no_gap_and_no_overlap(at_ns: int) -> None:
     segment = simulation.reset(scenario(rate=100.0, imu_rate=250.0, magnetometer_rate=30.0))
     start = segment.start_ns
     assert (start, segment.first_sample) == (definition(59.94, EPOCH + at_ns + 1, EPOCH + NS)[0], 0)
-    seen.add(simulation.take_until(start + NS // 10, 10**6))
+    while simulation.next_stamp_ns <= start + NS // 10:
+        seen.add(simulation.take_until(start + NS // 10, 10**6))
     for stamps, before, after in ((seen.truth, 59.94, 100.0), (seen.imu, 333.3, 250.0), (seen.field, 7.0, 30.0)):
         old = definition(before, EPOCH, start - 1)
         assert stamps[: len(old)] == old
         assert stamps[len(old) :] == [start + round(k * NS / after) for k in range(int(0.1 * after) + 1)]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"imu_frame": "elsewhere"}, {"imu_orientation": True}, {"gyro_noise_density": 1.0, "rate": 10.0}],
+    ids=str,
+)
+def test_what_was_read_before_a_reset_is_told_as_if_there_was_none(change: dict[str, object]) -> None:
+    """In the frame, with the covariances and with the fields of the scenario that made it."""
+    one, other = (Simulation(scenario(rate=3.0, imu_rate=100.0, magnetometer_rate=70.0), EPOCH) for _ in range(2))
+    one.take_until(EPOCH, 10)
+    start = one.reset(scenario(**{"rate": 3.0, "imu_rate": 100.0, "magnetometer_rate": 70.0, **change})).start_ns
+    told: list[tuple[int, str, bytes]] = []
+    while one.next_stamp_ns <= start + NS:
+        told += messages(one, one.take_until(start + NS, 40))
+    expected = messages(other, other.take_until(start - 1, 10**6))
+    before = [message for message in told if message[0] < start]
+    assert before == [message for message in expected if message[0] > EPOCH]
+    assert len(before) > 80
 
 
 def test_sensors_feel_a_reset_from_its_stamp_on() -> None:
@@ -116,8 +136,10 @@ def test_sensors_feel_a_reset_from_its_stamp_on() -> None:
     simulation = Simulation(scenario(rate=10.0, imu_rate=100.0), EPOCH)
     simulation.take_until(EPOCH + 20_000_000, 100)
     segment = simulation.reset(scenario(rate=10.0, imu_rate=100.0, initial_body_rate=[0.0, 0.0, 2.0]))
-    imu = simulation.take_until(segment.start_ns + 200_000_000, 100).imu
-    assert imu is not None
+    parts = [simulation.take_until(segment.start_ns + 200_000_000, 100).imu for _ in range(2)]
+    assert parts[0] is not None
+    assert parts[1] is not None
+    imu = parts[0].joined(parts[1])
     old, new = (ClosedForm(s.body(), s.start()) for s in (scenario(), segment.scenario))
     before = imu.stamps_ns < segment.start_ns
     assert before.sum() == 7

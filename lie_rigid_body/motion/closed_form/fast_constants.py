@@ -281,7 +281,7 @@ def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
     """The regular motions of an ensemble with their places: many that branch alike as one motion of arrays."""
     count = len(starts.inertia)
     groups = _groups(starts) if count >= LEAST_MOTIONS_IN_ARRAYS else np.zeros(count, dtype=np.intp)
-    for group in np.unique(groups[groups >= 0]).tolist():
+    for group in sorted(set(groups[groups >= 0].tolist())):  # np.unique loads masked arrays
         members = np.flatnonzero(groups == group)
         if len(members) < LEAST_MOTIONS_IN_ARRAYS:
             yield from _one_by_one(starts, members)

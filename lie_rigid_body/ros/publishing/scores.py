@@ -25,9 +25,9 @@ DEPTH: Final = 1000
 INTERVAL_S: Final = 1.0
 """Time between two reports on /diagnostics, s."""
 FIRST_DIAGNOSIS_S: Final = 5.0
-"""Shortest time between two diagnoses, s."""
+"""Shortest time, by the stamps of the estimate, of which a diagnosis is made, s."""
 DIAGNOSIS_SHARE: Final = 0.03
-"""Largest share of the time that diagnoses take."""
+"""Largest share of the time that diagnoses take, beside one whenever the time of the estimate has doubled."""
 
 
 class Scores:
@@ -43,7 +43,8 @@ class Scores:
         self._error = node.create_publisher(Vector3Stamped, ERROR, QoSProfile(depth=DEPTH))
         self._diagnostics = node.create_publisher(DiagnosticArray, TOPIC, 10)
         self._layout = Layout("", [0.0] * 3, [(0, 3)])
-        self._due = self._diagnosis_due = time.monotonic() + INTERVAL_S
+        self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
+        self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0
         self._score: Score | None = None
         self._fault = ""
 
@@ -65,21 +66,24 @@ class Scores:
         if now < self._due:
             return
         self._due = now + INTERVAL_S
-        if live is not None and live.tally.count and now >= self._diagnosis_due:
+        if live is not None and live.tally.count and self._is_due(live, now):
             self._diagnose(live)
         status = self._waiting(missing()) if live is None or not live.tally.count else self._status(live)
         array = DiagnosticArray(status=[status])
         array.header.stamp = Clock().now().to_msg()
         self._diagnostics.publish(array)
 
+    def _is_due(self, live: LiveEstimate, now: float) -> bool:
+        return live.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due
+
     def _diagnose(self, live: LiveEstimate) -> None:
-        begin = time.monotonic()
+        begin, self._diagnosed_s = time.monotonic(), live.span_s
         try:
             self._score, self._fault = live.score(INTERIM)[1], ""
         except LieRigidBodyError as error:
             self._score, self._fault = None, str(error)
         end = time.monotonic()
-        self._diagnosis_due = end + max(FIRST_DIAGNOSIS_S, (end - begin) / DIAGNOSIS_SHARE)
+        self._diagnosis_due = end + max(INTERVAL_S, (end - begin) / DIAGNOSIS_SHARE)
 
     def _waiting(self, missing: str) -> DiagnosticStatus:
         return self._made(DiagnosticStatus.WARN, f"waiting: {missing}", {})
@@ -98,8 +102,9 @@ class Scores:
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in findings}
-        if self._fault:
-            return self._made(DiagnosticStatus.ERROR, self._fault, values)
+        fault = self._fault or live.fault()
+        if fault:
+            return self._made(DiagnosticStatus.ERROR, fault, values)
         # that the run is still shorter than a limit is no fault yet
         broken = [sentence for sentence in tally.broken() if "above the limit" in sentence]
         if broken:

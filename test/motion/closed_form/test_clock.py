@@ -70,12 +70,12 @@ def test_a_phase_is_right_at_any_time(rate: Decimal, start: Decimal, period: str
     require(rate, start, period, t_ns)
 
 
-@pytest.mark.parametrize("t_ns", [0, 1, -1, 10**9, 2**63 - 1, -(2**63)])
 @pytest.mark.parametrize("side", ["0", "1e-17", "-1e-17", "1e-15", "-1e-15", "1e-9", "-1e-9"])
 @pytest.mark.parametrize("quarter", ["0", "0.25", "-0.25", "0.5", "-0.5"])
-def test_a_phase_is_right_beside_each_quarter_of_a_turn(quarter: str, side: str, t_ns: int):
+def test_a_phase_is_right_beside_each_quarter_of_a_turn(quarter: str, side: str):
     for rate in ("0", "1", "-3e9", "123456789.123456789", "-499999999.9"):
-        require(rate, Decimal(quarter) + Decimal(side), "1", t_ns)
+        for t_ns in (0, 1, -1, 10**9, 2**63 - 1, -(2**63)):
+            require(rate, Decimal(quarter) + Decimal(side), "1", t_ns)
 
 
 @given(RATES, STARTS, STAMPS)

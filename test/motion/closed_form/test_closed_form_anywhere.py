@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from closed_form_far_reference import course_of, far_reference
+from closed_form_far_reference import far_reference, polhode_of
 from closed_form_reference import attitude_error, rate_error
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -82,7 +82,7 @@ def half_way() -> float:
 def complement(rate: float) -> mp.mpf:
     """1 − m"""
     with mp.workdps(60):
-        return course_of(np.diag([1.0, 2.0, 3.0]), [rate, 1.0, 0.7]).m1
+        return polhode_of(np.diag([1.0, 2.0, 3.0]), [rate, 1.0, 0.7]).m1
 
 
 @pytest.mark.parametrize("t_ns", [10**9, -(10**16)])

@@ -292,7 +292,7 @@ def mean_rate_and_period(moments: list[mpf], rate: list[mpf]):
 def test_after_many_periods_the_body_has_turned_by_as_many_growths(inertia: list[float], rate: list[float]):
     """The state a number of whole periods later, by quadrature of many digits, up to 2⁶² ns."""
     body, start = RigidBody(inertia), State(quaternion.normalize(TILTED), rate)
-    with mp.workdps(95):
+    with mp.workdps(95 if min(map(abs, rate)) < 1e-9 else 60):
         period, growth = mean_rate_and_period([mpf(x) for x in inertia], [mpf(x) for x in rate])
         most = int(mpf(2) ** 62 / (period * 10**9))
         for count in (1, 1000, most // 77, most):

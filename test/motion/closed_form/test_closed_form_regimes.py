@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from closed_form_far_reference import course_of, decimal, digits_for, far_reference, far_time
+from closed_form_far_reference import decimal, digits_for, far_reference, far_time, polhode_of
 from closed_form_reference import attitude_error, multiply, rate_error, reference
 from mpmath import mp, mpf
 from regimes import ATTITUDES, FLAT, REGIMES, beside_the_separatrix, steady, with_products
@@ -75,14 +75,14 @@ def is_quick(inertia, rate) -> bool:
     body = RigidBody(inertia)
     digits = digits_for(body.inertia, rate)
     with mp.workdps(digits):
-        return digits < 400 and course_of(body.inertia, rate).m1 != 0
+        return digits < 400 and polhode_of(body.inertia, rate).m1 != 0
 
 
 @pytest.mark.parametrize(("inertia", "rate"), list(beside_the_separatrix()))
 def test_the_cases_beside_the_separatrix_are_as_near_to_it_as_they_say(inertia, rate):
     body, size = RigidBody(inertia), float(np.sort(np.abs(rate))[1])
     with mp.workdps(200):
-        assert 0.5 < course_of(body.inertia, rate).m1 / mpf(size) ** 2 < 3.0
+        assert 0.5 < polhode_of(body.inertia, rate).m1 / mpf(size) ** 2 < 3.0
 
 
 @pytest.mark.parametrize("t_ns", [10**16, -(10**16), 12345678901234567])

@@ -263,11 +263,11 @@ def crowd(count: int) -> Starts:
 
 
 def test_constants_have_the_same_bits_alone_and_together():
-    starts = crowd(600)
-    together = np.full((600, 100), np.nan)
+    starts = crowd(240)
+    together = np.full((240, 100), np.nan)
     for some in Ensemble.of(starts).evaluations:
         together[some.members, : len(some.table)] = some.table.T
-    for i in range(600):
+    for i in range(240):
         moments, axes = principal_decomposition(starts.inertia[i])
         own = Starts(*(column[i : i + 1] for column in starts))._replace(moments=moments[None], axes=axes[None])
         (alone,) = Ensemble.of(own).evaluations

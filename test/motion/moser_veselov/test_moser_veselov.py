@@ -152,18 +152,15 @@ def exact_series(motion: ScaledMotion, momentum: list) -> tuple[list, list]:
     e = [mpf(str(v)) for v in motion.inverse_moments]
     m, q = [[v] for v in momentum], [[mpf(0)], [mpf(0)], [mpf(0)], [mpf(1)]]
     for n in range(60):
-        w = [[e[j] * v for v in m[j]] for j in range(3)]
-
-        def term(a, b, n=n):
-            return sum(a[i] * b[n - i] for i in range(n + 1))
-
-        torque = [term(m[j - 2], w[j - 1]) - term(m[j - 1], w[j - 2]) for j in range(3)]
+        # from the last to the first, so that a Cauchy product is a dot product
+        w = [[e[j] * v for v in reversed(m[j])] for j in range(3)]
+        torque = [mp.fdot(m[j - 2], w[j - 1]) - mp.fdot(m[j - 1], w[j - 2]) for j in range(3)]
         a, b, c, d = q
         turn = [
-            term(d, w[0]) + term(b, w[2]) - term(c, w[1]),
-            term(d, w[1]) + term(c, w[0]) - term(a, w[2]),
-            term(d, w[2]) + term(a, w[1]) - term(b, w[0]),
-            -term(a, w[0]) - term(b, w[1]) - term(c, w[2]),
+            mp.fdot(d, w[0]) + mp.fdot(b, w[2]) - mp.fdot(c, w[1]),
+            mp.fdot(d, w[1]) + mp.fdot(c, w[0]) - mp.fdot(a, w[2]),
+            mp.fdot(d, w[2]) + mp.fdot(a, w[1]) - mp.fdot(b, w[0]),
+            -mp.fdot(a, w[0]) - mp.fdot(b, w[1]) - mp.fdot(c, w[2]),
         ]
         for j in range(3):
             m[j].append(torque[j] / (n + 1))

@@ -58,3 +58,35 @@ def test_whatever_is_done_to_a_live_run_its_sensors_are_certified(tmp_path: Path
     assert found.passed, found.messages
     assert len(found.sensors) == 3
     assert any(law.name == "gyro" and law.checked for segment in found.segments for law in segment.laws)
+
+
+FAULTS: dict[str, Any] = {
+    "imu_dropout_probability": 0.1,
+    "imu_latency": 0.03,
+    "imu_latency_jitter": 0.02,
+    "imu_clock_skew": 0.004,
+    "magnetometer_clock_offset": -0.7,
+    "magnetometer_outage_interval": 0.4,
+    "magnetometer_outage_duration": 0.2,
+    "gyro_spike_probability": 0.05,
+    "accelerometer_stuck_interval": 0.3,
+    "accelerometer_stuck_duration": 0.1,
+}
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_faults_and_clocks_that_err_are_certified_live(tmp_path: Path, seed: int) -> None:
+    """Resets switch faults and orientation on and off, and change the frame."""
+    others: list[dict[str, Any]] = [{}, {**FAULTS, "imu_orientation": True}, {"imu_frame": "elsewhere"}, FAULTS]
+    random = np.random.default_rng(seed)
+    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as writer:
+        run = ScriptedRun(sinks=[Recorder(writer, pytest.fail)], **GIVEN, **FAULTS)
+        scenarios = [Scenario.from_parameters({"motion": "closed_form", **GIVEN, **other}) for other in others]
+        at = np.sort(random.integers(0, 2 * NS, len(scenarios))).tolist()
+        resets = [lambda scenario=scenario: run.live.reset(scenario) for scenario in scenarios]
+        run.play(*zip(at, resets, strict=True), (3 * NS, lambda: None))
+    found = certify(Bag(tmp_path / "a.mcap"))
+    assert found.passed, found.messages
+    assert len(found.sensors) == 3
+    assert [law.checked > 10 for law in found.whole if law.name == "faults"] == [True]
+    assert not any("faults" in text for text in found.not_certified)

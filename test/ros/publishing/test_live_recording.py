@@ -59,7 +59,8 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
 def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
     bag = tmp_path / "whole.mcap"
     arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-9", "-p", f"record_path:={bag}")
-    with SimulatorProcess(*arguments) as simulator:
+    # with numba, which takes its time to load, it is the same pieces of work, in test_record.py
+    with SimulatorProcess(*arguments, without=("numba",)) as simulator:
         eventually(lambda: bool(stamps_in_whole_chunks(bag)), "the first sample")
         idle = cpu_seconds(simulator.process.pid)
         eventually(lambda: cpu_seconds(simulator.process.pid) > idle + 0.3, "work on the second sample")
@@ -70,7 +71,7 @@ def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
 def end_of_a_lost_recording(simulator: SimulatorProcess, bag: Path, what: str) -> None:
     """It was told in the log at once, and is the last line when the node ends, with status 2."""
     assert simulator.end(signal.SIGTERM) == 2
-    logged, last = simulator.complained
+    logged, last = simulator.errors()
     assert re.search(rf"ERROR.*{bag.name} {what}.*publishing goes on", logged)
     assert re.match(rf"lie-rigid-body sim: error: .*{bag.name} {what}", last)
     assert [line for line in simulator.said if "recorded" in line] == []
@@ -84,7 +85,7 @@ def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     with SimulatorProcess("-p", "rate:=1000.0", "-p", f"record_path:={bag}", preexec=shrink) as simulator:
-        eventually(lambda: bool(simulator.complained), "a complaint")
+        eventually(lambda: bool(simulator.errors()), "a complaint")
         end_of_a_lost_recording(simulator, bag, "cannot be written: File too large")
     assert bag.stat().st_size <= limit
 
@@ -96,7 +97,7 @@ def test_a_bag_that_is_deleted_is_told_at_once_while_the_node_goes_on(peer: Peer
     with SimulatorProcess("-p", f"record_path:={bag}") as simulator:
         peer.spin_until(lambda: len(reports) > 1 and len(poses) > 1, "a running node")
         shutil.rmtree(bag.parent)
-        eventually(lambda: bool(simulator.complained), "a complaint")
+        eventually(lambda: bool(simulator.errors()), "a complaint")
         peer.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.ERROR, "diagnostics")
         assert str(bag) in reports[-1].status[0].message
         count = len(poses)

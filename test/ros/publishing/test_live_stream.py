@@ -25,7 +25,7 @@ RATE = 200
 PERIOD_NS = 5_000_000
 STALL = 1.5
 """s; a node warns when it is later than 1 s."""
-COUNTS = {"reset": 400, "stalled": 500}
+COUNTS = {"reset": 250, "stalled": 450}
 
 
 @dataclass
@@ -63,7 +63,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Run]]:
         SimulatorProcess(*arguments["stalled"]) as stalled,
     ):
         clients = [
-            start_client(str(folder / "reset.npz"), "/reset", str(COUNTS["reset"]), "200"),
+            start_client(str(folder / "reset.npz"), "/reset", str(COUNTS["reset"]), "100"),
             start_client(str(folder / "stalled.npz"), "/stalled", str(COUNTS["stalled"]), "0"),
         ]
         eventually((folder / "stalled.npz.receiving").exists, "a client that receives")

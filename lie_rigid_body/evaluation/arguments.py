@@ -1,0 +1,75 @@
+"""Numbers as callers give them: read once, or refused in one line that says what to give."""
+
+from __future__ import annotations
+
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
+
+
+def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool = False) -> float:
+    """A finite number above 0.
+
+    Parameters
+    ----------
+    name : str
+        What it was given as.
+    value : object
+    unit : str
+        In words, for the message.
+    example : str
+        What to give instead.
+    or_zero : bool
+        Whether 0 will do.
+
+    Raises
+    ------
+    InputError
+        If it is anything else; a text is, and so are NaN and infinity.
+    """
+    try:
+        number = np.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
+    except OverflowError:
+        number = np.inf
+    if not np.isfinite(number) or number < 0.0 or (number == 0.0 and not or_zero):
+        least = "from 0 on" if or_zero else "above 0"
+        raise InputError(f"{name}: {shown(value)} is not a finite number of {unit} {least}: give for example {example}")
+    return number
+
+
+def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
+    """An array of real numbers as float64, of which nothing is dropped: no imaginary part, and no mask.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+    """
+    unmasked(name, value)
+    try:
+        array = np.asarray(value)
+        if np.iscomplexobj(array):
+            raise InputError(f"{name}: complex numbers: give real ones, an array of shape {wanted}")
+        return np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
+
+
+def unmasked(name: str, value: ArrayLike) -> None:
+    """Refuse an array of which some is masked: what is behind the mask would count.
+
+    Raises
+    ------
+    InputError
+    """
+    if np.ma.is_masked(value):
+        raise InputError(
+            f"{name}: {np.ma.count_masked(value)} of its numbers are masked: leave these rows out, with their stamps"
+        )

@@ -1,0 +1,72 @@
+"""An estimate beside the error that the sensors' noise makes unavoidable."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.evaluation.statistics import Statistics
+from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
+from lie_rigid_body.wording import short_repr
+
+RARE: Final = 0.01
+"""An estimate that the bound allows is as near to the truth as this one with at most this probability: a remark."""
+
+
+@dataclass(frozen=True)
+class BestPossible:
+    """The bounds at the samples of a score.
+
+    Attributes
+    ----------
+    filtered_deg, smoothed_deg : ndarray, shape (N,)
+        Root mean square of the total error at best, degrees, from the readings up to each sample, and from all of them.
+    unobserved : str
+        What no reading tells; then no bound is of use.
+    beaten : bool
+        Whether the estimate is nearer to the truth than the noise allows.
+    """
+
+    filtered_deg: Array
+    smoothed_deg: Array
+    unobserved: str
+    beaten: bool
+
+    __repr__ = short_repr
+
+    @classmethod
+    def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:
+        """The bound at stamps, ns, for an estimate whose total error is so many degrees rms."""
+        since = stamps_ns - bound.stamps_ns[0]
+        times = bound.stamps_ns - bound.stamps_ns[0]
+        filtered, smoothed = (
+            np.degrees(np.sqrt(np.interp(since, times, mean_square(part)))) for part in (bound.filtered, bound.smoothed)
+        )
+        # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
+        deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
+        luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
+        return cls(filtered, smoothed, bound.unobserved, not bound.unobserved and luck < RARE)
+
+    @property
+    def filtered(self) -> Statistics | None:
+        """Of a filter, which has the readings up to each sample, degrees; None if the attitude is not told."""
+        return None if self.unobserved else Statistics.of(self.filtered_deg)
+
+    @property
+    def smoothed(self) -> Statistics | None:
+        """Of a smoother, which has all readings, degrees; None if the attitude is not told."""
+        return None if self.unobserved else Statistics.of(self.smoothed_deg)
+
+    def to_json(self) -> dict[str, object]:
+        """The statistics by name, what is not observed, and whether the estimate is nearer than noise allows."""
+        filtered, smoothed = self.filtered, self.smoothed
+        return {
+            "filtered_deg": filtered.to_json() if filtered else None,
+            "smoothed_deg": smoothed.to_json() if smoothed else None,
+            "unobserved": self.unobserved,
+            "beaten": self.beaten,
+        }

@@ -1,0 +1,152 @@
+"""The error that the declared noise of a scenario's sensors leaves to any estimator at best."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import zip_longest
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Truth
+from lie_rigid_body.evaluation.unavoidable import (
+    AttitudeReadings,
+    BiasNoise,
+    UnavoidableError,
+    VectorReadings,
+    unavoidable_error,
+)
+from lie_rigid_body.motion import ClosedForm
+from lie_rigid_body.sensors import AttitudeSensorModel, ImuModel, Sensors, SunSensorModel
+from lie_rigid_body.sensors.triad import TriadModel
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.simulation.sample_clock import SampleClock
+
+
+def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | None = None) -> UnavoidableError | None:
+    """The bound for an estimator that reads every sensor of a run, and knows all of them but noise and biases.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        In the order of their starts. At each the attitude is unknown, and the biases are.
+    last_ns : int
+        The last stamp that counts, ns.
+    most : int, optional
+        Readings of each sensor in a segment that are computed, evenly spread: each stands for those up to the next,
+        with as much less noise as their mean has. By default all of them.
+
+    Returns
+    -------
+    UnavoidableError or None
+        None without an IMU, or where a sensor that tells the attitude has no noise: then the bound is 0. It is None as
+        well where the IMU tells its orientation, whose noise is not that of an independent reading.
+    """
+    parts = []
+    for segment, later in zip_longest(segments, segments[1:]):
+        part = _of_segment(segment, min(last_ns, later.start_ns - 1 if later else last_ns), most)
+        if part is None:
+            return None
+        parts += [part] if len(part.stamps_ns) else []
+    if not parts:
+        return None
+    return UnavoidableError(
+        np.concatenate([part.filtered for part in parts]),
+        np.concatenate([part.smoothed for part in parts]),
+        np.concatenate([part.gyro_bias for part in parts]),
+        np.concatenate([part.stamps_ns for part in parts]),
+        next((part.unobserved for part in parts if part.unobserved), ""),
+    )
+
+
+def bound_of(segments: Sequence[Segment], truth: Truth, stamps_ns: Integers) -> UnavoidableError | None:
+    """The bound for the score of an estimate at some stamps, thinned; None where it is not known.
+
+    A score does not fail for want of it, as with a noise whose square is no number.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            bound = unavoidable_error_of(segments, min(int(stamps_ns.max()), truth.last_ns), THINNED)
+    except (InputError, np.linalg.LinAlgError):
+        return None
+    return bound if bound is not None and np.isfinite([bound.filtered, bound.smoothed]).all() else None
+
+
+THINNED: Final = 400
+"""Readings of each sensor that are computed for a score: a tenth of a second, and within 2 % of the bound of all."""
+
+
+def _of_segment(segment: Segment, last_ns: int, most: int | None) -> UnavoidableError | None:
+    scenario = segment.scenario
+    imu = scenario.sensors.imu
+    if imu is None or not _has_noise(scenario.sensors):
+        return None
+    stamps, stride = _stamps(segment, imu.rate, last_ns, most)
+    if not len(stamps):
+        return UnavoidableError(np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty((0, 3, 3)), stamps)
+    rate = imu.rate / stride
+    vectors, attitudes = _others(segment, last_ns, most)
+    return unavoidable_error(
+        stamps,
+        ClosedForm(scenario.body(), scenario.start()).at(stamps - segment.start_ns).attitude_xyzw,
+        gyro_noise=imu.gyro.noise_density * np.sqrt(rate),
+        gyro_bias=_walk(imu.gyro, rate),
+        vectors=[*([_gravity(imu, stamps, rate)] if imu.support else []), *vectors],
+        attitudes=attitudes,
+    )
+
+
+def _others(segment: Segment, last_ns: int, most: int | None) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
+    """What the sensors beside the IMU read."""
+    vectors, attitudes = [], []
+    for model in segment.scenario.sensors.on.values():
+        stamps, stride = _stamps(segment, model.rate, last_ns, most)
+        if isinstance(model, ImuModel) or not len(stamps):
+            continue
+        if isinstance(model, SunSensorModel):
+            vectors.append(VectorReadings(stamps, model.sun, model.noise / np.sqrt(stride)))
+        elif isinstance(model, AttitudeSensorModel):
+            across, along = model.cross_noise**2 / stride, model.roll_noise**2 / stride
+            sight = np.outer(model.boresight, model.boresight)
+            attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (along - across) * sight))
+        elif any(model.field):
+            iron = BiasNoise(max(map(abs, model.hard_iron)))  # who knows its size is granted that
+            noise = model.noise_density * np.sqrt(model.rate / stride)
+            vectors.append(VectorReadings(stamps, model.field, noise, iron))
+    return vectors, attitudes
+
+
+def _gravity(imu: ImuModel, stamps: Integers, rate: float) -> VectorReadings:
+    noise = imu.accelerometer.noise_density * np.sqrt(rate)
+    return VectorReadings(stamps, [0.0, 0.0, imu.support], noise, _walk(imu.accelerometer, rate))
+
+
+def _walk(triad: TriadModel, rate: float) -> BiasNoise:
+    return BiasNoise(triad.turn_on_bias, float(triad.bias_random_walk / np.sqrt(rate)))
+
+
+def _has_noise(sensors: Sensors) -> bool:
+    """Whether each sensor that tells of the attitude has white noise: none would leave no error."""
+    imu, field, attitude, sun = sensors.imu, sensors.magnetometer, sensors.attitude_sensor, sensors.sun_sensor
+    assert imu is not None
+    noises = [
+        imu.gyro.noise_density,
+        *([imu.accelerometer.noise_density] if imu.support else []),
+        *([field.noise_density] if field and any(field.field) else []),
+        *([attitude.cross_noise, attitude.roll_noise] if attitude else []),
+        *([sun.noise] if sun else []),
+    ]
+    return imu.orientation is None and all(noises)
+
+
+def _stamps(segment: Segment, rate: float, last_ns: int, most: int | None) -> tuple[Integers, int]:
+    """Stamps of a sensor's readings in a segment, ns, and how many readings each of them stands for."""
+    clock = SampleClock(segment.scenario.epoch_ns, rate)
+    first = clock.count_until(segment.start_ns - 1)
+    count = max(0, clock.count_until(last_ns) - first)
+    stride = 1 if most is None else max(1, -(-count // most))
+    if stride == 1:
+        return clock.stamps_ns(first, count), 1
+    return np.array([clock.stamp_ns(k) for k in range(first, first + count, stride)], dtype=np.int64), stride

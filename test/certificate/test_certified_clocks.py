@@ -1,0 +1,162 @@
+"""Sensors whose clock errs: their stamps are turned back into times, and held, as are the readings, like others."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tampering import Change, Message, at, on, tamper, with_numbers
+from test_certified_sensors import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.certificate.erring_clocks import ErringClocks
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import SampleClock, Segment
+
+START: dict[str, object] = {"motion": "closed_form", **FORCE, **NOISY}
+CLOCKS: dict[str, dict[str, object]] = {
+    "ahead": {"magnetometer_clock_offset": 3.7, "imu_clock_offset": 0.001},
+    "behind": {"magnetometer_clock_offset": -1.3, "imu_clock_offset": -1e-9},
+    "from zero": {"imu_clock_offset": -EPOCH * 1e-9 + 10.0},
+    "fast": {"imu_clock_skew": 0.01, "magnetometer_clock_skew": 1e-6},
+    "slow": {"imu_clock_skew": -0.01, "magnetometer_clock_skew": -1e-9},
+    "all": {
+        "imu_clock_skew": -0.003,
+        "imu_clock_offset": -0.5,
+        "magnetometer_clock_offset": 0.3,
+        "imu_latency": 0.02,
+        "imu_latency_jitter": 0.01,
+        "imu_dropout_probability": 0.1,
+    },
+}
+ALL = (IMU, BIAS, MAG)
+
+
+@pytest.mark.parametrize("name", CLOCKS)
+def test_readings_stamped_by_a_clock_that_errs_are_certified(tmp_path, name):
+    path = write(tmp_path / "a.mcap", ({**START, **CLOCKS[name]}, 0.6))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == ALL
+        assert all(law.worst == 0.0 and law.checked for value in VALUES for law in laws(found, value))
+
+
+@pytest.mark.parametrize(
+    ("grade", "motion"),
+    [("perfect", "dmv20"), ("navigation", "closed form"), ("tactical", "dmv20"), ("mems", "closed form")],
+)
+def test_resets_that_change_the_clock(tmp_path, grade, motion):
+    """Also so that the same stamps come again, or are left out."""
+    start: dict[str, object] = {**MOTIONS[motion], "sensor_grade": grade, **FORCE}
+    stages = [
+        ({**start, **CLOCKS["all"]}, 0.4),
+        ({**start, "imu_clock_offset": -0.3, "magnetometer_clock_skew": 0.01}, 0.4),
+        ({**start, "rate": 80.0, "imu_rate": 300.0, "imu_clock_skew": 0.01}, 0.3),
+        (start, 0.3),
+    ]
+    path = write(tmp_path / "a.mcap", *stages)
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == ALL
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bags") / "honest.mcap"
+    whole: dict[str, object] = {**START, **CLOCKS["all"], "imu_dropout_probability": 0.0}
+    return write(path, ({**START, **CLOCKS["fast"]}, 0.4), (whole, 0.395))
+
+
+def moved(by_ns: int) -> Change:
+    """A reading of the magnetometer with another stamp."""
+
+    def move(message: Message) -> Message:
+        sec, nanosec = struct.unpack("<iI", message.data[4:12])
+        stamp = divmod(sec * 1_000_000_000 + nanosec + by_ns, 1_000_000_000)
+        return message._replace(data=message.data[:4] + struct.pack("<iI", *stamp) + message.data[12:])
+
+    return on(MAG, at(37, move))
+
+
+@pytest.mark.parametrize("as_written", [True, False])
+@pytest.mark.parametrize("by_ns", [1, -1, 1000, 10_000_000, -10_000_000, 10**9, -(10**9), -(10**18), 10**17])
+def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
+    change, late = moved(by_ns), (lambda ms: ms) if as_written else recorded(0.1)
+    found = certify(Bag(tamper(bag, tmp_path / "b.mcap", lambda ms: late(change(ms)))))
+    assert broken(found) & {"magnetometer stamps", "sensor stamps"}
+    if abs(by_ns) <= 1000:
+        assert f"{MAG}: 1 stamps off the grid, reading 37 stamped " in found.messages[0]
+        stamped, right = (int(word) for word in found.messages[0].split() if word.isdigit() and len(word) == 19)
+        assert stamped - right == by_ns
+        assert right != EPOCH + round(37e9 / 70.0)
+
+
+@pytest.mark.parametrize("topic", ALL)
+@pytest.mark.parametrize("index", [0, 37, -1])
+def test_a_changed_missing_doubled_or_swapped_reading_is_named(bag, tmp_path, topic, index):
+    stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
+
+    def verdict(change) -> tuple[set[str], str]:
+        found = certify(Bag(tamper(bag, tmp_path / "b.mcap", on(topic, change))))
+        return broken(found), found.messages[0]
+
+    count = len([m for m in messages_of(bag) if m.topic == topic])
+    index %= count
+    changed = lambda x: np.concatenate([x[:3] * (1 + 1e-11), x[3:]])  # noqa: E731
+    names, said = verdict(at(index, lambda m: with_numbers(m, 12, changed)))
+    assert names == {{IMU: "accelerometer", BIAS: "accelerometer bias", MAG: "magnetometer"}[topic]}
+    names, said = verdict(lambda ms: [*ms[:index], *ms[index + 1 :]])
+    assert names == {stamps}
+    assert "gap, reading " in said
+    names, said = verdict(lambda ms: [*ms[: index + 1], *ms[index:]])
+    assert names == {stamps}
+    assert "duplicate of reading " in said
+    if index == 37:
+        names, said = verdict(lambda ms: [*ms[:37], ms[38], ms[37], *ms[39:]])
+        assert names == {stamps}
+        assert f"{topic}: out of order, reading 38 stands before 37" in said
+
+
+def messages_of(bag: Path) -> list[Message]:
+    seen: list[Message] = []
+    tamper(bag, bag.with_suffix(".copy"), lambda ms: seen.extend(ms) or ms)  # type: ignore[func-returns-value]
+    return seen
+
+
+def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():
+    """With the fastest readings that are told apart, years after the epoch, and again after resets."""
+    random = np.random.default_rng(5)
+    for _ in range(50):
+        epoch = int(random.integers(0, 2**30)) * 1_000_000_000 + int(random.integers(10**9))
+        rate, skew = (
+            float(random.choice([1.0, 333.3, 1e6, 9.9e6])),
+            float(random.choice([0.0, 1e-9, -0.01, 0.01, 0.003])),
+        )
+        given = {
+            "rate": 1e-3,
+            "imu_rate": rate,
+            "imu_clock_skew": skew,
+            "imu_clock_offset": float(random.uniform(-3, 3)),
+        }
+        scenario = Scenario.from_parameters({**given, "epoch_ns": epoch})
+        segments = [Segment(scenario, k, epoch + k * 1_000_000_000_000) for k in (0, int(random.integers(1, 10**6)))]
+        model = scenario.sensors.imu
+        assert model is not None
+        assert model.delivery is not None
+        clock = SampleClock(epoch, rate)
+        before = clock.count_until(segments[1].start_ns - 1)
+        measured = clock.stamps_ns(before - 50 if before > 50 else 0, 100)
+        stamps = model.delivery.stamps_ns(measured, epoch)
+        clocks, kinds = ErringClocks(segments, [model, model]), ((("", b""),), np.zeros(len(stamps), dtype=np.int64))
+        for shift in (0, 1, -1):
+            messages = SensorMessages(measured, stamps + shift, np.zeros((len(stamps), 10)), *kinds)
+            for in_order in (True, False):
+                found, unknown = clocks.measured(messages, in_order=in_order)
+                assert not len(unknown)
+                assert (found.stamps_ns == measured + shift).all()

@@ -1,0 +1,216 @@
+"""The truth about faults that a bag tells is held against what its scenarios make: any other message is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tampering import Change, Message, at, on, tamper
+from test_certified_faults import EVERY, LATE, LATER, LOST, START
+from test_certified_sensors import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, declared, recorded, write
+
+from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.sensors import Fault
+
+FAULTS = "/lie_rigid_body/faults"
+OTHER: dict[str, object] = {
+    **START,
+    "gyro_spike_probability": 0.1,
+    "magnetometer_temperature_drift": 1e-6,
+    "rate": 33.0,
+}
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bags") / "honest.mcap"
+    return write(path, ({**START, **EVERY, **LATER, **LOST, **LATE}, 0.41), (START, 0.2), (OTHER, 0.28))
+
+
+def verdict(bag: Path, folder: Path, change: Change) -> Certificate:
+    return certify(Bag(tamper(bag, folder / "b.mcap", change)))
+
+
+def law(found: Certificate) -> LawResult:
+    return next(law for law in found.whole if law.name == "faults")
+
+
+def test_honest_messages_are_certified(bag, tmp_path):
+    found = certify(Bag(bag))
+    assert found.passed, found.messages
+    assert law(found).checked > 50
+    assert not any(FAULTS in text for text in found.not_certified)
+    assert certify(read_bag(bag)) == found
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.213, 0.5])
+def test_those_of_a_recorder_are_certified_from_its_first_one_on(bag, tmp_path, begin):
+    """It may lack the first scenario as well, and hear again of what it knows."""
+    late, scenario = recorded(begin, 0.06), "/lie_rigid_body/scenario"
+
+    def change(ms: list[Message]) -> list[Message]:
+        told = [m for m in ms if m.topic == FAULTS and m.log_time >= EPOCH + 0.2e9]
+        rest = [m for m in late(ms) if m.topic not in (FAULTS, scenario)]
+        known = [m for m in ms if m.topic == scenario]
+        return sorted([*rest, *known, *told, *told[3:5]], key=lambda m: m.log_time)
+
+    found = verdict(bag, tmp_path, lambda ms: [m._replace(log_time=m.log_time + 777) for m in change(ms)])
+    assert found.passed, found.messages
+    assert "messages about faults that come again: 2" in found.not_certified
+    gap = verdict(
+        bag, tmp_path, lambda ms: [m._replace(log_time=m.log_time + 777) for m in on(FAULTS, without(9))(change(ms))]
+    )
+    assert broken(gap) == {"faults"}
+
+
+def without(index: int) -> Callable[[list[Message]], list[Message]]:
+    return lambda ms: [*ms[:index], *ms[index:][1:]]
+
+
+def retold(**changes: object) -> Callable[[Message], Message]:
+    """The same message with other fields of its fault."""
+
+    def change(message: Message) -> Message:
+        fault = Fault.from_json(message.data[8:-1].decode())
+        return message._replace(data=encode_string(Fault(**{**vars(fault), **changes}).to_json()))
+
+    return change
+
+
+CHANGED: dict[str, dict[str, object]] = {
+    "kind": {"kind": "dropout"},
+    "sensor": {"sensor": "sun_sensor"},
+    "axis": {"axis": "y"},
+    "begin": {"begin_ns": EPOCH + 1},
+    "end": {"end_ns": EPOCH + 1},
+    "size": {"size": 1.0000001},
+    "never": {"begin_ns": 2**62},
+    "before": {"begin_ns": -(2**62)},
+}
+
+
+@pytest.mark.parametrize("field", CHANGED)
+@pytest.mark.parametrize("index", [0, 20, -2])
+def test_another_field_is_named(bag, tmp_path, field, index):
+    index %= count(bag)
+    found = verdict(bag, tmp_path, on(FAULTS, at(index, retold(**CHANGED[field]))))
+    assert "faults" in broken(found)
+    assert law(found).sample == index or field in ("begin", "never", "before")
+    assert f"{FAULTS}: 1 of which the scenario makes none, the first: message {index} (" in found.messages[-1]
+    assert "1 missing, the first: " in found.messages[-1]
+
+
+def count(bag: Path) -> int:
+    return len([m for m in messages_of(bag) if m.topic == FAULTS])
+
+
+def messages_of(bag: Path) -> list[Message]:
+    seen: list[Message] = []
+    tamper(bag, bag.with_suffix(".copy"), lambda ms: seen.extend(ms) or ms)  # type: ignore[func-returns-value]
+    return seen
+
+
+@pytest.mark.parametrize("index", [0, 20, -1])
+def test_a_missing_doubled_swapped_or_unreadable_message_is_named(bag, tmp_path, index):
+    index %= count(bag)
+    for change, said in (
+        (without(index), "1 missing, the first: "),
+        (lambda ms: [*ms[: index + 1], *ms[index:]], f"1 twice, the first: message {index + 1} ("),
+        (
+            lambda ms: [*ms[: index - 1], ms[index], ms[index - 1], *ms[index + 1 :]],
+            "1 out of order, the first: message ",
+        ),
+        (
+            at(index, lambda m: m._replace(data=encode_string("{}"))),
+            f"1 that tell of no fault, the first: message {index};",
+        ),
+    ):
+        if index or "order" not in said:
+            found = verdict(bag, tmp_path, on(FAULTS, change))
+            assert broken(found) <= {"faults", "log times"}
+            assert f"{FAULTS}: {said}" in found.messages[-1]
+
+
+def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
+    found = verdict(bag, tmp_path, lambda ms: [m for m in ms if m.topic != FAULTS])
+    assert broken(found) == {"faults"}
+    assert "missing, the first: " in found.messages[0]
+    late = recorded(0.1)
+    found = verdict(bag, tmp_path, lambda ms: late([m for m in ms if m.topic != FAULTS]))
+    assert found.passed, found.messages
+    assert "~/faults, which the scenario has: not in the bag" in found.not_certified
+
+
+def test_the_last_ones_cut_off_are_missed(bag, tmp_path):
+    end = messages_of(bag)[-1].log_time
+    cut = on(FAULTS, lambda ms: [m for m in ms if m.log_time < end - 50_000_000])
+    assert broken(verdict(bag, tmp_path, cut)) == {"faults"}
+
+
+def test_a_size_of_another_library_is_the_same_but_for_its_last_bits(bag, tmp_path):
+    for bits, names in ((1, set()), (2000, {"faults"})):
+
+        def change(message: Message, bits: int = bits) -> Message:
+            fault = Fault.from_json(message.data[8:-1].decode())
+            if fault.kind != "temperature_drift" or fault.size is None:
+                return message
+            return retold(size=fault.size + bits * np.spacing(1e-6))(message)
+
+        found = verdict(bag, tmp_path, on(FAULTS, lambda ms: list(map(change, ms))))
+        assert broken(found) == names
+
+
+def test_messages_are_logged_when_the_fault_begins(bag, tmp_path):
+    found = verdict(bag, tmp_path, on(FAULTS, at(9, lambda m: m._replace(log_time=m.log_time + 1))))
+    assert "log times" in broken(found)
+
+
+def test_faults_of_more_readings_than_can_be_looked_through_are_listed(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(told_faults, "MOST_LOOKED_THROUGH", -10_000)
+    monkeypatch.setattr("lie_rigid_body.certificate.sensors.MOST_LOOKED_THROUGH", -10_000)
+    found = certify(Bag(bag))
+    assert found.passed
+    assert f"{FAULTS}: too many readings to compute the faults of all" in found.not_certified
+
+
+def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):
+    assert "faults" in broken(verdict(bag, tmp_path, declared(gyro_noise_burst_interval=0.21)))
+    older = declared(software="lie_rigid_body 0.0.9")
+    found = verdict(bag, tmp_path, lambda ms: on(FAULTS, without(3))(older(ms)))
+    assert found.passed, found.messages
+    assert any("the scenario is of 'lie_rigid_body 0.0.9'" in text for text in found.not_certified)
+    assert IMU not in found.sensors
+
+
+CLOCKS: dict[str, object] = {
+    "imu_clock_skew": 1e-3,
+    "magnetometer_clock_offset": -0.2,
+    "attitude_sensor_clock_skew": -0.01,
+    "sun_sensor_clock_offset": 1.7,
+}
+
+
+@pytest.mark.parametrize(
+    ("grade", "motion"),
+    [("perfect", "closed form"), ("navigation", "dmv20"), ("tactical", "dmv20"), ("mems", "closed form")],
+)
+def test_all_faults_and_clock_errors_together_are_certified_in_every_grade(tmp_path, grade, motion):
+    given = {**MOTIONS[motion], **FORCE, **EVERY, **LATER, **LOST, **LATE, **CLOCKS, "sensor_grade": grade}
+    path = write(tmp_path / "a.mcap", (given, 0.4), ({**given, "sensor_seed": 5, "imu_rate": 200.0}, 0.3))
+    for change in (lambda ms: ms, recorded(0.213, 0.06)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert {*found.sensors} >= {IMU, BIAS, MAG}
+
+
+def test_many_wrong_messages_cost_no_more_than_right_ones(bag, tmp_path, monkeypatch):
+    """Of all that is awaited or told only so much is kept."""
+    monkeypatch.setattr(told_faults, "_MOST_KEPT", 30)
+    assert certify(Bag(bag)).passed
+    found = verdict(bag, tmp_path, declared(sensor_seed=12))
+    assert "faults" in broken(found)
+    assert law(found).worst > 50

@@ -1,0 +1,69 @@
+"""A sensor without a reading is mentioned: as a broken law, unless its faults, or a recorder, explain it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tampering import Change, tamper
+from test_certified_sensors import BIAS, IMU, MAG, broken, recorded, write
+
+from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.recording.bag_reader import Bag
+
+START: dict[str, object] = {"motion": "closed_form", "imu_rate": 40.0, "magnetometer_rate": 30.0}
+SILENT: dict[str, dict[str, object]] = {
+    "lost": {"magnetometer_dropout_probability": 1.0},
+    "an outage": {"magnetometer_outage_interval": 1.0, "magnetometer_outage_duration": 1.0},
+    "under way": {"magnetometer_latency": 9.0},
+}
+FAULTS = "/lie_rigid_body/faults"
+
+
+def cut_out(*topics: str, since_ns: int = 0) -> Change:
+    return lambda ms: [m for m in ms if m.topic not in topics or m.log_time < since_ns]
+
+
+def verdict(bag: Path, folder: Path, change: Change) -> Certificate:
+    return certify(Bag(tamper(bag, folder / "b.mcap", change)))
+
+
+@pytest.mark.parametrize("why", SILENT)
+def test_a_sensor_that_its_faults_silence_is_mentioned(tmp_path, why):
+    given = {**START, **SILENT[why]}
+    found = certify(Bag(write(tmp_path / "a.mcap", (given, 0.4), (START, 0.3), (given, 0.35))))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS, MAG)
+    [said] = found.segments[0].notes
+    assert said.startswith(f"no reading on {MAG}: ")
+    assert said.endswith("none arrives within this segment" if why == "under way" else "loses all 13 of this segment")
+    assert [len(segment.notes) for segment in found.segments] == [1, 0, 1]
+    never = certify(Bag(write(tmp_path / "never.mcap", (given, 0.4))))
+    assert never.passed, never.messages
+    assert never.sensors == (IMU, BIAS)
+    assert never.segments[0].notes[0].startswith("no reading on imu/mag: ")
+
+
+@pytest.mark.parametrize(("topics", "law"), [((MAG,), "magnetometer stamps"), ((IMU, BIAS), "IMU stamps")])
+def test_a_sensor_that_was_cut_out_is_missed(tmp_path, topics, law):
+    path = write(tmp_path / "a.mcap", (START, 0.4), ({**START, "sensor_seed": 2}, 0.4))
+    found = verdict(path, tmp_path, cut_out(*topics))
+    assert broken(found) == {law}
+    assert "readings from 0 to " in found.messages[0]
+    assert not any(segment.notes for segment in found.segments)
+    second = found.segments[1].segment.start_ns
+    found = verdict(path, tmp_path, cut_out(*topics, since_ns=second))
+    assert broken(found) == {law}
+    assert all(said.startswith("segment 2: ") for said in found.messages)
+
+
+def test_a_sensor_of_which_a_recorder_has_nothing_is_mentioned(tmp_path):
+    path, late = write(tmp_path / "a.mcap", (START, 0.4), (START, 0.4)), recorded(0.1)
+    found = verdict(path, tmp_path, lambda ms: late(cut_out(MAG)(ms)))
+    assert found.passed, found.messages
+    assert "imu/mag, which the scenario has: not in the bag" in found.not_certified
+    second = certify(Bag(path)).segments[1].segment.start_ns
+    found = verdict(path, tmp_path, lambda ms: late([m for m in ms if m.topic != MAG or m.log_time > second]))
+    assert found.passed, found.messages
+    assert any(note.startswith(f"no reading on {MAG}: ") for note in found.segments[0].notes)
+    assert not any("no reading" in note for note in found.segments[1].notes)

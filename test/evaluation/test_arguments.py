@@ -1,0 +1,52 @@
+"""What callers give is read whole, or refused in one line that names it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import InputError, attitude_error
+from lie_rigid_body.evaluation import Limits, nees
+from lie_rigid_body.evaluation.estimate import Estimate, read_stamps
+
+Q = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.0, "1deg", True, [1.0], 10**400])
+def test_a_limit_that_no_error_or_every_error_breaks_is_refused(value):
+    for given in ({"max_rms_deg": value}, {"max_after": ((1.0, value),)}):
+        with pytest.raises(InputError, match="degrees above 0: give") as error:
+            Limits(**given)
+        assert len(str(error.value)) <= 200
+
+
+@pytest.mark.parametrize("max_after", [5, (5,), ((-1.0, 1.0),), ((float("nan"), 1.0),)])
+def test_a_time_of_a_limit_is_refused_as_well(max_after):
+    with pytest.raises(InputError, match="max_after"):
+        Limits(max_after=max_after)
+
+
+@pytest.mark.parametrize("text", ["0deg", "0s:0deg", 5, None])
+def test_a_text_that_is_no_limit_is_refused(text):
+    with pytest.raises(InputError, match="give"):
+        Limits.parse(max_after=text) if text != "0deg" else Limits.parse(text)
+
+
+def test_an_imaginary_part_and_a_mask_are_not_dropped():
+    masked = np.ma.masked_array(Q, mask=Q == 0.0)
+    with pytest.raises(InputError, match="complex"):
+        attitude_error(Q + 1j, Q)
+    with pytest.raises(InputError, match="masked"):
+        attitude_error(Q, masked)
+    with pytest.raises(InputError, match="complex"):
+        nees(np.zeros((3, 3)), np.eye(3) * 1j)
+    with pytest.raises(InputError, match="masked"):
+        read_stamps("estimate", np.ma.masked_array([0, 1, 2], mask=[False, True, False]))
+    assert attitude_error(np.ma.masked_array(Q), Q).total.max() == 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_norm_whose_square_overflows_is_remarked():
+    assert [remark.code for remark in Estimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
+    assert Estimate.read([0, 1, 2], 1.0049 * Q).remarks == ()
+    assert Estimate.read([0, 1, 2], 0.9949 * Q).remarks != ()

@@ -1,0 +1,96 @@
+"""The maps between algebra and group against matrix exponentials and logarithms at 40 digits."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from mpmath import mp
+from sample_groups import ALL
+
+from lie_rigid_body.groups import SU, MatrixLieGroup
+
+flint = pytest.importorskip("flint", reason="python-flint is not installed")
+SCALES = (1e-9, 1e-4, 1e-2, 0.3, 1.0, 2.0, 3.14, 10.0, 40.0)
+NAMES = ("SO(2)", "SO(3)", "SO(4)", "SO(5)", "SU(2)", "SU(3)", "U(1)", "se(3)", "Heisenberg", "su(3)")
+groups = pytest.mark.parametrize("group", [ALL[name] for name in NAMES], ids=NAMES)
+
+
+@pytest.fixture(autouse=True)
+def forty_digits():
+    with flint.ctx.workdps(40), mp.workdps(40):
+        yield
+
+
+def block(matrix, i: int, j: int, n: int):
+    """The block of n rows that begins in row i and column j."""
+    return flint.acb_mat([[matrix[i + k, j + m] for m in range(n)] for k in range(n)])
+
+
+def as_numpy(matrix) -> np.ndarray:
+    entries = matrix.entries()
+    assert all(entry.rad() < 1e-25 for entry in entries)
+    return np.array([complex(entry) for entry in entries]).reshape(matrix.nrows(), -1)
+
+
+@cache
+def exact(group: MatrixLieGroup, scale: float) -> tuple[np.ndarray, np.ndarray]:
+    """exp(X), and (d/dt exp(X + tY)) exp(−X) at t = 0: from the corner of the exponential of [[X, Y], [0, X]]."""
+    X, Y = (group.hat(v) for v in at_scale(group, scale))
+    n = len(X)
+    whole = flint.acb_mat(np.block([[X, Y], [np.zeros_like(X), X]]).tolist()).exp()
+    return as_numpy(block(whole, 0, 0, n)), as_numpy(block(whole, 0, n, n) * flint.acb_mat((-X).tolist()).exp())
+
+
+def at_scale(group: MatrixLieGroup, scale: float) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(31)
+    x, y = rng.normal(size=(2, group.dimension))
+    return x * scale / np.linalg.norm(group.hat(x), ord=2), y
+
+
+@groups
+def test_exp(group):
+    for scale in SCALES:
+        x, _ = at_scale(group, scale)
+        truth, _ = exact(group, scale)
+        limit = 2e-15 * max(1.0, scale) * np.linalg.norm(truth)
+        assert np.abs(group.exp(x) - truth).max() <= limit, scale
+
+
+@groups
+def test_dexp(group):
+    for scale in SCALES:
+        x, y = at_scale(group, scale)
+        _, truth = exact(group, scale)
+        limit = 4e-15 * max(1.0, scale) * np.linalg.norm(truth)
+        assert np.abs(group.hat(group.dexp(x) @ y) - truth).max() <= limit, scale
+
+
+@groups
+def test_dexpinv(group):
+    for scale in SCALES:
+        x, y = at_scale(group, scale)
+        _, truth = exact(group, scale)
+        condition = np.linalg.cond(group.dexp(x))
+        rate = group.dexpinv(x) @ group.vee(truth if np.iscomplexobj(group.generators) else truth.real)
+        assert np.abs(rate - y).max() <= 1e-14 * max(1.0, scale) * condition * np.linalg.norm(y), scale
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-4, 0.1, 1.0, 3.0])
+@pytest.mark.parametrize("name", ["sl(2)", "se(3)", "Heisenberg", "SO(4)", "SU(3)"])
+def test_log(name, scale):
+    """Of the matrix as stored, in units of what its rounding can do."""
+    group = ALL[name]
+    x, _ = at_scale(group, scale)
+    A = group.exp(x)
+    truth = np.array(mp.logm(mp.matrix(A.tolist())).tolist(), dtype=complex)
+    assert np.abs(group.hat(group.log(A)) - truth).max() <= 4e-15 * np.linalg.cond(A) * max(1.0, scale)
+
+
+def test_log_of_su3_is_shortest_where_the_principal_one_has_a_trace():
+    """Angles 2, 2, 2π − 4 are principal with sum 2π; within the algebra 2, 2, −4 is shortest."""
+    group = SU(3)
+    V = group.random(np.random.default_rng(32))
+    A = V @ np.diag(np.exp([2j, 2.1j, -4.1j])) @ V.conj().T
+    np.testing.assert_allclose(group.hat(group.log(A)), V @ np.diag([2j, 2.1j, -4.1j]) @ V.conj().T, rtol=0, atol=2e-14)

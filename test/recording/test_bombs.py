@@ -1,0 +1,186 @@
+"""Small files that would take all memory or time: each verb refuses them in a line, within bounds that are measured."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import struct
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import zstandard
+from bags import write_bag
+from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
+from test_bag_reader import rewrite
+from test_hostile_bags import bag, chunk, record, text
+
+from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK
+from lie_rigid_body.wording import LONGEST_LINE
+
+GIB = 2**30
+MIB = 2**20
+MEMORY = 2 * LARGEST_CHUNK + 200 * MIB
+"""What a verb may take: its libraries, and the largest chunk that is read, which the library of lz4 holds twice."""
+SECONDS = 120
+"""Time on a processor after which a verb is taken to hang."""
+RUN = """
+import sys
+from lie_rigid_body.__main__ import main
+verb, out, *paths = sys.argv[1:]
+for path in paths:
+    print("status", main([verb, path, *(["-o", out, "--force"] if out else [])]))
+    print("\\0", file=sys.stderr)
+"""
+SCHEMA = record(3, struct.pack("<H", 1) + text("std_msgs/msg/String") + text("ros2msg") + text("string data"))
+CHANNEL = record(4, struct.pack("<HH", 1, 1) + text("/x") + text("cdr") + struct.pack("<I", 0))
+EMPTY_MESSAGE = record(5, struct.pack("<HIQQ", 1, 0, 0, 0))
+
+
+def zstd_zeros(size: int) -> bytes:
+    """A frame of blocks that repeat a byte, 4 bytes for 128 kB: https://datatracker.ietf.org/doc/html/rfc8878."""
+    block = 2**17
+    header = b"\x28\xb5\x2f\xfd" + b"\xc0\x38" + struct.pack("<Q", size)
+    blocks = b"".join(
+        (block << 3 | 1 << 1 | (at + block >= size)).to_bytes(3, "little") + b"\0" for at in range(0, size, block)
+    )
+    return header + blocks
+
+
+def lz4_zeros(size: int) -> bytes:
+    """A frame of equal blocks of 4 MiB."""
+    compressor = LZ4FrameCompressor(block_size=BLOCKSIZE_MAX4MB, block_linked=False)
+    begin, block = compressor.begin(), compressor.compress(bytes(4 * MIB))
+    return begin + block * (size // (4 * MIB)) + compressor.flush()
+
+
+def full_of(one: bytes, size: int) -> bytes:
+    """A chunk with a schema, a channel, and the same record over and over."""
+    data = SCHEMA + CHANNEL + one * (size // len(one))
+    return chunk("zstd", len(data), zstandard.ZstdCompressor(level=1).compress(data))
+
+
+def with_scenario(folder: Path, change: Callable[[str], str]) -> bytes:
+    """A bag of a few samples with another scenario message."""
+    path = folder / "whole.mcap"
+    if not path.exists():
+        write_bag(path, count=5)
+
+    def altered(number: int, topic: str, data: bytes) -> bytes:
+        return encode_string(change(data[8:-1].decode())) if topic.endswith("/scenario") else data
+
+    return rewrite(path, folder / "altered.mcap", change=altered).read_bytes()
+
+
+def with_value(folder: Path, name: str, value: object) -> bytes:
+    return with_scenario(folder, lambda text: json.dumps({**json.loads(text), name: value}))
+
+
+def in_frame(folder: Path, *records: bytes) -> bytes:
+    return bag(folder / "made.mcap", *records).read_bytes()
+
+
+BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
+    "zstd of 10 GiB": (
+        lambda d, n: in_frame(d, chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))),
+        "a chunk of 1073741824",
+    ),
+    "zstd of 10 GiB that claims less": (
+        lambda d, n: in_frame(d, chunk("zstd", n, zstd_zeros(10 * GIB))),
+        "a chunk does not inflate to the",
+    ),
+    "lz4 of 1 GiB that claims less": (
+        lambda d, n: in_frame(d, chunk("lz4", n, lz4_zeros(GIB))),
+        "a chunk does not inflate to the",
+    ),
+    "a message that is large": (
+        lambda d, n: in_frame(d, full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
+        "more than is read|has no topic",
+    ),
+    "messages without end": (lambda d, n: in_frame(d, full_of(EMPTY_MESSAGE, n - 1000)), "records in chunks"),
+    "channels without end": (lambda d, n: in_frame(d, full_of(CHANNEL, n - 1000)), "records in chunks"),
+    "a record of 8 EiB": (lambda d, n: in_frame(d, struct.pack("<BQ", 4, 2**63)), "longer than the file"),
+    "a text of 4 GiB": (
+        lambda d, n: in_frame(d, record(4, struct.pack("<HHI", 1, 0, 2**32 - 1))),
+        "damaged at byte 37",
+    ),
+    "a map of 4 GiB": (
+        lambda d, n: in_frame(d, record(12, text("x") + struct.pack("<I", 2**32 - 1))),
+        "damaged at byte 37",
+    ),
+    "an index of 4 GiB": (lambda d, n: in_frame(d, record(7, struct.pack("<HI", 1, 2**32 - 1))), "damaged at byte 37"),
+    "an attachment of 8 EiB": (
+        lambda d, n: in_frame(
+            d, record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))
+        ),
+        "damaged at byte 37",
+    ),
+    "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), "RecursionError"),
+    "a long JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 70_000), "70000 characters"),
+    "an integer of 60 000 digits": (
+        lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
+        "60001 digits",
+    ),
+    "an integer of 4000 digits": (lambda d, n: with_value(d, "epoch_ns", 10**4000), "epoch_ns"),
+    "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),
+    "a body rate of 1e308": (lambda d, n: with_value(d, "initial_body_rate", [1e308, -1e308, 1e308]), "body_rate"),
+    "an inertia of 1e308": (lambda d, n: with_value(d, "inertia", [1e308, 1e308, 1e308]), "inertia"),
+    "a step of 1e-308": (lambda d, n: with_value(d, "max_step", 1e-308), "max_step"),
+    "an IMU at 1e308 Hz": (lambda d, n: with_value(d, "imu_rate", 1e308), "imu_rate"),
+    "not a number": (lambda d, n: with_value(d, "rate", float("nan")), "rate"),
+}
+
+
+def made(folder: Path, size: int) -> dict[Path, str]:
+    """All of them as files, and what is said of each."""
+    found = {}
+    for name, (make, said) in BOMBS.items():
+        path = folder / f"{name.replace(' ', '_')}.mcap"
+        path.write_bytes(make(folder, size))
+        assert path.stat().st_size < 20 * MIB
+        found[path] = said
+    return found
+
+
+def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for path, said in made(tmp_path, 16 * MIB).items():
+        status, printed = check([str(path)]), capsys.readouterr()
+        assert re.search(said, printed.err or printed.out), printed
+        assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
+        assert "bug" not in printed.err
+        assert len(printed.err) <= LONGEST_LINE + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", ["check", "plot", "recover"])
+def test_none_takes_more_than_the_bound(
+    tmp_path: Path, verb: str, record_property: Callable[[str, object], None]
+) -> None:
+    paths = made(tmp_path, LARGEST_CHUNK)
+    out = "" if verb == "check" else str(tmp_path / ("out.png" if verb == "plot" else "out"))
+    with subprocess.Popen(
+        [sys.executable, "-c", RUN, verb, out, *map(str, paths)],
+        stdout=-1,
+        stderr=(tmp_path / "complaints").open("w"),
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS)),
+    ) as process:
+        assert process.stdout is not None
+        statuses = [int(line.split()[1]) for line in process.stdout if line.startswith("status ")]
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    complaints = (tmp_path / "complaints").read_text().split("\0\n")[:-1]
+    record_property("files", len(paths))
+    record_property("largest memory, MiB", used.ru_maxrss // 1024)
+    record_property("s on the processor", round(used.ru_utime + used.ru_stime, 1))
+    assert process.returncode == 0
+    assert len(statuses) == len(complaints) == len(paths)
+    assert {*statuses} == {"check": {1, 2}, "plot": {2}, "recover": {0, 2}}[verb]
+    assert [said for said in complaints if said.count("\n") > 1 or "bug" in said or "memory" in said] == []
+    assert used.ru_maxrss * 1024 < MEMORY

@@ -1,0 +1,156 @@
+"""The bound of a run: from the scenario alone, thinned for a score, beside the estimate wherever a score is shown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import Run, simulate
+from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.report import write_plot, write_report
+from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
+
+GIVEN: dict[str, Any] = {
+    "imu_rate": 50.0,
+    "magnetometer_rate": 25.0,
+    "accelerometer_mode": "pivot_gravity",
+    "motion": "closed_form",
+}
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate("tumbling_cubesat", duration=10.0, sensor_grade="mems", **GIVEN)
+
+
+def estimate(run: Run, size_deg: float) -> np.ndarray:
+    assert run.imu is not None
+    turn = np.radians(size_deg) * np.random.default_rng(1).normal(size=(len(run.imu.t_ns), 3))
+    return quaternion.multiply(run.attitude().at(run.imu.t_ns), quaternion.exp(turn))
+
+
+def test_the_bound_is_that_of_the_declared_noise(run):
+    value = run.scenario.parameters()
+    number = {name: float(entry) for name, entry in value.items() if isinstance(entry, int | float)}
+    root = np.sqrt(50.0)
+
+    def walk(sensor: str) -> BiasNoise:
+        return BiasNoise(number[f"{sensor}_turn_on_bias"], number[f"{sensor}_bias_random_walk"] / root)
+
+    assert run.imu is not None
+    t_ns = run.imu.t_ns
+    up, field = [0.0, 0.0, number["gravity"]], value["magnetic_field"]
+    iron = float(np.abs(value["magnetometer_hard_iron"]).max())
+    vectors = [
+        VectorReadings(t_ns, up, number["accelerometer_noise_density"] * root, walk("accelerometer")),
+        VectorReadings(t_ns[::2], field, number["magnetometer_noise_density"] * 5.0, BiasNoise(iron)),
+    ]
+    wanted = unavoidable_error(
+        t_ns,
+        run.attitude().at(t_ns),
+        gyro_noise=number["gyro_noise_density"] * root,
+        gyro_bias=walk("gyro"),
+        vectors=vectors,
+    )
+    found = run.unavoidable_error()
+    assert found is not None
+    np.testing.assert_array_equal(found.stamps_ns, t_ns)
+    np.testing.assert_allclose(found.filtered, wanted.filtered, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(found.smoothed, wanted.smoothed, rtol=1e-6, atol=1e-12)
+
+
+def test_thinned_it_is_nearly_the_same(run):
+    whole, thinned = (unavoidable_error_of(run.segments, int(run.t_ns[-1]), most) for most in (None, 100))
+    assert whole is not None
+    assert thinned is not None
+    assert len(thinned.stamps_ns) == 100
+    assert thinned.rms(thinned.smoothed) == pytest.approx(whole.rms(whole.smoothed), rel=0.01)
+    assert thinned.rms(thinned.filtered[50:]) == pytest.approx(whole.rms(whole.filtered[250:]), rel=0.03)
+
+
+def test_a_reset_begins_anew(run):
+    segment = run.segments[0]
+    later = type(segment)(segment.scenario, 100, segment.clock().stamp_ns(100))
+    found = unavoidable_error_of((segment, later), int(run.t_ns[-1]), 50)
+    assert found is not None
+    first = int(np.searchsorted(found.stamps_ns, later.start_ns))
+    trace = np.trace(found.filtered, axis1=1, axis2=2)
+    assert trace[first] > 5.0 * trace[first - 1]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"imu_rate": 0.0},
+        {"sensor_grade": "perfect"},
+        {"accelerometer_noise_density": 0.0},
+        {"imu_orientation": True, "imu_heading_noise": 0.1},
+        {"attitude_sensor_rate": 1.0},
+        {"gyro_noise_density": 1e-60},
+    ],
+)
+def test_without_noise_there_is_none(given):
+    run = simulate("tumbling_cubesat", duration=0.2, **{"sensor_grade": "mems", **GIVEN, **given})
+    assert bound_of(run.segments, run.attitude(), run.t_ns) is None
+
+
+def test_every_sensor_helps(run):
+    bounds = []
+    more: dict[str, Any] = {
+        "attitude_sensor_cross_boresight_noise": 1e-4,
+        "attitude_sensor_roll_noise": 1e-3,
+        "sun_sensor_noise": 1e-3,
+    }
+    choices: list[dict[str, Any]] = [
+        {},
+        {"sun_sensor_rate": 10.0},
+        {"sun_sensor_rate": 10.0, "attitude_sensor_rate": 2.0},
+    ]
+    for given in choices:
+        same = simulate("tumbling_cubesat", duration=2.0, sensor_grade="mems", **GIVEN, **more, **given)
+        found = unavoidable_error_of(same.segments, int(same.t_ns[-1]), 50)
+        assert found is not None
+        bounds.append(found.rms(found.smoothed))
+    assert bounds[0] > bounds[1] > bounds[2] > 0.0
+
+
+def test_it_stands_beside_the_estimate(run, tmp_path):
+    score = run.score(estimate(run, 1.0))
+    assert score.best is not None
+    assert not score.best.beaten
+    lines = str(score).splitlines()
+    assert [line.split("  ")[0] for line in lines[1:6]] == [
+        "total",
+        "heading",
+        "inclination",
+        "best filter",
+        "best smoother",
+    ]
+    content = score.to_json(series=True)
+    assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
+    assert len(content["series"]["unavoidable_deg"]) == score.samples
+    write_plot(score, tmp_path / "errors.png")
+    write_report(score, tmp_path / "errors.html")
+    assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
+    page = (tmp_path / "errors.html").read_text(encoding="utf-8")
+    assert "best filter" in page
+    assert "best by noise" in page
+
+
+def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
+    seen = run.score(estimate(run, 1e-4), diagnosed=True)
+    assert seen.best is not None
+    assert seen.best.beaten
+    assert "nearer than noise allows" in str(seen)
+    assert seen.findings == ()
+    assert run.score(estimate(run, 0.3)).best.beaten is False
+
+
+def test_what_no_sensor_tells_is_said():
+    run = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **{**GIVEN, "magnetometer_rate": 0.0})
+    score = run.score(estimate(run, 1.0))
+    assert "best filter   not known: no sensor tells a turn about the vertical" in str(score)
+    assert score.to_json()["unavoidable"]["filtered_deg"] is None
