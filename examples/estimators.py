@@ -25,7 +25,7 @@ from scipy.spatial.transform import Rotation
 
 Array = np.ndarray
 
-DURATION_S = 60
+DURATION_S = 45
 CONVERGED_S = 30.0
 COLUMNS = ("first", "RMS", "largest", "final", "one later", "inverse")
 FIRST_GUESS = Rotation.from_rotvec(np.radians(20.0) * np.array([2.0, -1.0, 2.0]) / 3.0)
@@ -35,8 +35,9 @@ MOTION = {
     "initial_attitude_xyzw": [0.1, -0.2, 0.3, 0.9273618495495704],
     "initial_body_rate": [0.2, 0.3, -0.15],
     "motion": "closed_form",
-    "imu_rate": 100.0,
-    "magnetometer_rate": 100.0,
+    "rate": 50.0,
+    "imu_rate": 50.0,
+    "magnetometer_rate": 50.0,
     "gyro_rate": "integrated",
     "accelerometer_mode": "pivot_gravity",
 }

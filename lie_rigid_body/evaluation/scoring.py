@@ -184,7 +184,8 @@ def evaluate(
     InputError
         If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth.
     """
-    longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
+    if longest_lag_s is not None:
+        longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
     if converged_deg is not None:
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     whole = Estimate.read(stamps_ns, attitude_xyzw)

@@ -108,18 +108,20 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
 
 
-def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a cluster of one worker, a thread of this process, reached by TCP: it starts at once."""
     from distributed import LocalCluster
 
-    options = {
-        "n_workers": 1,
-        "threads_per_worker": 1,
-        "dashboard_address": "127.0.0.1:0",
-        "local_directory": str(tmp_path),
-    }
-    with LocalCluster(**options) as cluster:
-        other = tmp_path / "other"
-        assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", cluster.scheduler_address]) == 0
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "protocol": "tcp"}
+    folder = str(tmp_path_factory.mktemp("workers"))
+    with LocalCluster(**options, dashboard_address="127.0.0.1:0", local_directory=folder) as cluster:
+        yield cluster.scheduler_address
+
+
+def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, scheduler: str, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", scheduler]) == 0
     assert bytes_of(other) == bytes_of(out)
     assert table_of(other).equals(table_of(out))
 
@@ -213,7 +215,7 @@ def finished(out: Path) -> list[int]:
     return [json.loads(line)["run"] for line in lines]
 
 
-def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path]) -> None:
+def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path], scheduler: str) -> None:
     """Ctrl-C reaches the workers as well: they say nothing."""
     process, out = slow
     os.killpg(process.pid, signal.SIGINT)
@@ -225,7 +227,7 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert f"interrupted after {len(done)} of {MANY} runs" in line
     assert len(done) == len({*done}) >= 1
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
-    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 0
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--scheduler", scheduler]) == 0
     assert sorted(finished(out)) == list(range(MANY))
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
 

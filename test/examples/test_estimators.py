@@ -49,7 +49,7 @@ def test_a_noisy_gyro_alone_is_not(tables: tuple[Table, Table]) -> None:
 def test_a_first_guess_20_degrees_off_converges_to_the_truth(tables: tuple[Table, Table], name: str) -> None:
     perfect, mems = tables
     assert perfect[name][FIRST] == mems[name][FIRST] == pytest.approx(20.0)
-    assert perfect[name][LARGEST] < 0.5
+    assert perfect[name][LARGEST] < 0.7
     assert mems[name][RMS] < 2.0
     assert mems[name][LARGEST] < 3.0
 
@@ -63,7 +63,7 @@ def test_a_quaternion_read_the_wrong_way_round_is_far_off(tables: tuple[Table, T
 @pytest.mark.parametrize("name", ["madgwick", "mahony"])
 def test_perfect_readings_leave_a_lead_of_one_sample(tables: tuple[Table, Table], name: str) -> None:
     perfect = tables[0][name]
-    one_sample_deg = 0.39 * 0.01 * 57.3
+    one_sample_deg = 0.39 * 0.02 * 57.3
     assert perfect[RMS] == pytest.approx(one_sample_deg, rel=0.2)
     assert perfect[LATER] < 0.4 * one_sample_deg
 
@@ -77,6 +77,7 @@ def test_the_page_shows_what_comes_out(tables: tuple[Table, Table]) -> None:
             assert page[name] == pytest.approx(numbers, rel=0.25, abs=1e-11), name
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:mcap_ros2.reader")
 @pytest.mark.parametrize("name", ["missing.mcap", "test_estimators.py"])
 def test_what_is_no_bag_is_told_in_one_line(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -191,7 +191,7 @@ def test_pip_install_in_a_folder(sources: Path, tmp_path: Path) -> None:
 
 def pip_install(tmp_path: Path, python: Path, *arguments: str) -> None:
     pip = (sys.executable, "-m", "pip", "--python", str(python), "install")
-    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--ignore-installed")
+    offline = ("--no-index", "--no-deps", "--no-build-isolation", "--ignore-installed", "--no-compile")
     run(*pip, *offline, *arguments, cwd=tmp_path, env=clean_environment(tmp_path))
 
 

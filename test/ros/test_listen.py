@@ -79,9 +79,9 @@ def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> No
 @pytest.mark.ros
 def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.CaptureFixture[str]) -> None:
     asked = partial(answer, capfd)
-    with SimulatorProcess("-p", "rate:=50.0", "--ros-args", "-r", "__ns:=/quiet"):
+    with SimulatorProcess("-p", "rate:=5.0", "--ros-args", "-r", "__ns:=/quiet"):
         node = "/quiet/lie_rigid_body"
-        assert json.loads(asked("--scenario", f"{node}/scenario"))["rate"] == 50.0
+        assert json.loads(asked("--scenario", f"{node}/scenario"))["rate"] == 5.0
         assert asked("--pause", f"{node}/pause").startswith("time stands still at ")
         assert asked("--step", f"{node}/step").startswith("sent the sample stamped ")
         assert asked("--resume", f"{node}/resume") == "time goes on"

@@ -77,10 +77,10 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
     return live
 
 
-def scored(bag: Path) -> Score:
+def scored(bag: Path, diagnosed: bool = False) -> Score:
     read = recorded_estimate(bag, "/estimate")
-    track = read.track
-    return evaluate(track.stamps_ns, track.attitude_xyzw, read.truth, limits=LIMITS, covariance=read.covariance)
+    stamps_ns, attitude_xyzw, P = read.track.stamps_ns, read.track.attitude_xyzw, read.covariance
+    return evaluate(stamps_ns, attitude_xyzw, read.truth, limits=LIMITS, covariance=P, diagnosed=diagnosed)
 
 
 @pytest.mark.parametrize("kind", [POSE_STAMPED, IMU, ODOMETRY, TF_MESSAGE])
@@ -88,7 +88,7 @@ def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "bag.mcap", (kind, HOW[kind], "/estimate", stamps, noisy))
     live = followed(bag, kind)
     read, score = live.score()
-    expected = scored(bag)
+    expected = scored(bag, diagnosed=True)
     assert score.to_json(series=True) == expected.to_json(series=True)
     assert (read.source, len(read.segments), read.notes) == ("poses and scenario", 2, ())
     assert len(score.broken) == 2
