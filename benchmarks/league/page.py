@@ -57,7 +57,8 @@ def table(rows: Ranking, bounds: Sequence[Result]) -> str:
         columns += [angle(float(np.median([getattr(r, axis) for r in mems]))) for axis in ("heading", "inclination")]
         settled = float(np.median([r.converged for r in mems]))
         columns.append(f"{settled:.2g}" if np.isfinite(settled) else "never")
-        columns.append(f"{np.nanmedian([r.cost for r in plain]):.2g}")
+        cost = float(np.nanmedian([r.cost for r in plain]))
+        columns.append(f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}")
         lines.append(columns)
     floor = [angle(typical(bounds, [grade])) for grade in GRADES[1:]]
     lines.append(["**best possible**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
