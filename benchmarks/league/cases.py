@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from league.readings import Readings
 from lie_rigid_body import Run, simulate
@@ -56,6 +56,6 @@ def run_of(case: Case, seed: int) -> tuple[Run, Readings]:
     files = [FOLDER / "sensors.yaml", FOLDER / f"{case.motion}.yaml"]
     if case.fault:
         files.append(FOLDER / f"fault_{case.fault}.yaml")
-    parameters = {**gather(None, files, []), "sensor_grade": case.grade, "sensor_seed": seed}
+    parameters: dict[str, Any] = {**gather(None, files, []), "sensor_grade": case.grade, "sensor_seed": seed}
     run = simulate(duration=DURATION, **parameters)
     return run, Readings.of(run)

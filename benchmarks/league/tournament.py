@@ -72,13 +72,14 @@ def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result
     cost = 1e6 * (time.process_time() - begin) / len(estimate)
     t_s = (given.t_ns - given.t_ns[0]) / 1e9
     error = attitude_error(estimate, run.attitude().at(given.t_ns))
-    angles = [float(np.degrees(np.sqrt(np.mean(angle[t_s >= SETTLED] ** 2)))) for angle in error]
+    rms, heading, inclination = (float(np.degrees(np.sqrt(np.mean(angle[t_s >= SETTLED] ** 2)))) for angle in error)
     total = np.degrees(error.total)
     found = time_to_converge(t_s, total, settling_limit(t_s, total))
+    converged = np.inf if found is None else found
     trouble = ""
     if case.grade == "perfect":
         trouble = " ".join(each.code for each in run.score(estimate, given.t_ns, after_s=SETTLED).findings)
-    return Result(contender.full_name, case, setting, *angles, np.inf if found is None else found, cost, trouble)
+    return Result(contender.full_name, case, setting, rms, heading, inclination, converged, cost, trouble)
 
 
 def bound(case: Case) -> Result | None:
@@ -139,7 +140,7 @@ def _chosen(trials: Iterable[Result]) -> dict[tuple[str, str], Setting]:
         sums = errors.setdefault((result.filter, result.case.grade), {})
         key = tuple(result.setting.items())
         sums[key] = sums.get(key, 0.0) + float(np.log(max(result.total, 1e-9)))
-    return {owner: dict(min(sums, key=lambda key: sums[key])) for owner, sums in errors.items()}
+    return {owner: dict(min(sums.items(), key=lambda item: item[1])[0]) for owner, sums in errors.items()}
 
 
 def by_filter(results: Iterable[Result]) -> Iterator[tuple[Filter, list[Result]]]:
