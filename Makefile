@@ -50,10 +50,10 @@ docs:
 	@exec scripts/docs.sh
 
 bench:
-	@exec scripts/bench.sh $(ARGS)
+	@exec scripts/bench.sh bench $(ARGS)
 
 league:
-	@exec scripts/league.sh $(ARGS)
+	@exec scripts/bench.sh league $(ARGS)
 
 clean:
 	rm -rf .venv .venv-headless .venv-oldest .venv-docs .venv-bench .venv-league .cache build install log dist *.egg-info

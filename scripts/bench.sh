@@ -1,11 +1,28 @@
 #!/bin/sh
-# Run this package beside other software on one problem, and print work against precision.
+# Run benchmarks beside other libraries, in an environment that has these.
+#
+#   bench.sh bench [--save]    this package beside other software, work against precision
+#   bench.sh league [--save]   attitude filters of other libraries over shipped cases
 set -eu
 cd "$(dirname "$0")/.."
 
-usage='usage: make bench [ARGS=--save]
-Run this package beside other software, some ten minutes, and print the tables.
-  --save   also write the pictures of docs/images and the tables of docs/benchmarks.md'
+kind=$1
+shift
+case $kind in
+    bench)
+        benchmarks='work_precision recording checking campaign'
+        about='Run this package beside other software, some ten minutes, and print the tables.
+  --save   also write the pictures of docs/images and the tables of docs/benchmarks.md' ;;
+    league)
+        benchmarks=attitude_league
+        about='Score every attitude filter over every case, half an hour, and print the table.
+  --save   also write the table and the picture of docs/, and benchmarks/data/league.csv' ;;
+    *)
+        echo "bench.sh: unknown kind '$kind'" >&2
+        exit 2 ;;
+esac
+usage="usage: make $kind [ARGS=--save]
+$about"
 # Before an environment is built, which takes minutes.
 for argument; do
     case $argument in
@@ -16,7 +33,7 @@ $usage" >&2; exit 2 ;;
     esac
 done
 
-environment=$(scripts/environment.sh bench)
-for benchmark in work_precision recording checking campaign; do
+environment=$(scripts/environment.sh "$kind")
+for benchmark in $benchmarks; do
     "$environment/bin/python" "benchmarks/$benchmark.py" "$@"
 done

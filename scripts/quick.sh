@@ -5,8 +5,6 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# Without its bytecode every run would compile the package and the tests anew.
-unset PYTHONDONTWRITEBYTECODE
 environment=$(scripts/environment.sh any)
 scripts/lint.sh
 exec "$environment/bin/python" -m pytest -n 2 -q -m "not (long or ros or slow)" --one-case --hypothesis-profile=quick \

@@ -23,8 +23,6 @@ case $environment in
     *-headless) ;;
     *) export LIE_RIGID_BODY_TEST_ROS=required ;;
 esac
-# Without its bytecode every process of the tests would compile the package anew.
-unset PYTHONDONTWRITEBYTECODE
 # Neighbours stay in one process, as they often share a node or a bag, until another process has nothing left to do. There is
 # one more than cores, as many tests wait for the processes that they start.
 cores=$(getconf _NPROCESSORS_ONLN)
