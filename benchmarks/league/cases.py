@@ -20,7 +20,7 @@ DURATION: Final = 60.0
 SETTLED: Final = 30.0
 """Errors count from here on, s: filters begin without knowing the attitude."""
 SEED: Final = 1
-TUNING_SEED: Final = 1001
+TUNING_SEEDS: Final = (1001, 1002)
 """Noise of the runs on which settings are chosen: others than those that are scored."""
 
 

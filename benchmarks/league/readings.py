@@ -74,12 +74,19 @@ class Readings:
 
     def attitude_of(self, k: int) -> Rotation:
         """What one pair of readings tells: the vertical by gravity, the azimuth by the field."""
-        return Rotation.align_vectors([UP, self.field], [self.acc[k], self.mag[k]], weights=[np.inf, 1.0])[0]
+        return triad(UP, self.field) * triad(self.acc[k], self.mag[k]).inv()
 
     @property
     def magnetic_north(self) -> float:
         """Angle from the world's y to the horizontal field, against the clock, rad."""
         return float(np.arctan2(-self.field[0], self.field[1]))
+
+
+def triad(first: Array, second: Array) -> Rotation:
+    """The axes that two directions span: x along the first, y across both."""
+    across = np.cross(first, second)
+    axes = [first, across, np.cross(first, across)]
+    return Rotation.from_matrix(np.transpose([axis / np.linalg.norm(axis) for axis in axes]))
 
 
 def held(stamps: NDArray[np.int64], t_ns: NDArray[np.int64], rate: float) -> NDArray[np.intp]:

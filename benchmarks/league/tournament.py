@@ -14,12 +14,12 @@ from typing import Final
 import numpy as np
 from tqdm import tqdm
 
-from league.cases import GRADES, SEED, SETTLED, TUNING_SEED, Case, cases, run_of
+from league.cases import GRADES, SEED, SETTLED, TUNING_SEEDS, Case, cases, run_of
 from league.contender import DEFAULTS, Filter, Setting, filters
 from lie_rigid_body import attitude_error
 from lie_rigid_body.evaluation.statistics import settling_limit, time_to_converge
 
-TUNING: Final = ("slow_tumble", "fast_tumble", "flips")
+TUNING: Final = ("slow_tumble", "fast_tumble", "spin_z", "flips")
 """Motions on which settings are chosen."""
 TUNED_AS: Final = {"perfect": "navigation"}
 """Perfect sensors are read with the settings of the best real ones."""
@@ -106,9 +106,10 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
     with ProcessPoolExecutor(workers) as pool:
         bounds = [found for found in pool.map(bound, every) if found is not None]
         trials = [
-            (n, Case(motion, grade), setting, TUNING_SEED)
+            (n, Case(motion, grade), setting, seed)
             for grade in GRADES[1:]
             for motion in TUNING
+            for seed in TUNING_SEEDS
             for n, each in enumerate(everyone)
             for setting in each.settings()
             if each.grid
