@@ -1,12 +1,14 @@
 """Runs as arrays, for people who write and test attitude filters.
 
 - `run`: the truth and the readings of a run, from a bag or into one;
+- `readings`: what its sensors read;
 - `ensemble`: simulated runs of a scenario, of one seed or of many;
 - `truth`: the attitude between the samples of a run, from its scenario.
 """
 
 from lie_rigid_body.runs.ensemble import simulate
-from lie_rigid_body.runs.run import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, Run, SunSensorArrays
+from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
+from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import ScenarioTruth
 
 __all__ = [

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,118 +20,19 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.evaluation.scoring import LONGEST_LAG_S
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Fault, ImuReadings
-from lie_rigid_body.simulation import Samples, Segment, SensorSamples, Taken
-from lie_rigid_body.wording import call_repr, short_repr, shown
+from lie_rigid_body.sensors import Fault
+from lie_rigid_body.simulation import Samples, Segment, Taken
+from lie_rigid_body.wording import call_repr, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.recording.bag_reader import Recording
-    from lie_rigid_body.recording.sensor_reader import SensorTrack
 
 END_OF_TIME: Final = np.iinfo(np.int64).max
-
-
-@dataclass(frozen=True, eq=False)
-class ImuArrays:
-    """What an IMU read, on the sensor's axes.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (M,)
-        Stamps, ns.
-    gyro : ndarray, shape (M, 3)
-        Angular velocity, rad/s.
-    specific_force : ndarray, shape (M, 3)
-        Acceleration less gravitation, m/s².
-    gyro_bias : ndarray, shape (M, 3), or None
-        The true bias in each angular velocity, rad/s. None if a bag does not tell it.
-    accelerometer_bias : ndarray, shape (M, 3), or None
-        The true bias in each specific force, m/s². None if a bag does not tell it.
-    arrival_ns : ndarray of int64, shape (M,)
-        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder the stamps.
-    orientation_xyzw : ndarray, shape (M, 4), or None
-        World-from-body, scalar last; None unless the parameter ``imu_orientation`` is true.
-    """
-
-    t_ns: Integers
-    gyro: Array
-    specific_force: Array
-    gyro_bias: Array | None
-    accelerometer_bias: Array | None
-    arrival_ns: Integers
-    orientation_xyzw: Array | None = None
-
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True, eq=False)
-class MagnetometerArrays:
-    """What a magnetometer read, on the sensor's axes.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (L,)
-        Stamps, ns.
-    field : ndarray, shape (L, 3)
-        Magnetic field, T.
-    arrival_ns : ndarray of int64, shape (L,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    field: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True, eq=False)
-class AttitudeSensorArrays:
-    """What an attitude sensor read.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (K,)
-        Stamps, ns.
-    attitude_xyzw : ndarray, shape (K, 4)
-        World-from-body, scalar last.
-    covariance : ndarray, shape (K, 3, 3)
-        Of small rotations about the fixed axes of the world, rad².
-    arrival_ns : ndarray of int64, shape (K,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    attitude_xyzw: Array
-    covariance: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True, eq=False)
-class SunSensorArrays:
-    """What a sun sensor read.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (J,)
-        Stamps, ns.
-    direction : ndarray, shape (J, 3)
-        Unit vectors to the sun in the body frame.
-    arrival_ns : ndarray of int64, shape (J,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    direction: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,14 +75,15 @@ class Run:
     def of(cls, taken: Taken, segment: Segment) -> Run:
         """The run of what was taken from a simulation in one segment."""
         imu, field, attitude, sun = taken.imu, taken.magnetometer, taken.attitude_sensor, taken.sun_sensor
+        model = segment.scenario.sensors.attitude_sensor
         return cls(
             taken.samples.stamps_ns,
             taken.samples.states,
-            None if imu is None else _imu(imu),
-            None if field is None else MagnetometerArrays(field.stamps_ns, field.readings, field.times_ns),
+            None if imu is None else ImuArrays.of_samples(imu),
+            None if field is None else MagnetometerArrays.of_samples(field),
             (segment,),
-            None if attitude is None else _attitude(attitude, segment.scenario),
-            None if sun is None else SunSensorArrays(sun.stamps_ns, sun.readings, sun.times_ns),
+            None if model is None or attitude is None else AttitudeSensorArrays.of_samples(attitude, model),
+            None if sun is None else SunSensorArrays.of_samples(sun),
             taken.faults,
         )
 
@@ -220,11 +122,11 @@ class Run:
                 np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
                 np.concatenate([piece.states.body_rate for piece in pieces]),
             ),
-            None if data is None else _recorded_imu(data, bias, own=own),
-            None if field is None else MagnetometerArrays(field.stamps_ns, field.columns(0, 3), _arrival(field, own)),
+            None if data is None else ImuArrays.of_tracks(data, bias, own=own),
+            None if field is None else MagnetometerArrays.of_track(field, own=own),
             tuple(piece.segment for piece in pieces),
-            None if attitude is None else _recorded_attitude(attitude, own=own),
-            None if sun is None else SunSensorArrays(sun.stamps_ns, sun.columns(0, 3), _arrival(sun, own)),
+            None if attitude is None else AttitudeSensorArrays.of_track(attitude, own=own),
+            None if sun is None else SunSensorArrays.of_track(sun, own=own),
             faults,
             recording,
         )
@@ -420,32 +322,12 @@ class Run:
         imu, field, attitude, sun = self.imu, self.magnetometer, self.attitude_sensor, self.sun
         return Taken(
             Samples(self.t_ns[kept], states),
-            None if imu is None else _kept(imu, inside, _readings(imu)),
-            None if field is None else _kept(field, inside, field.field),
-            None if attitude is None else _kept(attitude, inside, attitude.attitude_xyzw),
-            None if sun is None else _kept(sun, inside, sun.direction),
+            None if imu is None else imu.samples(inside),
+            None if field is None else field.samples(inside),
+            None if attitude is None else attitude.samples(inside),
+            None if sun is None else sun.samples(inside),
             tuple(fault for fault in self.faults if begin <= fault.begin_ns < end),
         )
-
-
-def _imu(samples: SensorSamples[ImuReadings]) -> ImuArrays:
-    readings = samples.readings
-    return ImuArrays(
-        samples.stamps_ns,
-        readings.angular_velocity,
-        readings.linear_acceleration,
-        readings.gyro_bias,
-        readings.accelerometer_bias,
-        samples.times_ns,
-        readings.orientation_xyzw,
-    )
-
-
-def _attitude(samples: SensorSamples[Array], scenario: Scenario) -> AttitudeSensorArrays:
-    model = scenario.sensors.attitude_sensor
-    assert model is not None
-    covariance = model.covariance(samples.readings)
-    return AttitudeSensorArrays(samples.stamps_ns, samples.readings, covariance, samples.times_ns)
 
 
 def _first_after(stamps: Integers, after_s: float) -> int:
@@ -454,55 +336,3 @@ def _first_after(stamps: Integers, after_s: float) -> int:
     if not late.size:
         raise InputError(f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time")
     return int(late[0])
-
-
-def _arrival(track: SensorTrack, own: bool) -> Integers:
-    """When the messages of a track arrived, ns; another recorder's log times are of another clock."""
-    return track.log_times_ns if own else track.stamps_ns
-
-
-def _recorded_imu(data: SensorTrack, bias: SensorTrack | None, *, own: bool) -> ImuArrays:
-    oriented = len(data.numbers) > 0 and data.numbers[0, 4] != -1.0
-    return ImuArrays(
-        data.stamps_ns,
-        data.columns(13, 3),
-        data.columns(25, 3),
-        *_biases(data.stamps_ns, bias),
-        _arrival(data, own),
-        data.columns(0, 4) if oriented else None,
-    )
-
-
-def _recorded_attitude(track: SensorTrack, *, own: bool) -> AttitudeSensorArrays:
-    covariance = track.numbers[:, 7:].reshape(-1, 6, 6)[:, 3:, 3:].copy()
-    return AttitudeSensorArrays(track.stamps_ns, track.columns(3, 4), covariance, _arrival(track, own))
-
-
-def _biases(t_ns: Integers, bias: SensorTrack | None) -> tuple[Array | None, Array | None]:
-    """Biases of gyro and accelerometer at the stamps of readings."""
-    if bias is None:
-        return None, None
-    vectors = bias.columns(13, 3), bias.columns(25, 3)
-    if np.array_equal(bias.stamps_ns, t_ns):
-        return vectors
-    order = np.argsort(bias.stamps_ns, kind="stable")
-    place = order[np.minimum(np.searchsorted(bias.stamps_ns[order], t_ns), len(order) - 1)]
-    told = (bias.stamps_ns[place] == t_ns)[:, np.newaxis]
-    gyro, accelerometer = (np.where(told, values[place], np.nan) for values in vectors)
-    return gyro, accelerometer
-
-
-def _readings(imu: ImuArrays) -> ImuReadings:
-    if imu.gyro_bias is None or imu.accelerometer_bias is None:
-        raise InputError("the run does not tell the biases of its IMU, which a bag holds: record imu/bias as well")
-    return ImuReadings(imu.gyro, imu.specific_force, imu.gyro_bias, imu.accelerometer_bias, imu.orientation_xyzw)
-
-
-def _kept(
-    arrays: ImuArrays | MagnetometerArrays | AttitudeSensorArrays | SunSensorArrays,
-    inside: Callable[[Integers], Booleans],
-    readings: Any,
-) -> SensorSamples[Any]:
-    """The readings that arrive in a time."""
-    whole = SensorSamples(arrays.arrival_ns, arrays.t_ns, np.zeros(len(arrays.t_ns), dtype=np.bool_), readings)
-    return whole[inside(arrays.arrival_ns)]
