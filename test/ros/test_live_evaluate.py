@@ -192,6 +192,7 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--duration -1", "duration: -1.0 is not a time above 0"),
         ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),
+        ("--topic pose:=/b", "--topic goes only with a bag: remap the topic, --ros-args -r truth:=TOPIC"),
         ("--report no/such/folder/a.html", "the folder no/such/folder does not exist: make it"),
     ],
 )
