@@ -124,9 +124,14 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     from lie_rigid_body.report import text
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
-    for path, draw in ((given.plot, _picture), (given.report, _page)):
-        if path is not None:
-            write_file(path, draw(title, read, score), overwrite=given.force)
+    if given.plot is not None:
+        from lie_rigid_body.report.figure import png
+
+        write_file(given.plot, png(title, score), overwrite=given.force)
+    if given.report is not None:
+        from lie_rigid_body.report.page import page
+
+        write_file(given.report, page(title, read, score), overwrite=given.force)
     files = [path for path in (given.plot, given.report) if path is not None]
     if given.json:
         content = text.as_json(source or None, read, score, series=given.series)
@@ -135,16 +140,3 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         said = "\n".join([text.as_table(title, read, score), *(f"wrote {path}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else BROKEN
-
-
-def _picture(title: str, read: RecordedEstimate, score: Score) -> bytes:
-    from lie_rigid_body.report.figure import png
-
-    return png(title, score)
-
-
-def _page(title: str, read: RecordedEstimate, score: Score) -> bytes:
-    from lie_rigid_body.report.figure import svg
-    from lie_rigid_body.report.page import page
-
-    return page(title, read, score, svg(title, score))
