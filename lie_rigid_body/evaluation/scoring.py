@@ -31,7 +31,7 @@ ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
 
 UNLIKE_DEG: Final = 5.0
-"""Median error, degrees, above which an estimate is asked whether it turns as the body does at all."""
+"""Median error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
 
 
 @dataclass(frozen=True)
@@ -207,10 +207,10 @@ def evaluate(
     (lag_s, lag_standard_error_s), found = (
         _diagnosis(estimate, truth, longest_lag_s) if diagnosed else ((None, None), ())
     )
-    unlike = diagnosed and statistics.median > UNLIKE_DEG
+    unlike = diagnosed and not found and statistics.median > UNLIKE_DEG
     remarks = (
         *estimate.remarks,
-        *(turning(estimate.stamps_ns, estimate.attitude_xyzw, true, explained=bool(found)) if unlike else ()),
+        *(turning(estimate.stamps_ns, estimate.attitude_xyzw, true) if unlike else ()),
         *_absence(estimate.stamps_ns, len(known), truth),
         *_interpolation(uncertainty, statistics),
     )

@@ -42,15 +42,13 @@ AXES: Final = np.array(
 """Axes that change places and signs, the first of which is none: shape (48, 3, 3)."""
 
 
-def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, explained: bool) -> tuple[Remark, ...]:
-    """What is wrong about the turns of an estimate.
+def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
+    """What is wrong about the turns of an estimate whose error has no other cause.
 
     Parameters
     ----------
     stamps_ns : ndarray of int64, shape (N,)
     estimate_xyzw, true_xyzw : ndarray, shape (N, 4)
-    explained : bool
-        Whether a cause of the error is known: axes that are turned as a whole are then no news.
 
     Returns
     -------
@@ -75,9 +73,9 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, expl
     times = f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
     if axes == 0:  # also where the motion does not tell it from others
         return () if scale == 1.0 else (Remark("turn_rate", f"The estimate turns {times}: {SCALES[scale]}."),)
-    mirrored = np.linalg.det(AXES[axes]) < 0.0
-    if len(fitting) > 1 or (explained and scale == 1.0 and not mirrored):
+    if len(fitting) > 1:
         return ()
+    mirrored = np.linalg.det(AXES[axes]) < 0.0
     message = (
         f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
         f"{f', {times}' if scale != 1.0 else ''}: give the filter its gyro on the axes of the body"

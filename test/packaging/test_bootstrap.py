@@ -137,7 +137,12 @@ def test_a_set_up_shows_what_is_fetched_and_fails_with_pip(clone: Path, status: 
 
 
 def test_the_node_waits_for_no_library_of_the_tests_and_the_tests_add_theirs(clone: Path) -> None:
-    fetched = ["live", [".[ros,fast]"]], ["tests", [".[ros,fast,test,lint]"]], ["live", []], ["tests", []]
+    fetched: tuple[tuple[str, list[str]], ...] = (
+        ("live", [".[ros,fast]"]),
+        ("tests", [".[ros,fast,test,lint]"]),
+        ("live", []),
+        ("tests", []),
+    )
     for kind, wanted in fetched:
         done = set_up(clone, kind)
         assert done.stdout == f"{clone / '.venv'}\n"
