@@ -9,14 +9,14 @@ import re
 import shlex
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.wording import LONGEST_LINE, shortened
+from lie_rigid_body.wording import LONGEST_LINE, listed, shortened, shown, suggestion
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -219,6 +219,37 @@ def scenario(arguments: argparse.Namespace) -> Scenario:
     except ParameterError as error:
         path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None
+
+
+def add_topic_argument(parser: argparse.ArgumentParser) -> None:
+    """Add ``--topic``, which `topic_names` reads."""
+    parser.add_argument(
+        "--topic",
+        metavar="NAME:=/TOPIC",
+        action="append",
+        default=[],
+        help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
+    )
+
+
+def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:
+    """The topics of ``--topic`` by their relative names, each of which is known.
+
+    Raises
+    ------
+    InputError
+        If one is no assignment, names no topic that is known, or one that was named before.
+    """
+    found: dict[str, str] = {}
+    for text in assignments:
+        name, _, topic = text.partition(":=")
+        if not (name and topic):
+            raise InputError(f"--topic {shown(text)}: not NAME:=/TOPIC; give for example --topic pose:=/truth/pose")
+        if name not in known:
+            raise InputError(f"--topic {text}: no topic {name!r}: {suggestion(name, list(known), 'topics of a body')}")
+        if found.setdefault(name, topic) != topic:
+            raise InputError(f"--topic {text}: {name} is {found[name]} already: give {listed([name])} once")
+    return found
 
 
 def run(main: Main) -> Main:

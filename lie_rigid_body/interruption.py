@@ -29,6 +29,21 @@ class Interruption:
         heeded = [n for n in _SIGNALS if n != signal.SIGHUP or signal.getsignal(n) != signal.SIG_IGN]
         self._previous = {number: signal.signal(number, self._handle) for number in heeded}
 
+    @classmethod
+    @contextmanager
+    def until_exit(cls) -> Iterator[Interruption]:
+        """A context of all that a process does: after it a second Ctrl-C must not spoil the exit status.
+
+        The signals are then ignored; the interpreter gives up every other handler before it has taken down the modules.
+        """
+        interruption = cls()
+        interruption.install()
+        try:
+            yield interruption
+        finally:
+            for number in _SIGNALS:
+                signal.signal(number, signal.SIG_IGN)
+
     def __enter__(self) -> Interruption:
         self.install()
         return self
@@ -39,15 +54,6 @@ class Interruption:
         for number, handler in self._previous.items():
             # once asked to end, the process ends: a second request in its last moments must not tear it
             signal.signal(number, signal.SIG_IGN if self.requested else handler)
-
-    @staticmethod
-    def ignore() -> None:
-        """Ignore the signals from now on: this process is ending, and a second Ctrl-C must not spoil its exit status.
-
-        The interpreter gives up every other handler before it has taken down the modules.
-        """
-        for number in _SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.requested = True

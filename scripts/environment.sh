@@ -1,9 +1,9 @@
 #!/bin/sh
 # Bring one virtual environment inside the clone up to date, and print its folder on standard output.
 #
-#   environment.sh live      .venv           newest libraries, the ROS 2 client library, everything the tests need
+#   environment.sh live      .venv           newest libraries and the ROS 2 client library: what the node needs
 #   environment.sh headless  .venv-headless  the same without ROS
-#   environment.sh any       the first of these two that there is a Python for
+#   environment.sh tests     the first of these two that there is a Python for, and beside it what the tests need
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
 #   environment.sh docs      .venv-docs      what builds the site
 #   environment.sh bench     .venv-bench     the software that the benchmark compares with; PyBullet where it is built
@@ -28,17 +28,16 @@ install() {
 kind=$1
 constraints= never_compiled=
 case $kind in
-    live | any)
-        if python=$(scripts/find-python.sh live); then
-            folder=.venv extras=ros,fast,test,lint
-        elif [ "$kind" = any ]; then
-            exec scripts/environment.sh headless
-        else
+    live | headless | tests)
+        if [ $kind != headless ] && python=$(scripts/find-python.sh live); then
+            folder=.venv extras=ros,fast
+        elif [ $kind = live ]; then
             exit 3
-        fi ;;
-    headless)
-        python=$(scripts/find-python.sh headless) || no_python
-        folder=.venv-headless extras=fast,test,lint ;;
+        else
+            python=$(scripts/find-python.sh headless) || no_python
+            folder=.venv-headless extras=fast
+        fi
+        [ $kind != tests ] || extras=$extras,test,lint ;;
     oldest)
         python=$(scripts/find-python.sh live) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
@@ -64,10 +63,11 @@ if command -v flock >/dev/null; then
 fi
 
 base="$root $python"
-wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum)"
+wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum) $extras"
 if [ -f $folder/complete ] && $folder/bin/python -I -c '' 2>/dev/null; then
     made=$(cat $folder/complete)
-    [ "$made" != "$wanted" ] || { echo "$root/$folder"; exit 0; }
+    # With more extras than are wanted it will do: the node's come first.
+    case $made in "$wanted"*) echo "$root/$folder"; exit 0 ;; esac
     # Made elsewhere or with another Python: its programs name the wrong interpreter.
     [ "${made#"$base "}" != "$made" ] || rm -rf $folder
 else

@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-environment=$(scripts/environment.sh any)
+environment=$(scripts/environment.sh tests)
 "$environment/bin/ruff" check .
 "$environment/bin/ruff" format --check .
 case $environment in

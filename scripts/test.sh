@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 kind=$1
 shift
 if [ "$kind" = newest ]; then
-    environment=$(scripts/environment.sh any)
+    environment=$(scripts/environment.sh tests)
 else
     status=0
     environment=$(scripts/environment.sh oldest) || status=$?

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_arguments import add_topic_argument, bags_of, is_folder_of_bags, topic_names
+from lie_rigid_body.cli.bag_arguments import bags_of, is_folder_of_bags
 from lie_rigid_body.cli.bag_progress import PASSES, progress_bar
 from lie_rigid_body.cli.judgement import Judgement, judge_all
 from lie_rigid_body.errors import InputError, ParameterError
@@ -28,8 +28,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
+    from lie_rigid_body.recording.bodies import TYPES
+
+    topics = console.topic_names(given.topic, TYPES)
     inertia = None if given.inertia is None else _inertia(given.inertia)
-    topics = topic_names(given.topics)
     if given.report is not None:
         from lie_rigid_body.report import html_page
 
@@ -167,7 +169,7 @@ def _parser() -> console.Parser:
         metavar="a,b,c",
         help="3 principal moments or 6 tensor entries to use in place of the declared ones",
     )
-    add_topic_argument(parser)
+    console.add_topic_argument(parser)
     parser.add_argument(
         "--prove",
         metavar="N",

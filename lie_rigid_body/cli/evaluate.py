@@ -17,12 +17,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     require_room(given)
 
     from lie_rigid_body.evaluation import Limits, evaluate
-    from lie_rigid_body.runs.recorded_estimate import recorded_estimate
+    from lie_rigid_body.runs.recorded_estimate import TRUE_TOPICS, recorded_estimate
     from lie_rigid_body.runs.unavoidable import bound_of
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
+    topics = console.topic_names(given.topic, TRUE_TOPICS)
     with progress_bar([path for path in (given.run, given.truth) if path], passes=1) as bar:
-        read = recorded_estimate(given.run, given.estimate, given.truth, bar.update)
+        read = recorded_estimate(given.run, given.estimate, given.truth, topics, bar.update)
     track = read.track
     bound = bound_of(read.segments, read.truth, track.stamps_ns)
     score = evaluate(

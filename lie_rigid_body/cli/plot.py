@@ -8,9 +8,9 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_arguments import add_topic_argument, topic_names
 from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.bodies import TYPES
 from lie_rigid_body.recording.output_file import require_room, write_file
 
 
@@ -20,7 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
-    topics = topic_names(given.topics)
+    topics = console.topic_names(given.topic, TYPES)
     require_room(given.out, overwrite=given.force)
 
     import numpy as np
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> console.Parser:
     parser = console.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
     parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
-    add_topic_argument(parser)
+    console.add_topic_argument(parser)
     parser.add_argument("-o", "--out", metavar="OUT.png", required=True, help="the picture to write")
     parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")
     return parser

@@ -55,11 +55,13 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
         array = np.asarray(value)
         if np.iscomplexobj(array):
             raise InputError(f"{name}: complex numbers: give real ones, an array of shape {wanted}")
-        return np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        # NumPy would read the texts '0' and '1', and True, as numbers
+        if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
+            return np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
+    raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
 
 
 def unmasked(name: str, value: ArrayLike) -> None:

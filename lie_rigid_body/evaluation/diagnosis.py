@@ -60,6 +60,12 @@ AT_LIMIT: Final = 0.999
 SIGNIFICANT: Final = 3.0
 """A lag is told from none if it is so many standard errors."""
 
+SURE: Final = 6.0
+"""A lag of so many standard errors is told, and named, also where other errors are larger."""
+
+LEAST_SAMPLES_LATE: Final = 0.5
+"""Lags below this many samples are named only where they are most of the error."""
+
 CONSTANT_SUBSETS: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
 """The sets of constants that may be fitted, from none to all."""
 ALL_CONSTANTS: Final = CONSTANT_SUBSETS[-1]
@@ -146,11 +152,14 @@ class Diagnosis:
         """Causes that, put in place of the given one, leave about the same median."""
         best = self.explanation
         rest = set(best.causes) - {cause}
+        without = [e.median for e in self.tried if (e.free, e.convention) == best.without(cause)]
+        # as good: about the same is left, and half of what the cause explains is explained
+        most = min(TIE_FACTOR * max(best.median, NEGLIGIBLE), *((m + best.median) / 2.0 for m in without), np.inf)
         found: dict[str, Explanation] = {}
         for other in self.tried:
             new = set(other.causes) - rest - {cause}
             swapped = rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes)
-            if swapped and max(other.median, NEGLIGIBLE) <= TIE_FACTOR * max(best.median, NEGLIGIBLE):
+            if swapped and max(other.median, NEGLIGIBLE) <= max(most, NEGLIGIBLE):
                 found[new.pop()] = other
         return tuple(found)
 
@@ -175,8 +184,23 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     limit = AT_LIMIT * comparison.longest_lag_s
     best = _named(few, tried, limit)
     most = TIE_FACTOR * min((e.median for e in tried if abs(e.misalignment.lag_s) >= limit), default=np.inf)
+    at_limit = max(best.median, NEGLIGIBLE) > most
     lag_s, standard_error_s = _lag(comparison, best)
-    return Diagnosis(best, tried, lag_s, standard_error_s, max(best.median, NEGLIGIBLE) > most)
+    if lag_s is not None and standard_error_s is not None and abs(lag_s) >= SURE * standard_error_s:
+        best = _with_lag(few, best, lag_s, _period_s(comparison))
+    return Diagnosis(best, tried, lag_s, standard_error_s, at_limit)
+
+
+def _with_lag(comparison: Comparison, best: Explanation, lag_s: float, period_s: float) -> Explanation:
+    """An explanation with a lag beside it that is sure, if it is not too short to matter, and explains anything."""
+    if LAG in best.free or abs(lag_s) < LEAST_SAMPLES_LATE * period_s:
+        return best
+    found = explain(comparison, best.convention, best.free | {LAG}, replace(best.misalignment, lag_s=lag_s))
+    return found if found.median < min(best.median, LARGEST_LEFT) else best
+
+
+def _period_s(comparison: Comparison) -> float:
+    return float(np.median(np.diff(comparison.stamps_ns))) / 1e9
 
 
 def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: float) -> Explanation:
@@ -252,8 +276,9 @@ def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float
     """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
 
     Else beside what was found. It is told if it is named as a cause or halves the error, and three times its standard
-    error; or if it is not, and this is small beside a lag that would turn the body by the error that is left. Between
-    the two is what slow errors may feign.
+    error; or if it is sure, six times that, and about the same in each half of the run; or if it is none of these, and
+    this is small beside a lag that would turn the body by the error that is left. Between them is what slow errors may
+    feign.
     """
     ours = written(comparison, explanation.convention)
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
@@ -265,16 +290,28 @@ def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float
     return None, None
 
 
+def _is_the_same_in_halves(comparison: Comparison, fitted: Misalignment) -> bool:
+    """Whether each half of a run alone tells about the same lag, as it hardly does of what drifts feign."""
+    for half in np.array_split(np.arange(len(comparison.stamps_ns)), 2):
+        alone = fit(comparison.part(half), ALL_CONSTANTS, fitted)
+        if abs(alone.lag_s - fitted.lag_s) > abs(fitted.lag_s) / 2.0:
+            return False
+    return True
+
+
 def _told_lag(
     comparison: Comparison, free: frozenset[str], explanation: Explanation
 ) -> tuple[float, float] | tuple[None, None]:
     fitted = fit(comparison, free, explanation.misalignment)
     without = fit(comparison, free - {LAG}, replace(fitted, lag_s=0.0))
     before, left = (max(float(np.median(comparison.angles(m))), NEGLIGIBLE) for m in (without, fitted))
-    named = LAG in explanation.free
-    explains = named or (free == ALL_CONSTANTS and before >= 2.0 * left)
-    error = lag_standard_error(comparison, free, fitted if explains else without)
-    lag_s, rate = abs(fitted.lag_s), float(np.sqrt(np.mean(np.sum(comparison.true_states(0.0)[1] ** 2, axis=-1))))
+    named, lag_s = LAG in explanation.free, abs(fitted.lag_s)
+    error = lag_standard_error(comparison, free, fitted)
+    sure = free == ALL_CONSTANTS and lag_s >= SURE * error and _is_the_same_in_halves(comparison, fitted)
+    explains = named or sure or (free == ALL_CONSTANTS and before >= 2.0 * left)
+    if not explains:
+        error = lag_standard_error(comparison, free, without)
+    rate = float(np.sqrt(np.mean(np.sum(comparison.true_states(0.0)[1] ** 2, axis=-1))))
     if explains:
         raw = max(float(np.median(comparison.angles(Misalignment()))), NEGLIGIBLE)
         told = named or (SIGNIFICANT * error <= lag_s and lag_s * rate <= 2.0 * raw)

@@ -18,18 +18,21 @@ from lie_rigid_body.wording import short_repr
 GAP: Final = 2.5
 """Neighbouring stamps farther apart than this many median periods are a gap: two samples or more are missing."""
 
+FARTHEST_NS: Final = 2**31 * 10**9
+"""The farthest stamp from 0 that a message can have, ns; differences of such stamps do not overflow."""
+
 NOT_UNIT: Final = 0.01
 """Largest | |q|² − 1 | that is taken for unit norm: tf2 refuses a transform beyond it."""
 
 
 @dataclass(frozen=True)
 class Remark:
-    """What is wrong about the recording of an estimate, whatever its attitudes.
+    """What is wrong about an estimate, whatever convention its attitudes are in.
 
     Attributes
     ----------
     code : str
-        ``gaps`` or ``not_unit``.
+        ``gaps``, ``not_unit``, ``stuck``, ``turn_rate`` or ``turn_axes``.
     message : str
         One sentence.
     """
@@ -101,6 +104,10 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     if stamps.dtype.kind not in "iu":
         raise InputError(f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds")
+    if max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
+        raise InputError(
+            f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
+        )
     stamps = stamps.astype(np.int64)
     back = np.flatnonzero(np.diff(stamps) < 0)
     if back.size:

@@ -12,11 +12,15 @@ from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparis
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
 from lie_rigid_body.evaluation.search import spread, written
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.evaluation.turning import named
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 FITTED = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
+
+SAME_AXES_DEG = 5.0
+"""A mounting so near to axes that change places and signs is told in those words."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class Finding:
     ----------
     code : str
         ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
-        ``gaps`` or ``not_unit``.
+        ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
     message : str
         One sentence with numbers, and what to do.
     rms_deg_after : float
@@ -143,8 +147,20 @@ def _mounting(fitted: Misalignment) -> str:
     inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
     return (
         f"The body axes of the estimate are turned by {np.degrees(angle):.4g}° about ({axis}) of the body: tell the "
-        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right"
+        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right{_places(mounting)}"
     )
+
+
+def _places(mounting: Array) -> str:
+    """The body axes of an estimate by those of the body, where they are the same but for places and signs."""
+    axes = quaternion.rotate(mounting, np.eye(3))  # row by row, on the axes of the body
+    nearest = np.round(axes)
+    left = float(np.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0))))
+    name = named(nearest)
+    if left > SAME_AXES_DEG or name == "x, y, z":
+        return ""
+    meaning = ", forward-right-down where the truth's are forward-left-up" if name == "x, -y, -z" else ""
+    return f"; its x, y, z are {name} of the body{meaning}, but for {left:.2g}°"
 
 
 def _lag(comparison: Comparison, lag_s: float) -> str:

@@ -21,6 +21,7 @@ from lie_rigid_body.evaluation.findings import Finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.evaluation.turning import turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import short_repr
 
@@ -28,6 +29,9 @@ LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
 ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
+
+UNLIKE_DEG: Final = 5.0
+"""Median error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
 
 
 @dataclass(frozen=True)
@@ -203,8 +207,10 @@ def evaluate(
     (lag_s, lag_standard_error_s), found = (
         _diagnosis(estimate, truth, longest_lag_s) if diagnosed else ((None, None), ())
     )
+    unlike = diagnosed and not found and statistics.median > UNLIKE_DEG
     remarks = (
         *estimate.remarks,
+        *(turning(estimate.stamps_ns, estimate.attitude_xyzw, true) if unlike else ()),
         *_absence(estimate.stamps_ns, len(known), truth),
         *_interpolation(uncertainty, statistics),
     )

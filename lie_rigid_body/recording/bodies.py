@@ -71,7 +71,7 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     BagError
         If a topic is not there, has no message, or cannot be told from others; with those that are there.
     """
-    given = {name: _given(path, contents, name, topic) for name, topic in topics.items()}
+    given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     own = [name for name in (POSE, TWIST, SCENARIO) if name in given]
     found = [tracks for tracks in _complete(path, contents, given) if all(tracks[name] is given[name] for name in own)]
     found = found or [_single(path, contents, given)]
@@ -153,11 +153,13 @@ def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
     return BagError(f"{path} has several topics .../{name}: {names}: say which, as by --topic {name}:={found[0].topic}")
 
 
-def _given(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
+def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
     """The track of a topic that the user named."""
     track = _track(contents, name, topic)
-    if track is not None:
+    if track is not None and track.count:
         return track
+    if track is not None:
+        raise BagError(f"{path}: --topic {name}:={topic}: it has no message: record it while the body is published")
     types, known = " or ".join(map(_last, TYPES[name])), [track.topic for track in _of_types(contents, name)]
     others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
     what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"

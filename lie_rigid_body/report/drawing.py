@@ -55,8 +55,7 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
         As `write_plot`.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.figure import svg
     from lie_rigid_body.report.page import page
 
     require_suffix("path", str(path), ".html")
-    write_file(path, page(title, None, score, svg(title, score)), overwrite=overwrite)
+    write_file(path, page(title, None, score), overwrite=overwrite)

@@ -7,10 +7,11 @@ from html import escape
 
 from lie_rigid_body.evaluation import Score, summary
 from lie_rigid_body.report import html_page, text
+from lie_rigid_body.report.figure import svg
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
-def page(title: str, read: RecordedEstimate | None, score: Score, picture: str) -> bytes:
+def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
     """The page.
 
     Parameters
@@ -19,8 +20,6 @@ def page(title: str, read: RecordedEstimate | None, score: Score, picture: str) 
     read : RecordedEstimate or None
         None of an estimate in arrays.
     score : Score
-    picture : str
-        An SVG element.
 
     Returns
     -------
@@ -33,7 +32,7 @@ def page(title: str, read: RecordedEstimate | None, score: Score, picture: str) 
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
-        f"<h2>Errors over time</h2><figure>{picture}</figure>",
+        f"<h2>Errors over time</h2><figure>{svg(title, score)}</figure>",
         *map(html_page.scenario, read.segments if read else ()),
         html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
     ]

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 BROKEN: Final = 1
 """Exit status of a score that breaks a limit."""
-_OF_A_BAG: Final = ("run", "estimate", "truth")
-_OF_TOPICS: Final = ("duration", "wait")
+_OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
+"""Options of a bag, and the topic that one would remap without a bag."""
+_OF_TOPICS: Final = {"duration": "", "wait": ""}
 _EPILOG: Final = """
 Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctrl-C, SIGTERM or --duration, and then
 says the score. The topics are named after --ros-args: -r estimate:=/imu/data, and where the truth is not found by
@@ -44,9 +45,9 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     live = given.run is None
     if ros and not live:
         raise InputError(f"--ros-args: {given.run} is read without ROS: leave it out, or leave out the bag")
-    for name in _OF_A_BAG if live else _OF_TOPICS:
-        if getattr(given, name) is not None:
-            remedy = f"remap the topic, --ros-args -r {name}:=TOPIC" if live else "leave it out"
+    for name, remapped in (_OF_A_BAG if live else _OF_TOPICS).items():
+        if getattr(given, name) not in (None, []):
+            remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if live else "leave it out"
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
         _parser().error("the following arguments are required: --estimate")
@@ -65,6 +66,7 @@ def _parser() -> console.Parser:
         help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
     )
     parser.add_argument("--truth", metavar="OTHER", help="the bag of the truth, if it is not in RUN")
+    console.add_topic_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the score for programs")
     parser.add_argument("--series", action="store_true", help="with --json: also the errors of every sample")
     parser.add_argument("--plot", metavar="OUT.png", help="draw the errors over time")
@@ -122,9 +124,14 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     from lie_rigid_body.report import text
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
-    for path, draw in ((given.plot, _picture), (given.report, _page)):
-        if path is not None:
-            write_file(path, draw(title, read, score), overwrite=given.force)
+    if given.plot is not None:
+        from lie_rigid_body.report.figure import png
+
+        write_file(given.plot, png(title, score), overwrite=given.force)
+    if given.report is not None:
+        from lie_rigid_body.report.page import page
+
+        write_file(given.report, page(title, read, score), overwrite=given.force)
     files = [path for path in (given.plot, given.report) if path is not None]
     if given.json:
         content = text.as_json(source or None, read, score, series=given.series)
@@ -133,16 +140,3 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         said = "\n".join([text.as_table(title, read, score), *(f"wrote {path}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else BROKEN
-
-
-def _picture(title: str, read: RecordedEstimate, score: Score) -> bytes:
-    from lie_rigid_body.report.figure import png
-
-    return png(title, score)
-
-
-def _page(title: str, read: RecordedEstimate, score: Score) -> bytes:
-    from lie_rigid_body.report.figure import svg
-    from lie_rigid_body.report.page import page
-
-    return page(title, read, score, svg(title, score))

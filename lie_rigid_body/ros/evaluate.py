@@ -53,12 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.ros.sim import require_ros
 
     require_ros()
-    interruption = Interruption()
-    interruption.install()
-    try:
+    with Interruption.until_exit() as interruption:
         return _evaluate(given, interruption)
-    finally:
-        interruption.ignore()
 
 
 def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:

@@ -45,12 +45,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_ros()
     _require_readable(given)
-    interruption = Interruption()
-    interruption.install()
-    try:
+    with Interruption.until_exit() as interruption:
         _simulate(given, interruption)
-    finally:
-        interruption.ignore()
     return console.SUCCESS
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bodies import POSE, SCENARIO, given_track
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.runs.truth import ScenarioTruth
@@ -24,6 +26,8 @@ from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr
 
 _TYPES: Final = (*ATTITUDE_TYPES, STRING)
+TRUE_TOPICS: Final = (POSE, SCENARIO)
+"""Relative names of the topics that tell the truth."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,7 @@ def recorded_estimate(
     bag: str | Path,
     topic: str,
     truth_bag: str | Path | None = None,
+    topics: Mapping[str, str] = MappingProxyType({}),
     progress: Callable[[int], object] = lambda count: None,
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
@@ -70,6 +75,8 @@ def recorded_estimate(
         Of the estimate: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage.
     truth_bag : str or Path, optional
         The bag with the truth, if it is another one.
+    topics : mapping of str to str, optional
+        What `TRUE_TOPICS` are called, by these names. Others are found by their last names.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last.
 
@@ -87,9 +94,9 @@ def recorded_estimate(
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_TYPES)
     if truth_bag is None:
-        true = _true_motion(path, contents, topic, near=topic)
+        true = _true_motion(path, contents, topic, topics, near=topic)
     else:
-        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "", near=topic)
+        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "", topics, near=topic)
     track = read_attitudes(path, contents, topic, true.frames)
     return held_against(track, true, true.until(int(track.stamps_ns.max())))
 
@@ -135,21 +142,28 @@ class TrueMotion:
         return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
 
 
-def _true_motion(path: Path, contents: McapContents, estimate_topic: str, near: str) -> TrueMotion:
+def _true_motion(
+    path: Path, contents: McapContents, estimate_topic: str, topics: Mapping[str, str], near: str
+) -> TrueMotion:
     """The truth in a bag, in which the topic of the estimate is not the truth, whatever its name.
 
-    Of several bodies it is that in the namespace of the topic `near`.
+    Of several bodies it is that in the namespace of a topic that is given, or else of the topic `near`.
     """
+    if estimate_topic in topics.values():
+        raise InputError(f"--topic {estimate_topic}: that is the estimate: name the topic of the truth")
+    given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
+    near = next(iter(topics.values()), near)
     candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
-    scenario = _only(path, candidates, "scenario", STRING, near)
+    scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
         segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
-    pose = _only(path, candidates, "pose", POSE_STAMPED, near)
+    pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
     if scenario is None and pose is None:
         raise BagError(
-            f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth"
+            f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth, or "
+            "its topic by --topic pose:=/NAME"
         )
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
 

@@ -135,9 +135,34 @@ def test_of_several_truths_that_beside_the_estimate_is_meant(own, stamps, noisy,
 AB = (("a", 1), ("b", -1))
 
 
+def test_a_truth_of_other_names_is_told_by_topic(own, run, stamps, noisy, tmp_path, capsys):
+    poses = [(POSE, HOW[POSE], f"/{name}", run.t_ns, run.truth.attitude_xyzw[::step]) for name, step in MOCAP]
+    ours = (POSE, HOW[POSE], "/b/pose", stamps, noisy)
+    bag = beside(own, tmp_path / "renamed.mcap", *poses, ours, without="/pose /twist")
+    given = [bag, "--estimate", "/b/pose"]
+    by_scenario = scored(capsys, *given)
+    named = scored(capsys, *given, "--topic", "pose:=/mocap/truth")
+    assert (by_scenario["truth"], named["truth"]) == ("scenario", "poses and scenario")
+    assert named["total_deg"]["rms"] == pytest.approx(by_scenario["total_deg"]["rms"], rel=1e-9)
+    assert scored(capsys, *given, "--topic", "pose:=/mocap/other")["total_deg"]["median"] > 10.0
+    elsewhere = ["--truth", bag, "--topic", "scenario:=/lie_rigid_body/scenario"]
+    assert scored(capsys, *given, *elsewhere)["total_deg"]["rms"] == by_scenario["total_deg"]["rms"]
+    for topic, message in [
+        ("pose:=/mocap/truht", "there is no topic /mocap/truht: did you mean /mocap/truth"),
+        ("pose:=/imu/data_raw", "topic /imu/data_raw is of Imu, not PoseStamped"),
+        ("twist:=/twist", "no topic 'twist': the topics of a body are pose, scenario"),
+        ("pose:=/b/pose", "that is the estimate: name the topic of the truth"),
+        ("pose", "not NAME:=/TOPIC"),
+    ]:
+        assert message in refused(capsys, *given, "--topic", topic)
+
+
+MOCAP = (("mocap/truth", 1), ("mocap/other", -1))
+
+
 def test_progress_tells_every_byte_read(own, bag):
     steps: list[int] = []
-    recorded_estimate(bag, "/filter/Imu", own, steps.append)
+    recorded_estimate(bag, "/filter/Imu", own, progress=steps.append)
     size = bag.stat().st_size + own.stat().st_size
     assert 0.3 * size < sum(steps) <= size  # all but the index at the end, which is much of a small file
     with progress_bar([bag, own], passes=1) as bar:

@@ -50,3 +50,23 @@ def test_a_norm_whose_square_overflows_is_remarked():
     assert [remark.code for remark in Estimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
     assert Estimate.read([0, 1, 2], 1.0049 * Q).remarks == ()
     assert Estimate.read([0, 1, 2], 0.9949 * Q).remarks != ()
+
+
+@pytest.mark.parametrize(
+    "given",
+    [Q.astype(str), Q.astype(bool), Q.astype(str).astype(object), [[None] * 4] * 3, [[1, 2], [3]], {"q": Q}, object()],
+)
+def test_what_numpy_would_make_numbers_of_is_refused(given):
+    with pytest.raises(InputError, match="estimate: not numbers: give an array of shape") as error:
+        Estimate.read([0, 1, 2], given)
+    assert len(str(error.value)) <= 200
+    np.testing.assert_array_equal(Estimate.read([0, 1, 2], Q.astype(object)).attitude_xyzw, Q)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("given", [[-(2**63), 2**63 - 1], np.array([2**63, 2**63 + 1], dtype=np.uint64)])
+def test_a_stamp_that_no_message_can_have_is_refused(given):
+    with pytest.raises(InputError, match=r"those of ROS 2 are within 2\*\*31 s: give nanoseconds") as error:
+        read_stamps("estimate", np.asarray(given))
+    assert len(str(error.value)) <= 200
+    assert read_stamps("estimate", [-(2**31) * 10**9, 2**31 * 10**9]).dtype == np.int64

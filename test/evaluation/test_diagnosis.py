@@ -109,6 +109,22 @@ def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     assert f"is {late} by {size:.4g} s, {size / 0.02:.3g} of its samples" in score.findings[0].message
 
 
+@pytest.mark.parametrize("samples_late", [1, pytest.param(-1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("motion", ["dzhanibekov", pytest.param("fast_tumble", marks=pytest.mark.slow)])
+def test_a_lag_beside_errors_as_large_is_named_if_it_is_sure(motion, samples_late):
+    """As that of a filter with tactical sensors, which converges in seconds and then errs by a sample's turn."""
+    lag_s = samples_late * PERIOD_NS / 1e9
+    turn = abs(lag_s) * np.sqrt(np.mean(np.sum(MOTIONS[motion].at(STAMPS).body_rate ** 2, axis=-1)))
+    errors = turn * (0.5 * correlated(0.05) + np.outer(np.exp(-STAMPS / 3e9), [0.5, -0.5, 0.5]))
+    score = evaluate(STAMPS, quaternion.multiply(attitude(motion, lag_s), quaternion.exp(errors)), truth_of(motion))
+    [finding] = score.findings
+    assert finding.code == ("lagging" if lag_s > 0 else "leading")
+    assert "does not tell" not in finding.message
+    assert score.lag_s == pytest.approx(lag_s, abs=4.0 * score.lag_standard_error_s)
+    assert score.lag_standard_error_s < abs(lag_s) / 6.0
+    assert finding.rms_deg_after < score.total_deg.rms
+
+
 @motions
 def test_a_lag_without_noise_is_exact_to_nanoseconds(motion):
     for lag_s in (0.0, 0.00321, -0.4):

@@ -103,25 +103,47 @@ def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
 # A Python that is found, makes an environment of itself alone, and has a pip that ends with 3 when told to.
 PYTHON_WITH_PIP = """#!/bin/sh
 case "$*" in
-    *-c*) echo "$0" ;;
+    "-I -B -c "*) echo "$0" ;;
     "-m venv "*) mkdir -p "$3/bin" && cp "$0" "$3/bin/python" ;;
-    "-m pip "*) echo "Requirement already satisfied: numpy"; echo "Collecting mcap"; exit "$PIP_STATUS" ;;
+    "-m pip "*) echo "Requirement already satisfied: numpy"; echo "Collecting ${*##* }"; exit "$PIP_STATUS" ;;
 esac
 """
 
 
-@pytest.mark.parametrize("status", [0, 3])
-def test_a_set_up_shows_what_is_fetched_and_fails_with_pip(tmp_path: Path, status: int) -> None:
+def set_up(clone: Path, kind: str, status: int = 0) -> subprocess.CompletedProcess[str]:
+    python = executable(clone / "python3", PYTHON_WITH_PIP)
+    environment = {**os.environ, "PYTHON": str(python), "PYTHON_ROS": str(python), "PIP_STATUS": str(status)}
+    return subprocess.run(
+        ("scripts/environment.sh", kind),
+        cwd=clone, env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     for name in ("setup.py", "setup.cfg", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
-    python = executable(tmp_path / "python3", PYTHON_WITH_PIP)
-    environment = {**os.environ, "PYTHON": str(python), "PIP_STATUS": str(status)}
-    done = subprocess.run(
-        ("scripts/environment.sh", "headless"),
-        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
+    return tmp_path
+
+
+@pytest.mark.parametrize("status", [0, 3])
+def test_a_set_up_shows_what_is_fetched_and_fails_with_pip(clone: Path, status: int) -> None:
+    done = set_up(clone, "headless", status)
     assert done.returncode == status
-    assert done.stdout.splitlines() == ([] if status else [str(tmp_path / ".venv-headless")])
-    assert (tmp_path / ".venv-headless/complete").exists() == (status == 0)
-    assert done.stderr.splitlines()[1:] == ["Collecting mcap"]
+    assert done.stdout.splitlines() == ([] if status else [str(clone / ".venv-headless")])
+    assert (clone / ".venv-headless/complete").exists() == (status == 0)
+    assert done.stderr.splitlines()[1:] == ["Collecting .[fast]"]
+
+
+def test_the_node_waits_for_no_library_of_the_tests_and_the_tests_add_theirs(clone: Path) -> None:
+    fetched: tuple[tuple[str, list[str]], ...] = (
+        ("live", [".[ros,fast]"]),
+        ("tests", [".[ros,fast,test,lint]"]),
+        ("live", []),
+        ("tests", []),
+    )
+    for kind, wanted in fetched:
+        done = set_up(clone, kind)
+        assert done.stdout == f"{clone / '.venv'}\n"
+        assert done.stderr.splitlines()[1:] == [f"Collecting {extras}" for extras in wanted]

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
@@ -18,15 +18,18 @@ import numpy as np
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess, assignments, eventually
 
+from lie_rigid_body import simulate
 from lie_rigid_body.ros.evaluate import main
+from lie_rigid_body.simulation import Segment
 from ros_domains import own_domain
 
 if find_spec("rclpy"):
     from diagnostic_msgs.msg import DiagnosticArray
     from geometry_msgs.msg import PoseStamped, Vector3Stamped
-    from peer import Peer
+    from peer import LATCHED, Peer
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from sensor_msgs.msg import Imu
+    from std_msgs.msg import String
 
     from lie_rigid_body.ros.following import Following
     from lie_rigid_body.ros.node import OF_EVERY_NODE
@@ -177,6 +180,43 @@ def test_attitudes_that_are_no_numbers_are_told_at_once_and_end_with_score_and_s
     assert "evaluate: error: estimate: " in process.complained[-1]
 
 
+@pytest.mark.ros
+@pytest.mark.long
+def test_findings_come_go_and_are_replaced_while_a_filter_runs(domain: int) -> None:
+    """They are of the second half of the time so far, by the stamps, and made anew when that time has doubled."""
+    run = simulate("tumbling_cubesat", duration=60.0, initial_body_rate=[0.4, 0.6, -0.3], motion="closed_form")
+    truth = run.attitude()
+    with Peer("changing", domain) as peer, evaluator(domain, "renewed", estimate="/changing/estimate") as process:
+        reports = peer.listen(DiagnosticArray, "/diagnostics")
+        peer.node.create_publisher(String, "/changing/lie_rigid_body/scenario", LATCHED).publish(
+            String(data=Segment(run.scenario, 0, 0).to_json())
+        )
+        estimate = peer.node.create_publisher(PoseStamped, "/changing/estimate", 2000)
+        peer.spin_until(lambda: estimate.get_subscription_count() == 1, "the evaluator")
+
+        def say(begin_s: int, end_s: int, how: Callable[[np.ndarray], np.ndarray], found: str) -> None:
+            stamps = np.arange(begin_s * 25, end_s * 25) * 40_000_000
+            for stamp, attitude in zip(stamps.tolist(), how(stamps).tolist(), strict=True):
+                pose = PoseStamped()
+                pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp, 10**9)
+                pose.header.frame_id = "world"
+                q = pose.pose.orientation
+                q.x, q.y, q.z, q.w = attitude
+                estimate.publish(pose)
+
+            def told() -> bool:
+                latest = of("renewed", reports)[-1:]
+                return [s.message.partition("; found: ")[2] for s in latest if "RMS" in s.message] == [found]
+
+            peer.spin_until(told, f"the finding {found!r}")
+
+        say(0, 6, lambda t: truth.at(t) * [-1.0, -1.0, -1.0, 1.0], "inverted")
+        say(6, 20, truth.at, "")
+        say(20, 60, lambda t: truth.at(t - 200_000_000), "lagging")
+        process.process.send_signal(signal.SIGTERM)
+        assert process.wait() == 0, process.complained
+
+
 def of(name: str, arrays: list[Any]) -> list[Any]:
     return [status for array in arrays for status in array.status if status.name == f"/{name}: attitude error"]
 
@@ -192,6 +232,7 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--duration -1", "duration: -1.0 is not a time above 0"),
         ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),
+        ("--topic pose:=/b", "--topic goes only with a bag: remap the topic, --ros-args -r truth:=TOPIC"),
         ("--report no/such/folder/a.html", "the folder no/such/folder does not exist: make it"),
     ],
 )
@@ -223,8 +264,6 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 
 @pytest.mark.ros
 def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
-    from std_msgs.msg import String
-
     from lie_rigid_body import InputError
     from lie_rigid_body.evaluation import Limits
 

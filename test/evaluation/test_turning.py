@@ -1,0 +1,111 @@
+"""Estimates that do not turn as the body does are told what is wrong about their turns, and others are not."""
+
+from __future__ import annotations
+
+import re
+from itertools import accumulate
+
+import numpy as np
+import pytest
+from motions import MOTIONS, STAMPS, attitude, truth_of, turns
+
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.evaluation import SampledTruth, evaluate
+from lie_rigid_body.evaluation.findings import _places
+from lie_rigid_body.evaluation.turning import AXES, DEGREE, turning
+from lie_rigid_body.lie import quaternion
+
+FEW = STAMPS[:500]
+SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+CYCLED = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+UNCHANGED = np.eye(3)
+
+
+def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """What a gyro leads to that reads the turns of a body by a matrix, with noise of a twentieth of a step."""
+    steps = quaternion.log(quaternion.multiply(quaternion.conjugate(q[:-1]), q[1:])) @ matrix.T
+    found = np.array(list(accumulate(quaternion.exp(steps), quaternion.multiply, initial=q[0])))
+    noise = 0.05 * float(np.degrees(np.median(np.abs(steps).max(axis=1))))
+    return quaternion.multiply(found, turns(noise, 4, len(found)))
+
+
+@pytest.mark.parametrize(
+    ("matrix", "told"),
+    [
+        (DEGREE * UNCHANGED, "turn_rate: The estimate turns 57.3 times as fast as the body: its gyro is in deg/s"),
+        (UNCHANGED / DEGREE, "turn_rate: The estimate turns 57.3 times as slow as the body: its gyro is in rad/s"),
+        (2.0 * UNCHANGED, "turn_rate: The estimate turns 2 times as fast as the body: the rate of a quaternion is ½"),
+        (SWAPPED, "turn_axes: The estimate turns about x, y, z as the body does about y, x, z: give .* these are not"),
+        (CYCLED, "turn_axes: The estimate turns about x, y, z as the body does about z, x, y: give .* of the body"),
+        (-UNCHANGED, "turn_axes: The estimate turns about x, y, z as the body does about -x, -y, -z: give"),
+        (DEGREE * SWAPPED, "turn_axes: .* about y, x, z, 57.3 times as fast as the body: give"),
+        (0.0 * UNCHANGED, "stuck: The estimate turns by .* in all, the body by 2"),
+        (UNCHANGED, ""),
+        (1.1 * UNCHANGED, ""),
+    ],
+)
+def test_a_gyro_of_another_unit_or_on_other_axes_is_told(matrix, told):
+    q = attitude("slow_tumble")[:500]
+    estimate = np.tile(q[0], (500, 1)) if not matrix.any() else integrated(q, matrix)
+    found = [f"{remark.code}: {remark.message}" for remark in turning(FEW, estimate, q)]
+    assert len(found) == bool(told)
+    assert all(re.match(told, line) for line in found), found
+
+
+def test_a_spin_tells_how_fast_the_estimate_turns_and_not_about_which_axes():
+    spin = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.0, 0.0, 1.0])).at(FEW).attitude_xyzw
+    [remark] = turning(FEW, integrated(spin, DEGREE * UNCHANGED), spin)
+    assert remark.code == "turn_rate"
+    assert turning(FEW, quaternion.conjugate(spin), spin) == ()
+    assert turning(FEW, integrated(spin, SWAPPED), spin) == ()
+
+
+def test_the_turns_of_an_estimate_are_in_its_score():
+    estimate = integrated(attitude("slow_tumble")[:500], DEGREE * UNCHANGED)
+    score = evaluate(FEW, estimate, truth_of("slow_tumble"))
+    told = {finding.code: finding for finding in score.findings}
+    assert set(told) == {"turn_rate", "gaps"}  # it ends before the truth
+    assert told["turn_rate"].rms_deg_after == score.total_deg.rms
+
+
+def test_an_inverse_that_turns_as_about_mirrored_axes_for_a_while_is_no_more_than_that():
+    """A body that has turned by little has the same axes as the world, or nearly."""
+    true = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.4, 0.6, -0.3])).at(FEW[:60]).attitude_xyzw
+    inverse = quaternion.conjugate(true)
+    assert [remark.code for remark in turning(FEW[:60], inverse, true)] == ["turn_axes"]
+    score = evaluate(FEW[:60], inverse, SampledTruth(FEW[:60], true))
+    assert [finding.code for finding in score.findings] == ["inverted"]
+
+
+@pytest.mark.parametrize("size_deg", [3.0, 30.0])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_noise_feigns_no_turns(motion, size_deg):
+    q = attitude(motion)
+    wandering = quaternion.exp(np.cumsum(np.random.default_rng(2).normal(size=(len(q), 3)), axis=0) * 0.05)
+    for noise in (turns(size_deg, 7), wandering):
+        for estimate in (quaternion.multiply(q, noise), quaternion.multiply(noise, q)):
+            assert turning(STAMPS, estimate, q) == ()
+
+
+def test_a_body_of_other_axes_is_told_by_their_names():
+    """Axes that are turned as a whole are a mounting: its words, and no others."""
+    frd = np.diag([1.0, -1.0, -1.0])
+    mounted = quaternion.multiply(attitude("slow_tumble"), quaternion.from_matrix(frd))[::15]
+    few = STAMPS[::15]
+    estimate = quaternion.multiply(mounted, turns(0.5, 1, len(few)))
+    [finding] = evaluate(few, estimate, truth_of("slow_tumble")).findings
+    assert finding.code == "body_mounting"
+    assert "; its x, y, z are x, -y, -z of the body, forward-right-down where the truth's" in finding.message
+    for axes in AXES[np.linalg.det(AXES) > 0.0][1:]:
+        slightly = quaternion.multiply(quaternion.from_matrix(axes.T), quaternion.exp([0.0, 0.0, np.radians(1.0)]))
+        told = _places(slightly)
+        names = re.findall("-?[xyz]", told.split(" are ")[1])[:3]
+        unit = {
+            sign + name: float(sign + "1") * row
+            for sign in ("", "-")
+            for name, row in zip("xyz", UNCHANGED, strict=True)
+        }
+        np.testing.assert_array_equal([unit[name] for name in names], axes)
+        assert "but for 1°" in told
+    assert _places(quaternion.exp([0.0, 0.0, np.radians(1.0)])) == ""
+    assert _places(quaternion.exp([0.0, 0.0, np.radians(80.0)])) == ""
