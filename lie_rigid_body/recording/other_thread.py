@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
 from typing import Any, Generic, TypeVar
@@ -12,7 +12,7 @@ A = TypeVar("A")
 B = TypeVar("B")
 
 
-def ahead(function: Callable[[A], B], arguments: Iterable[A], most: int) -> Iterator[B]:
+def ahead(function: Callable[[A], B], arguments: Iterable[A], most: int) -> Generator[B, None, None]:
     """The values of a function in the order of its arguments, computed by one other thread.
 
     Parameters
