@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -23,10 +24,14 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording, TakeReadings
+from lie_rigid_body.recording.other_thread import Aside
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
+
+_READINGS_FOR_A_THREAD: Final = 100_000
+"""Readings of sensors from which on another thread computes them."""
 
 
 @dataclass(frozen=True)
@@ -169,9 +174,11 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         surveyed = survey(bag, inertia)
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
-    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
+    with _any_numbers():
         of_sensors = SensorLaws(bag, surveyed)
-        segments = tuple(_segments(bag, surveyed, of_sensors, watch))
+        count = sum(bag.sensors[name].count for name in of_sensors.wanted)
+        with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
+            segments = tuple(_segments(bag, surveyed, of_sensors.wanted, add, watch))
         sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
@@ -193,11 +200,16 @@ def expect(scenario: Scenario, duration: float) -> None:
     message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 
 
+def _any_numbers() -> np.errstate:
+    """A context, and decorator, for one thread: recorded numbers may be anything, and NaN breaks every law."""
+    return np.errstate(invalid="ignore", over="ignore")
+
+
 def _segments(
-    bag: Bag | Recording, surveyed: Survey, sensors: SensorLaws, watch: Watch | None
+    bag: Bag | Recording, surveyed: Survey, sensors: Collection[str], add: TakeReadings, watch: Watch | None
 ) -> Iterator[SegmentCertificate]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors.wanted, sensors.add)
+    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors, add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
         held = SegmentLaws(found, watch)

@@ -50,6 +50,8 @@ _WALK: Final = 8.0
 _OF_CENTRIPETAL: Final = math.sqrt(2.0) + 2.0
 BLOCK: Final = 8192
 """Readings that are computed at once."""
+_BLOCKS_KEPT: Final = 4
+"""Blocks of an IMU's biases that wait for the topic that tells them, which may end at another reading."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
@@ -197,6 +199,7 @@ class ImuReadings(Readings):
         model = _imu_of(segment)
         super().__init__(segment, model.rate, duration)
         self._model, self._sensor = model, _imu(self._times, model, segment)
+        self._biases = _last_biases(segment)
         self._span = None if model.gyro_rate == "instantaneous" else 1.0 / model.rate
         fastest, arm = self._tolerance.fastest, float(so3.norm(np.array(model.lever_arm)))
         self._force_of_rate = _OF_CENTRIPETAL * fastest * fastest * arm
@@ -212,7 +215,9 @@ class ImuReadings(Readings):
         self._sensor.skip(count, before_ns, self._times.motion.at(before_ns))
 
     def _signal(self, elapsed_ns: Integers) -> Any:
-        return self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
+        signals = self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
+        self._biases.keep(elapsed_ns, signals.gyro_bias, signals.accelerometer_bias)
+        return signals
 
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """Orientation, if it tells one, angular velocity and specific force."""
@@ -231,6 +236,34 @@ class ImuReadings(Readings):
         )
 
 
+class _LastBiases:
+    """The biases of an IMU that were computed last, for the two topics that tell them."""
+
+    def __init__(self) -> None:
+        self._kept: tuple[tuple[Integers, Array, Array], ...] = ()
+
+    def keep(self, elapsed_ns: Integers, gyro: Array, accelerometer: Array) -> None:
+        """Keep those of readings at so many ns after the start, and of some before."""
+        before = [block for block in self._kept if block[0][-1] < elapsed_ns[0]]  # others are of an earlier certificate
+        self._kept = (*before, (elapsed_ns, gyro, accelerometer))[-_BLOCKS_KEPT:]
+
+    def of(self, elapsed_ns: Integers) -> tuple[Array, Array] | None:
+        """Those of gyro and accelerometer at consecutive readings, if all of them are kept."""
+        gyro, accelerometer = [np.empty((0, 3))], [np.empty((0, 3))]
+        for times, *biases in self._kept:
+            rows = slice(*np.searchsorted(times, [elapsed_ns[0], elapsed_ns[-1] + 1]))
+            gyro.append(biases[0][rows])
+            accelerometer.append(biases[1][rows])
+        found = np.concatenate(gyro), np.concatenate(accelerometer)
+        return found if len(found[0]) == len(elapsed_ns) else None
+
+
+@lru_cache(maxsize=4)
+def _last_biases(segment: Segment) -> _LastBiases:
+    """What the two topics of a segment's IMU share."""
+    return _LastBiases()
+
+
 class BiasReadings(Readings):
     """The true biases of an IMU, which no motion changes. See `Readings` for the parameters."""
 
@@ -239,11 +272,20 @@ class BiasReadings(Readings):
         super().__init__(segment, model.rate, duration)
         self._model, self.walks, self.motion_error = model, _walks(model), 0.0
         self._sensor = _imu(self._times, replace(model, gyro_rate="instantaneous"), segment)
+        self._biases, self._behind = _last_biases(segment), 0
 
     def _skip(self, first: int, count: int) -> None:
-        self._sensor.skip(count, 0, self._times.motion.at(0))
+        self._sensor.skip(count + self._behind, 0, self._times.motion.at(0))
+        self._behind = 0
 
     def _signal(self, elapsed_ns: Integers) -> Any:
+        """Those that the readings were computed with, or else as `Imu` computes them alone."""
+        known = self._biases.of(elapsed_ns)
+        if known is not None:
+            self._behind += len(elapsed_ns)
+            return known
+        if self._behind:
+            self._skip(0, 0)
         return self._sensor.biases(elapsed_ns)
 
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:

@@ -12,7 +12,16 @@ from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitu
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import Work, kernel
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.taylor_flow import WORK_AREA, flow, follow, substeps_and_terms
+from lie_rigid_body.motion.taylor_flow import (
+    ABREAST,
+    WORK_AREA,
+    column_quadruple,
+    column_triple,
+    flow,
+    follow,
+    put_columns,
+    substeps_and_terms,
+)
 
 _SAMPLES_FOR_COMPILING: Final = 1_000_000
 """Number of samples from which on compiling pays: they take some seconds on arrays, while numba loads in half a second
@@ -84,7 +93,7 @@ class Residuals:
             substeps, terms = substeps_and_terms(rate_bound * longest)
             inertia, inverse = (np.ascontiguousarray(tensor).ravel() for tensor in (body.inertia, body.inverse_inertia))
             arrays = (np.ascontiguousarray(a) for a in (states.attitude_xyzw, states.body_rate, exact.attitude_xyzw))
-            compiled(inertia, inverse, *arrays, spans, substeps, terms, np.empty(WORK_AREA), samples, steps)
+            compiled(inertia, inverse, *arrays, spans, substeps, terms, np.zeros(AREA), samples, steps)
         norm, energy, *momentum, sine, cosine, by_start = samples
         step_sine, step_cosine, changed, by_neighbour = steps
         x, y, z = momentum
@@ -191,6 +200,48 @@ def _columns(states: State) -> tuple[Quadruple, Triple]:
     return (attitude[0], attitude[1], attitude[2], attitude[3]), (rate[0], rate[1], rate[2])
 
 
+_EXACT, _UNIT, _MOMENTUM, _FOUND = 7, 11, 15, 18
+"""Columns in which `fill_residuals` works: behind the recorded attitude and body rate the exact attitude, the attitude
+normalised, the body momentum, and what is found of sample and step."""
+_COLUMNS: Final = _FOUND + _OF_SAMPLES + _OF_STEPS
+AREA: Final = WORK_AREA + (_COLUMNS + 1) * ABREAST
+"""Length of the array in which it works: first `follow`, then these columns, and at last the spans."""
+
+
+@kernel
+def _nine(tensor: Any) -> tuple[Number, ...]:
+    """The entries of a tensor, which stay in the processor."""
+    (a, b, c), (d, e, f), (g, h, i) = triple(tensor, 0), triple(tensor, 3), triple(tensor, 6)
+    return a, b, c, d, e, f, g, h, i
+
+
+@kernel
+def _compare_samples(inertia: Sequence[Number], columns: Any) -> None:
+    for j in range(ABREAST):
+        q, w = column_quadruple(columns, 0, j), column_triple(columns, 4, j)
+        found = of_sample(inertia, q, w, column_quadruple(columns, _EXACT, j))
+        put_columns(columns, _FOUND, j, found)
+        put_columns(columns, _UNIT, j, over(q, found[0]))
+        put_columns(columns, _MOMENTUM, j, apply(inertia, w))
+
+
+@kernel
+def _start_steps(columns: Any, before: Any) -> None:
+    """Each step starts from the sample before; that of the first is the last of those that were compared before."""
+    for j in range(1, ABREAST):
+        put_columns(before, 6, j, column_quadruple(columns, _UNIT, j - 1))
+        put_columns(before, 0, j, column_triple(columns, _MOMENTUM, j - 1))
+
+
+@kernel
+def _compare_steps(inverse: Sequence[Number], columns: Any, predicted: Any) -> None:
+    for j in range(ABREAST):
+        q, w = column_quadruple(columns, 0, j), column_triple(columns, 4, j)
+        rate = apply(inverse, column_triple(predicted, 0, j))
+        found = of_step(q, w, column_quadruple(predicted, 6, j), rate)
+        put_columns(columns, _FOUND + _OF_SAMPLES, j, found)
+
+
 def fill_residuals(
     inertia: Any,
     inverse: Any,
@@ -205,20 +256,28 @@ def fill_residuals(
     steps: Any,
 ) -> None:
     """Fill in the residuals of all samples and steps; what is compiled."""
-    before, before_rate = quadruple(attitude[0], 0), triple(rate[0], 0)
-    for i in range(len(attitude)):
-        q, w = quadruple(attitude[i], 0), triple(rate[i], 0)
-        found = of_sample(inertia, q, w, quadruple(exact[i], 0))
+    tensor, inverted = _nine(inertia), _nine(inverse)
+    flow_area, columns, parts = work[:WORK_AREA], work[WORK_AREA : AREA - ABREAST], work[AREA - ABREAST : AREA]
+    for first in range(0, len(attitude), ABREAST):
+        count = min(ABREAST, len(attitude) - first)
+        put_columns(flow_area, 6, 0, column_quadruple(columns, _UNIT, ABREAST - 1))
+        put_columns(flow_area, 0, 0, column_triple(columns, _MOMENTUM, ABREAST - 1))
+        for j in range(count):
+            put_columns(columns, 0, j, quadruple(attitude[first + j], 0))
+            put_columns(columns, 4, j, triple(rate[first + j], 0))
+            put_columns(columns, _EXACT, j, quadruple(exact[first + j], 0))
+            parts[j] = spans[first + j - 1] / substeps if first + j > 0 else 0.0
+        _compare_samples(tensor, columns)
+        _start_steps(columns, flow_area)
+        for _ in range(substeps):
+            follow(flow_area, inverted, parts, terms)
+        _compare_steps(inverted, columns, flow_area)
         for k in range(_OF_SAMPLES):
-            samples[k, i] = found[k]
-        if i > 0:
-            predicted, momentum = before, apply(inertia, before_rate)
-            for _ in range(substeps):
-                predicted, momentum = follow(work, inverse, predicted, momentum, spans[i - 1] / substeps, terms)
-            compared = of_step(q, w, predicted, apply(inverse, momentum))
-            for k in range(_OF_STEPS):
-                steps[k, i - 1] = compared[k]
-        before, before_rate = over(q, found[0]), w
+            for j in range(count):
+                samples[k, first + j] = columns[(_FOUND + k) * ABREAST + j]
+        for k in range(_OF_STEPS):
+            for j in range(int(first == 0), count):
+                steps[k, first + j - 1] = columns[(_FOUND + _OF_SAMPLES + k) * ABREAST + j]
 
 
 _READ: Final = "Array(float64, {}, 'C', True)"

@@ -11,11 +11,12 @@ which gives the number of terms: the series is summed until what is left is belo
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, sqrt
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.mechanics import RigidBody, State
@@ -31,7 +32,14 @@ _REMAINDER: Final = 1e-17
 
 _MOST_TERMS: Final = 40
 
-WORK_AREA: Final = 10 * (_MOST_TERMS + 1)
+ABREAST: Final = 32
+"""States that compiled code follows together, as a processor computes several at a time. Their coefficients fit into
+its nearest cache."""
+_Q: Final = 6
+"""Column where an attitude begins, behind momentum and rate."""
+_ORDER: Final = 10 * ABREAST
+_SUMS: Final = _ORDER * (_MOST_TERMS + 1)
+WORK_AREA: Final = _SUMS + 7 * ABREAST
 """Length of the array in which `follow` works."""
 
 _BLOCK: Final = 4096
@@ -102,53 +110,87 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
 
 
 @kernel
-def follow(work: Any, inverse: Any, q: Quadruple, p: Triple, span: float, terms: int) -> tuple[Quadruple, Triple]:
-    """Attitude and body momentum of one state a span later, normalised: `_substep` compiled, to the same bits.
+def column_triple(columns: Any, k: int, j: int) -> tuple[float, float, float]:
+    """Number j of three columns from the k-th on."""
+    return columns[k * ABREAST + j], columns[(k + 1) * ABREAST + j], columns[(k + 2) * ABREAST + j]
+
+
+@kernel
+def column_quadruple(columns: Any, k: int, j: int) -> tuple[float, float, float, float]:
+    """Number j of four columns from the k-th on."""
+    x, y, z = column_triple(columns, k, j)
+    return x, y, z, columns[(k + 3) * ABREAST + j]
+
+
+@kernel
+def put_columns(columns: Any, k: int, j: int, numbers: Sequence[Number]) -> None:
+    """Put numbers into place j of columns from the k-th on."""
+    for n in range(len(numbers)):
+        columns[(k + n) * ABREAST + j] = numbers[n]
+
+
+@kernel
+def follow(work: Any, inverse: Sequence[Number], spans: Any, terms: int) -> None:
+    """Move `ABREAST` states a span on, normalised: `_substep` compiled, to the same bits.
 
     Parameters
     ----------
     work : ndarray, shape (WORK_AREA,)
-        To keep coefficients in: of each order momentum, rate and attitude.
-    inverse : ndarray, shape (9,)
+        Columns of `ABREAST` numbers: of each order momentum, rate and attitude. Those of order 0 are moved.
+    inverse : tuple of float, length 9
         Of the inertia, row by row.
-    q, p, span, terms
-        As of `_substep`.
+    spans : ndarray, shape (ABREAST,)
+        s
+    terms : int
     """
-    for k in range(3):
-        work[k] = p[k]
-    for k in range(4):
-        work[6 + k] = q[k]
-    for n in range(terms + 1):
-        at = 10 * n
-        for k in range(3):
-            work[at + 3 + k] = (
-                work[at] * inverse[3 * k] + work[at + 1] * inverse[3 * k + 1] + work[at + 2] * inverse[3 * k + 2]
-            )
-        if n == terms:
-            break
-        px = py = pz = qx = qy = qz = qw = 0.0
-        for i in range(n + 1):
-            m, r = 10 * i, 10 * (n - i) + 3
-            a, b, c = work[r], work[r + 1], work[r + 2]
-            px += work[m + 1] * c - work[m + 2] * b
-            py += work[m + 2] * a - work[m] * c
-            pz += work[m] * b - work[m + 1] * a
-            x, y, z, w = work[m + 6], work[m + 7], work[m + 8], work[m + 9]
-            qx += w * a + y * c - z * b
-            qy += w * b + z * a - x * c
-            qz += w * c + x * b - y * a
-            qw += -(x * a + y * b + z * c)
-        at += 10
-        work[at], work[at + 1], work[at + 2] = px / (n + 1), py / (n + 1), pz / (n + 1)
-        work[at + 6], work[at + 7] = 0.5 * qx / (n + 1), 0.5 * qy / (n + 1)
-        work[at + 8], work[at + 9] = 0.5 * qz / (n + 1), 0.5 * qw / (n + 1)
+    for n in range(terms):
+        _add_order(work, inverse, n)
+    value = work[terms * _ORDER : (terms + 1) * _ORDER]
     for n in range(terms - 1, -1, -1):
-        for k in range(10):
-            work[10 * terms + k] = work[10 * terms + k] * span + work[10 * n + k]
-    at = 10 * terms
-    x, y, z, w = work[at + 6], work[at + 7], work[at + 8], work[at + 9]
-    size = sqrt((x * x + y * y) + (z * z + w * w))
-    return (x / size, y / size, z / size, w / size), (work[at], work[at + 1], work[at + 2])
+        here = work[n * _ORDER : (n + 1) * _ORDER]
+        for j in range(ABREAST):
+            for k in range(10):
+                value[k * ABREAST + j] = value[k * ABREAST + j] * spans[j] + here[k * ABREAST + j]
+    for j in range(ABREAST):
+        x, y, z, w = column_quadruple(value, _Q, j)
+        size = sqrt((x * x + y * y) + (z * z + w * w))
+        put_columns(work, 0, j, column_triple(value, 0, j))
+        put_columns(work, _Q, j, (x / size, y / size, z / size, w / size))
+
+
+@kernel
+def _add_order(work: Any, inverse: Sequence[Number], n: int) -> None:
+    """The rates of order n, and momenta and attitudes of the next."""
+    here, later = work[n * _ORDER : (n + 1) * _ORDER], work[(n + 1) * _ORDER : (n + 2) * _ORDER]
+    sums = work[_SUMS:WORK_AREA]
+    for j in range(ABREAST):
+        x, y, z = column_triple(here, 0, j)
+        for k in range(3):
+            here[(3 + k) * ABREAST + j] = x * inverse[3 * k] + y * inverse[3 * k + 1] + z * inverse[3 * k + 2]
+    for j in range(7 * ABREAST):
+        sums[j] = 0.0
+    for i in range(n + 1):
+        _add_products(sums, work[i * _ORDER : (i + 1) * _ORDER], work[(n - i) * _ORDER : (n - i + 1) * _ORDER])
+    for j in range(3 * ABREAST):
+        later[j] = sums[j] / (n + 1)
+    for j in range(4 * ABREAST):
+        later[_Q * ABREAST + j] = 0.5 * sums[3 * ABREAST + j] / (n + 1)
+
+
+@kernel
+def _add_products(sums: Any, one: Any, other: Any) -> None:
+    """Add the products of momenta and attitudes of one order with rates of another."""
+    for j in range(ABREAST):
+        a, b, c = column_triple(other, 3, j)
+        px, py, pz = column_triple(one, 0, j)
+        sums[j] += py * c - pz * b
+        sums[ABREAST + j] += pz * a - px * c
+        sums[2 * ABREAST + j] += px * b - py * a
+        x, y, z, w = column_quadruple(one, _Q, j)
+        sums[3 * ABREAST + j] += w * a + y * c - z * b
+        sums[4 * ABREAST + j] += w * b + z * a - x * c
+        sums[5 * ABREAST + j] += w * c + x * b - y * a
+        sums[6 * ABREAST + j] += -(x * a + y * b + z * c)
 
 
 def _apply(tensor: Array, vectors: Array) -> Array:

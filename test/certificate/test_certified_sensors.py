@@ -12,8 +12,9 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from tampering import Change, Message, at, on, tamper, with_numbers
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate import Certificate, LawResult, certify, pairing, sensor_topics
-from lie_rigid_body.certificate.readings import Expected
+from lie_rigid_body.certificate.readings import BiasReadings, Expected, ImuReadings
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording import bag_reader
@@ -21,6 +22,7 @@ from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import Imu
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.simulation import Simulation
 
@@ -495,3 +497,32 @@ def test_what_is_recovered_of_a_cut_off_bag_is_certified(bag, tmp_path, cut):
     found = certify(Bag(tmp_path / "fixed.mcap"))
     assert found.passed, found.messages
     assert found.sensors == (IMU, BIAS, MAG)
+
+
+def test_biases_are_the_same_with_the_readings_beside_them_and_alone():
+    segment = Simulation(Scenario.from_parameters({**BODY, **RATES, **NOISY, "sensor_seed": 17})).segment
+    alone, beside, readings = (of(segment, 9.0) for of in (BiasReadings, BiasReadings, ImuReadings))
+    first, drawn = alone.next, []
+
+    def draw(elapsed: Integers) -> tuple[Array, Array]:
+        drawn.append(len(elapsed))
+        return Imu.biases(beside._sensor, elapsed)
+
+    beside._sensor.biases = draw
+    wanted = [alone.take(first + begin, count) for begin, count in ((0, 90), (90, 200), (300, 10), (320, 60))]
+    readings.take(first + 50, 50)
+    readings = ImuReadings(segment, 9.0)
+    readings.take(first, 100)
+    found = [beside.take(first, 90)]
+    readings.take(first + 100, 190)
+    found += [beside.take(first + 90, 200)]
+    assert not drawn
+    readings.take(first + 310, 80)
+    found += [beside.take(first + 300, 10)]
+    assert drawn == [10]
+    found += [beside.take(first + 320, 60)]
+    assert drawn == [10]
+    for one, other in zip(wanted, found, strict=True):
+        for a, b in zip(one, other, strict=True):
+            assert a.signal.tobytes() == b.signal.tobytes()
+            assert a.uncertainty.tobytes() == b.uncertainty.tobytes()
