@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import pairwise
-from typing import Final
+from functools import cached_property, lru_cache
+from typing import Final, TypeAlias
 
 import numpy as np
 from mcap.data_stream import RecordBuilder
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
+from lie_rigid_body.messages.template import Template
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
@@ -31,10 +31,10 @@ HEAD: Final = np.dtype(
     ]
 )
 """What comes before the payload in a message record."""
+_CHANNEL, _TIMES = 9, 15
+"""Bytes of it where the channel begins, and where the two times do."""
 OPCODE_AND_LENGTH: Final = 9
 """Bytes of a record that its length does not count."""
-_SEQUENCE_NUMBERS: Final = 2**32
-"""MCAP counts the messages of a channel in 32 bits."""
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -46,6 +46,10 @@ def record_bytes(*records: McapRecord) -> bytes:
     return data
 
 
+Columns: TypeAlias = tuple[int, NDArray[np.integer], Integers]
+"""Of messages of a channel, in the order in which they lie: the channel, their log times, ns, and where they begin."""
+
+
 @dataclass(frozen=True)
 class MessageRecords:
     """Message records one after the other.
@@ -55,21 +59,35 @@ class MessageRecords:
     data : ndarray of uint8
     bounds : ndarray of int64, shape (N + 1,)
         Where in the data each begins, and the last ends.
-    channels : ndarray of uint16, shape (N,)
-    log_times_ns : ndarray of int64, shape (N,)
+    topics : list of Columns
+        Of each topic, also of messages beyond the bounds.
     """
 
     data: NDArray[np.uint8]
     bounds: Integers
-    channels: NDArray[np.uint16]
-    log_times_ns: Integers
+    topics: list[Columns]
 
     def __len__(self) -> int:
-        return len(self.channels)
+        return len(self.bounds) - 1
 
     def __getitem__(self, some: slice) -> MessageRecords:
         begin, end, _ = some.indices(len(self))
-        return MessageRecords(self.data, self.bounds[begin : end + 1], self.channels[some], self.log_times_ns[some])
+        return MessageRecords(self.data, self.bounds[begin : end + 1], self.topics)
+
+    def first_of(self, channel: int) -> int:
+        """The number of the first message of a channel that is one of the topics'."""
+        place = next(places[0] for number, _, places in self.topics if number == channel)
+        return int(np.searchsorted(self.bounds, place))
+
+    def columns(self, offset: int) -> list[Columns]:
+        """Of each topic the messages within the bounds, if the first of all begins at an offset in a chunk."""
+        bounds = self.bounds[[0, -1]]
+        found = []
+        for channel, times_ns, places in self.topics:
+            begin, end = places.searchsorted(bounds)
+            if begin < end:
+                found.append((channel, times_ns[begin:end], places[begin:end] + (offset - bounds[0])))
+        return found
 
     @classmethod
     def of(cls, topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]) -> MessageRecords:
@@ -84,41 +102,37 @@ class MessageRecords:
             Channel of each topic, and how many messages it has had before.
         """
         lengths = [len(messages.payloads) for messages in topics]
-        sizes = [HEAD.itemsize + messages.payloads.rows.shape[1] for messages in topics]
-        times_ns = np.concatenate([messages.times_ns for messages in topics])
-        order = np.argsort(times_ns, kind="stable")
+        sizes = [HEAD.itemsize + messages.payloads.template.size for messages in topics]
+        order = np.argsort(np.concatenate([messages.times_ns for messages in topics]), kind="stable")
         bounds = np.zeros(len(order) + 1, dtype=np.int64)
         np.cumsum(np.repeat(sizes, lengths)[order], out=bounds[1:])
         places = np.empty_like(order)
         places[order] = bounds[:-1]
         data = np.empty(bounds[-1], dtype=np.uint8)
-        numbers, begin = np.empty(len(order), dtype=np.uint16), 0
-        for messages, count, size in zip(topics, lengths, sizes, strict=True):
-            mine = slice(begin, begin + count)
-            numbers[mine] = channels[messages.topic]
-            heads = np.empty(count, dtype=HEAD)
-            heads["opcode"], heads["length"] = Opcode.MESSAGE, size - OPCODE_AND_LENGTH
-            heads["channel"] = channels[messages.topic]
-            first = counts[messages.topic] % _SEQUENCE_NUMBERS
-            heads["sequence"] = np.arange(first, first + count).astype(np.uint32)  # goes on with 0 behind the last
-            heads["log_time"] = heads["publish_time"] = messages.times_ns
-            _put(data, places[mine], heads.view(np.uint8).reshape(-1, HEAD.itemsize))
-            _put(data, places[mine] + HEAD.itemsize, messages.payloads.rows)
-            begin += count
-        return cls(data, bounds, numbers[order], times_ns[order])
+        columns: list[Columns] = []
+        for messages, own, size in zip(topics, np.split(places, np.cumsum(lengths)[:-1]), sizes, strict=True):
+            channel, times_ns, payloads = channels[messages.topic], messages.times_ns, messages.payloads
+            _head(channel, size).put(data, own, _head_words(channel, counts[messages.topic], times_ns))
+            payloads.template.put(data, own + HEAD.itemsize, payloads.words)
+            # both rise already, but where a time is before that of the message before
+            columns.append((channel, np.sort(times_ns, kind="stable"), np.sort(own, kind="stable")))
+        return cls(data, bounds, columns)
 
 
-def _put(data: NDArray[np.uint8], places: Integers, rows: NDArray[np.uint8]) -> None:
-    """Copy each row of bytes to its place, at any byte."""
-    if len(rows):
-        kind = f"V{rows.shape[1]}"
-        # an item of that size at each byte of the data; they overlap
-        items = np.ndarray(len(data) - rows.shape[1] + 1, dtype=kind, buffer=data, strides=(1,))
-        items[places] = np.ascontiguousarray(rows).view(kind)[:, 0]
+@lru_cache(maxsize=64)
+def _head(channel: int, size: int) -> Template:
+    """What comes before the payloads in records of so many bytes."""
+    head = np.array((Opcode.MESSAGE, size - OPCODE_AND_LENGTH, channel, 0, 0, 0), dtype=HEAD)
+    return Template(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
 
 
-Columns = tuple[NDArray[np.uint16], NDArray[np.integer], Integers]
-"""Of N messages the channels, the log times, ns, and the offsets in the uncompressed chunk, each of shape (N,)."""
+def _head_words(channel: int, first: int, times_ns: Integers) -> Integers:
+    """The words of the heads of messages with the numbers from ``first`` on."""
+    words = np.empty((len(times_ns), 3), dtype=np.int64)
+    # two bytes of the length, which are 0, the channel, and the sequence number, which goes on with 0 behind the last
+    words[:, 0] = np.arange(first, first + len(times_ns)) << 32 | channel << 16
+    words[:, 1] = words[:, 2] = times_ns
+    return words
 
 
 @dataclass(frozen=True)
@@ -130,7 +144,7 @@ class RawChunk:
     pieces : list of bytes or ndarray of uint8
         Its data.
     messages : list of Columns
-        Of one message at least.
+        Of one message at least. Of a channel that has several, in their order.
     """
 
     pieces: list[bytes | NDArray[np.uint8]]
@@ -141,28 +155,23 @@ class RawChunk:
         """All of its bytes."""
         return self.pieces[0] if len(self.pieces) == 1 else b"".join(self.pieces)
 
-    @cached_property
-    def _columns(self) -> Columns:
-        if len(self.messages) == 1:
-            return self.messages[0]
-        channels, log_times_ns, offsets = (np.concatenate(column) for column in zip(*self.messages, strict=True))
-        return channels, log_times_ns, offsets
-
     def log_times_ns(self) -> tuple[int, int]:
         """The earliest and the latest log time, ns."""
-        times = self._columns[1]
-        return int(times.min()), int(times.max())
+        first = min(int(times.min()) for _, times, _ in self.messages)
+        return first, max(int(times.max()) for _, times, _ in self.messages)
 
     def indexes(self) -> dict[int, NDArray[np.uint64]]:
         """For each channel the log times and offsets of its messages, shape (M, 2); in order of first messages."""
-        channels, log_times_ns, offsets = self._columns
-        order = np.argsort(channels, kind="stable")
-        entries = np.empty((len(channels), 2), dtype="<u8")
-        entries[:, 0], entries[:, 1] = log_times_ns[order], offsets[order]
-        ends = np.cumsum(np.bincount(channels)).tolist()
-        parts = [(begin, end) for begin, end in pairwise([0, *ends]) if begin < end]
-        parts.sort(key=lambda part: int(order[part[0]]))
-        return {int(channels[order[begin]]): entries[begin:end] for begin, end in parts}
+        found: dict[int, list[NDArray[np.uint64]]] = {}
+        for channel, times_ns, offsets in sorted(self.messages, key=_first_offset):
+            entries = np.empty((len(offsets), 2), dtype="<u8")
+            entries[:, 0], entries[:, 1] = times_ns, offsets
+            found.setdefault(channel, []).append(entries)
+        return {channel: parts[0] if len(parts) == 1 else np.concatenate(parts) for channel, parts in found.items()}
+
+
+def _first_offset(messages: Columns) -> int:
+    return int(messages[2][0])
 
 
 class ChunkBuilder:
@@ -197,7 +206,7 @@ class ChunkBuilder:
             # the first that ends beyond the size is the last of the chunk
             beyond = int(np.searchsorted(records.bounds, start + self._chunk_size - self._size, side="right"))
             some, records = records[: max(beyond, 1)], records[max(beyond, 1) :]
-            self._messages.append((some.channels, some.log_times_ns, some.bounds[:-1] - start + self._size))
+            self._messages += some.columns(self._size)
             self._append(some.data[start : some.bounds[-1]])
 
     def _append(self, data: bytes | NDArray[np.uint8]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import struct
 from array import array
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from io import BytesIO
@@ -249,14 +250,14 @@ class _Salvage:
 
 def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> RawChunk:
     """The chunk that the whole records at the start of some data make; at least one must be a message."""
-    channels, log_times, offsets, end = array("H"), array("Q"), array("q"), 0
+    end, found = 0, defaultdict[int, tuple[array[int], array[int]]](lambda: (array("Q"), array("q")))
     for opcode, begin, stop in records:
         if opcode == Opcode.MESSAGE:
             channel, _, log_time, _ = _MESSAGE.unpack_from(data, begin)
             if stop < begin + _MESSAGE.size:
                 raise ValueError("a message is too short")
             _require_channel(file, channel)
-            channels.append(channel)
+            log_times, offsets = found[channel]
             log_times.append(log_time)
             offsets.append(begin - _RECORD.size)
         elif opcode == Opcode.SCHEMA:
@@ -266,10 +267,10 @@ def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> R
             one = _parse(Channel.read, data[begin:stop])
             file.channels[one.id] = one
         end = stop
-    if not channels:
+    if not found:
         raise ValueError("no message is whole")
-    columns = np.frombuffer(channels, "u2"), np.frombuffer(log_times, "u8"), np.frombuffer(offsets, "i8")
-    return RawChunk([data[:end]], [columns])
+    columns = [(channel, np.frombuffer(own[0], "u8"), np.frombuffer(own[1], "i8")) for channel, own in found.items()]
+    return RawChunk([data[:end]], columns)
 
 
 def _require_channel(file: McapFile, channel: int) -> None:
