@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -46,8 +47,26 @@ def record_bytes(*records: McapRecord) -> bytes:
     return data
 
 
-Columns: TypeAlias = tuple[int, NDArray[np.integer], Integers]
-"""Of messages of a channel, in the order in which they lie: the channel, their log times, ns, and where they begin."""
+Rows: TypeAlias = NDArray[np.uint64]
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The messages of a channel in a chunk as its index has them.
+
+    Parameters
+    ----------
+    channel : int
+    rows : ndarray of uint64, shape (N, 2)
+        Log time, ns, and offset in the uncompressed chunk, in the order of the chunk.
+    first_ns, last_ns : int
+        The earliest and the latest log time.
+    """
+
+    channel: int
+    rows: Rows
+    first_ns: int
+    last_ns: int
 
 
 @dataclass(frozen=True)
@@ -59,13 +78,14 @@ class MessageRecords:
     data : ndarray of uint8
     bounds : ndarray of int64, shape (N + 1,)
         Where in the data each begins, and the last ends.
-    topics : list of Columns
-        Of each topic, also of messages beyond the bounds.
+    topics : list of (int, ndarray, ndarray)
+        Of each topic the channel, and log times, ns, and places in the data of its messages, in rising order; also of
+        those beyond the bounds.
     """
 
     data: NDArray[np.uint8]
     bounds: Integers
-    topics: list[Columns]
+    topics: list[tuple[int, Integers, Integers]]
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
@@ -79,15 +99,32 @@ class MessageRecords:
         place = next(places[0] for number, _, places in self.topics if number == channel)
         return int(np.searchsorted(self.bounds, place))
 
-    def columns(self, offset: int) -> list[Columns]:
-        """Of each topic the messages within the bounds, if the first of all begins at an offset in a chunk."""
-        bounds = self.bounds[[0, -1]]
-        found = []
+    def entries(self, pieces: Integers, offset: int) -> Iterator[list[Entries]]:
+        """What the indexes have of each piece of the data.
+
+        Parameters
+        ----------
+        pieces : ndarray of int64, shape (K + 1,)
+            Where each begins, and the last ends.
+        offset : int
+            Where the first begins in its chunk; the others begin theirs.
+        """
+        begins, offsets = pieces[:-1], np.zeros(len(pieces) - 1, dtype=np.int64)
+        offsets[0] = offset
+        parts = []
         for channel, times_ns, places in self.topics:
-            begin, end = places.searchsorted(bounds)
-            if begin < end:
-                found.append((channel, times_ns[begin:end], places[begin:end] + (offset - bounds[0])))
-        return found
+            splits = places.searchsorted(pieces)
+            own = slice(splits[0], splits[-1])
+            rows = np.empty((splits[-1] - splits[0], 2), dtype="<u8")
+            rows[:, 0] = times_ns[own]
+            rows[:, 1] = places[own] - np.repeat(begins - offsets, np.diff(splits))
+            parts.append((channel, rows, (splits - splits[0]).tolist()))
+        for k in range(len(begins)):
+            yield [
+                Entries(channel, rows[at[k] : at[k + 1]], int(rows[at[k], 0]), int(rows[at[k + 1] - 1, 0]))
+                for channel, rows, at in parts
+                if at[k] < at[k + 1]
+            ]
 
     @classmethod
     def of(cls, topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]) -> MessageRecords:
@@ -109,7 +146,7 @@ class MessageRecords:
         places = np.empty_like(order)
         places[order] = bounds[:-1]
         data = np.empty(bounds[-1], dtype=np.uint8)
-        columns: list[Columns] = []
+        columns = []
         for messages, own, size in zip(topics, np.split(places, np.cumsum(lengths)[:-1]), sizes, strict=True):
             channel, times_ns, payloads = channels[messages.topic], messages.times_ns, messages.payloads
             _head(channel, size).put(data, own, _head_words(channel, counts[messages.topic], times_ns))
@@ -137,18 +174,18 @@ def _head_words(channel: int, first: int, times_ns: Integers) -> Integers:
 
 @dataclass(frozen=True)
 class RawChunk:
-    """A chunk before it is compressed. What is computed of it is computed when it is asked for.
+    """A chunk before it is compressed.
 
     Parameters
     ----------
     pieces : list of bytes or ndarray of uint8
         Its data.
-    messages : list of Columns
+    messages : list of Entries
         Of one message at least. Of a channel that has several, in their order.
     """
 
     pieces: list[bytes | NDArray[np.uint8]]
-    messages: list[Columns]
+    messages: list[Entries]
 
     @cached_property
     def data(self) -> bytes | NDArray[np.uint8]:
@@ -157,21 +194,19 @@ class RawChunk:
 
     def log_times_ns(self) -> tuple[int, int]:
         """The earliest and the latest log time, ns."""
-        first = min(int(times.min()) for _, times, _ in self.messages)
-        return first, max(int(times.max()) for _, times, _ in self.messages)
+        first_ns = min(entries.first_ns for entries in self.messages)
+        return first_ns, max(entries.last_ns for entries in self.messages)
 
-    def indexes(self) -> dict[int, NDArray[np.uint64]]:
-        """For each channel the log times and offsets of its messages, shape (M, 2); in order of first messages."""
-        found: dict[int, list[NDArray[np.uint64]]] = {}
-        for channel, times_ns, offsets in sorted(self.messages, key=_first_offset):
-            entries = np.empty((len(offsets), 2), dtype="<u8")
-            entries[:, 0], entries[:, 1] = times_ns, offsets
-            found.setdefault(channel, []).append(entries)
-        return {channel: parts[0] if len(parts) == 1 else np.concatenate(parts) for channel, parts in found.items()}
+    def indexes(self) -> dict[int, Rows]:
+        """For each channel its rows, shape (M, 2); in order of first messages."""
+        found: dict[int, list[Rows]] = {}
+        for entries in sorted(self.messages, key=_first_offset):
+            found.setdefault(entries.channel, []).append(entries.rows)
+        return {channel: rows[0] if len(rows) == 1 else np.concatenate(rows) for channel, rows in found.items()}
 
 
-def _first_offset(messages: Columns) -> int:
-    return int(messages[2][0])
+def _first_offset(entries: Entries) -> int:
+    return int(entries.rows[0, 1])
 
 
 class ChunkBuilder:
@@ -193,7 +228,7 @@ class ChunkBuilder:
     def _begin(self) -> None:
         self._data: list[bytes | NDArray[np.uint8]] = []
         self._size = 0
-        self._messages: list[Columns] = []
+        self._messages: list[Entries] = []
 
     def add(self, record: McapRecord) -> None:
         """Add a schema or a channel."""
@@ -201,13 +236,23 @@ class ChunkBuilder:
 
     def add_messages(self, records: MessageRecords) -> None:
         """Add messages."""
-        while len(records):
-            start = records.bounds[0]
+        if not len(records):
+            return
+        pieces = records.bounds[self._ends(records.bounds)]
+        entries = records.entries(pieces, self._size)
+        for (begin, end), messages in zip(pairwise(pieces.tolist()), entries, strict=True):
+            self._messages += messages
+            self._append(records.data[begin:end])
+
+    def _ends(self, bounds: Integers) -> list[int]:
+        """The numbers of the messages with which pieces for one chunk each begin, and behind the last."""
+        ends, room = [0], self._chunk_size - self._size
+        while ends[-1] < len(bounds) - 1:
             # the first that ends beyond the size is the last of the chunk
-            beyond = int(np.searchsorted(records.bounds, start + self._chunk_size - self._size, side="right"))
-            some, records = records[: max(beyond, 1)], records[max(beyond, 1) :]
-            self._messages += some.columns(self._size)
-            self._append(some.data[start : some.bounds[-1]])
+            beyond = int(np.searchsorted(bounds, bounds[ends[-1]] + room, side="right"))
+            ends.append(min(max(beyond, ends[-1] + 1), len(bounds) - 1))
+            room = self._chunk_size
+        return ends
 
     def _append(self, data: bytes | NDArray[np.uint8]) -> None:
         self._data.append(data)

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
-import numpy as np
 import zstandard
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -27,9 +26,8 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from numpy.typing import NDArray
 
-from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, record_bytes
+from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, Rows, record_bytes
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -141,7 +139,7 @@ class McapFile:
         self._stream.write(data)
         self._position += len(data)
 
-    def add_chunk(self, chunk: Chunk, messages: Mapping[int, NDArray[np.uint64]]) -> None:
+    def add_chunk(self, chunk: Chunk, messages: Mapping[int, Rows]) -> None:
         """Write a chunk and the indexes of its messages.
 
         Parameters
