@@ -5,12 +5,10 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import accumulate, pairwise
 from typing import Final, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.messages.template import Template
@@ -46,7 +44,7 @@ class Payloads(Sequence[bytes]):
     ----------
     template : Template
         What they have in common.
-    words : ndarray of int64, shape (N, K)
+    words : ndarray of little-endian int64, shape (N, K)
         The words in which they differ.
     """
 
@@ -54,11 +52,6 @@ class Payloads(Sequence[bytes]):
     words: Integers
 
     __repr__ = short_repr
-
-    @cached_property
-    def rows(self) -> NDArray[np.uint8]:
-        """The bytes of each, shape (N, size)."""
-        return self.template.rows(self.words)
 
     def __len__(self) -> int:
         return len(self.words)
@@ -70,11 +63,11 @@ class Payloads(Sequence[bytes]):
     def __getitem__(self, index: slice) -> Payloads: ...
 
     def __getitem__(self, index: int | slice) -> bytes | Payloads:
-        return Payloads(self.template, self.words[index]) if isinstance(index, slice) else bytes(self.rows[index])
+        some = self.words[index if isinstance(index, slice) else [index]]
+        return Payloads(self.template, some) if isinstance(index, slice) else next(self.template.rows(some))
 
     def __iter__(self) -> Iterator[bytes]:
-        data, size = self.rows.tobytes(), self.template.size
-        return (data[i : i + size] for i in range(0, len(data), size))
+        return self.template.rows(self.words)
 
 
 class Layout:
@@ -114,11 +107,11 @@ class Layout:
         -------
         Payloads
         """
-        words = np.empty((len(stamps_ns), self._columns[-1].stop), dtype=np.int64)
+        words = np.empty((len(stamps_ns), self._columns[-1].stop), dtype="<i8")
         if self._stamped:
-            seconds = stamps_ns // NS
-            words[:, 0] = (stamps_ns - seconds * NS) << 32 | seconds & 0xFFFFFFFF
-        numbers = words.view(np.float64)
+            seconds, nanoseconds = np.divmod(stamps_ns, NS)
+            words[:, 0] = nanoseconds << 32 | seconds
+        numbers = words.view("<f8")
         for columns, values in zip(self._columns, vectors, strict=True):
             numbers[:, columns] = values
         return Payloads(self._template, words)

@@ -5,7 +5,7 @@ It imports nothing else of its room: the name of compiled code follows from ever
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Any, Final
 
@@ -17,6 +17,8 @@ from lie_rigid_body.compilation import Work
 
 _U: Final = tuple(np.uint64(k) for k in range(57))
 """Unsigned numbers: a compiler need not ask whether a place of that kind is negative."""
+_FEW: Final = 8
+"""Rows, of a live node for example, that are made one by one."""
 _ENOUGH: Final = 4_000_000
 """Number of rows from which on compiling pays: they take a second otherwise."""
 _ENOUGH_TO_LOAD: Final = 400_000
@@ -75,48 +77,70 @@ class Template:
     """
 
     def __init__(self, data: bytes, runs: Sequence[tuple[int, int]]) -> None:
-        self._data = np.frombuffer(data, dtype=np.uint8)
-        self._runs = list(runs)
-        self._offsets = np.array([*chain(*(range(at, at + 8 * count, 8) for at, count in runs))], dtype=np.int64)
+        self._data = data
+        self._parts = [(at, 8 * count) for at, count in runs]
+        offsets = [range(at, at + size, 8) for at, size in self._parts]
+        self._offsets = np.array([*chain(*offsets)], dtype=np.int64)
 
     @property
     def size(self) -> int:
         """Bytes of a row."""
         return len(self._data)
 
-    def rows(self, words: Integers) -> NDArray[np.uint8]:
+    def behind(self, head: bytes, runs: Sequence[tuple[int, int]]) -> Template:
+        """The template of the same rows with a head before each, which has words of its own before theirs."""
+        shifted = [(len(head) + at, size // 8) for at, size in self._parts]
+        return Template(head + self._data, [*runs, *shifted])
+
+    def rows(self, words: Integers) -> Iterator[bytes]:
         """The rows with some words.
 
         Parameters
         ----------
-        words : ndarray of int64, shape (N, K)
+        words : ndarray of little-endian int64, shape (N, K)
             The bits of each word, in the order of the runs.
-
-        Returns
-        -------
-        ndarray of uint8, shape (N, size)
         """
+        if len(words) <= _FEW:
+            return map(bytes, self._few(words))
+        data, size = self._many(words).tobytes(), self.size
+        return (data[i : i + size] for i in range(0, len(data), size))
+
+    def _few(self, words: Integers) -> Iterator[bytearray]:
+        """The rows one by one: of few, a call of NumPy costs more than a row."""
+        content, begin = words.tobytes(), 0
+        for _ in range(len(words)):
+            row = bytearray(self._data)
+            for at, size in self._parts:
+                row[at : at + size] = content[begin : begin + size]
+                begin += size
+            yield row
+
+    def _many(self, words: Integers) -> NDArray[np.uint8]:
+        """The rows as an array, shape (N, size)."""
         rows, begin = np.empty((len(words), self.size), dtype=np.uint8), 0
-        rows[:] = self._data
-        content = words.astype("<i8", copy=False).view(np.uint8)
-        for at, count in self._runs:
-            end = begin + 8 * count
-            rows[:, at : at + 8 * count] = content[:, begin:end]
-            begin = end
+        rows[:] = np.frombuffer(self._data, dtype=np.uint8)
+        content = words.view(np.uint8)
+        for at, size in self._parts:
+            rows[:, at : at + size] = content[:, begin : begin + size]
+            begin += size
         return rows
 
     def words(self, rows: NDArray[np.uint8]) -> Integers:
-        """The words of some rows; see `rows`."""
-        parts = [np.ascontiguousarray(rows[:, at : at + 8 * count]).view("<i8") for at, count in self._runs]
-        return np.concatenate(parts, axis=1, dtype=np.int64)
+        """The words of some rows, given as bytes, shape (N, size); see `rows`."""
+        parts = [np.ascontiguousarray(rows[:, at : at + size]).view("<i8") for at, size in self._parts]
+        return np.concatenate(parts, axis=1)
 
     def put(self, data: NDArray[np.uint8], places: Integers, words: Integers) -> None:
         """Write the rows with some words into data, each where its place says; see `rows`."""
-        compiled = PUT.compiled_for(len(places))
-        if compiled is not None:
-            compiled(data, places, self._data, self._offsets, words)
-        elif len(places):
+        if len(words) <= _FEW:
+            view = memoryview(data)
+            for place, row in zip(places.tolist(), self._few(words), strict=True):
+                view[place : place + self.size] = row
+        elif (compiled := PUT.compiled_for(len(words))) is not None:
+            alike = np.frombuffer(self._data, dtype=np.uint8)
+            compiled(data, places, alike, self._offsets, words.astype(np.int64, copy=False))
+        else:
             kind = f"V{self.size}"
             # an item of that size at each byte of the data; they overlap
             items = np.ndarray(len(data) - self.size + 1, dtype=kind, buffer=data, strides=(1,))
-            items[places] = self.rows(words).view(kind)[:, 0]
+            items[places] = self._many(words).view(kind)[:, 0]

@@ -47,7 +47,7 @@ def record_bytes(*records: McapRecord) -> bytes:
     return data
 
 
-Rows: TypeAlias = NDArray[np.uint64]
+Rows: TypeAlias = NDArray[np.integer]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Entries:
     Parameters
     ----------
     channel : int
-    rows : ndarray of uint64, shape (N, 2)
+    rows : ndarray of int64 or uint64, shape (N, 2)
         Log time, ns, and offset in the uncompressed chunk, in the order of the chunk.
     first_ns, last_ns : int
         The earliest and the latest log time.
@@ -78,14 +78,14 @@ class MessageRecords:
     data : ndarray of uint8
     bounds : ndarray of int64, shape (N + 1,)
         Where in the data each begins, and the last ends.
-    topics : list of (int, ndarray, ndarray)
-        Of each topic the channel, and log times, ns, and places in the data of its messages, in rising order; also of
-        those beyond the bounds.
+    topics : list of (int, ndarray of int64, shape (M, 2))
+        Of each topic the channel, and log times, ns, and places in the data of its messages, in the order of the data;
+        also of those beyond the bounds.
     """
 
     data: NDArray[np.uint8]
     bounds: Integers
-    topics: list[tuple[int, Integers, Integers]]
+    topics: list[tuple[int, Rows]]
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
@@ -96,7 +96,7 @@ class MessageRecords:
 
     def first_of(self, channel: int) -> int:
         """The number of the first message of a channel that is one of the topics'."""
-        place = next(places[0] for number, _, places in self.topics if number == channel)
+        place = next(int(rows[0, 1]) for number, rows in self.topics if number == channel)
         return int(np.searchsorted(self.bounds, place))
 
     def entries(self, pieces: Integers, offset: int) -> Iterator[list[Entries]]:
@@ -109,22 +109,14 @@ class MessageRecords:
         offset : int
             Where the first begins in its chunk; the others begin theirs.
         """
-        begins, offsets = pieces[:-1], np.zeros(len(pieces) - 1, dtype=np.int64)
-        offsets[0] = offset
-        parts = []
-        for channel, times_ns, places in self.topics:
-            splits = places.searchsorted(pieces)
-            own = slice(splits[0], splits[-1])
-            rows = np.empty((splits[-1] - splits[0], 2), dtype="<u8")
-            rows[:, 0] = times_ns[own]
-            rows[:, 1] = places[own] - np.repeat(begins - offsets, np.diff(splits))
-            parts.append((channel, rows, (splits - splits[0]).tolist()))
-        for k in range(len(begins)):
-            yield [
-                Entries(channel, rows[at[k] : at[k + 1]], int(rows[at[k], 0]), int(rows[at[k + 1] - 1, 0]))
-                for channel, rows, at in parts
-                if at[k] < at[k + 1]
-            ]
+        if len(pieces) == 2 and len(self) == sum(len(rows) for _, rows in self.topics):
+            splits = [[0, len(rows)] for _, rows in self.topics]
+        else:
+            splits = [np.searchsorted(rows[:, 1], pieces).tolist() for _, rows in self.topics]
+        for k, begin in enumerate(pieces[:-1].tolist()):
+            parts = ((topic, at[k], at[k + 1]) for topic, at in zip(self.topics, splits, strict=True))
+            yield [_entries(*topic, first, end, begin - offset) for topic, first, end in parts if first < end]
+            offset = 0
 
     @classmethod
     def of(cls, topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]) -> MessageRecords:
@@ -146,30 +138,48 @@ class MessageRecords:
         places = np.empty_like(order)
         places[order] = bounds[:-1]
         data = np.empty(bounds[-1], dtype=np.uint8)
-        columns = []
-        for messages, own, size in zip(topics, np.split(places, np.cumsum(lengths)[:-1]), sizes, strict=True):
-            channel, times_ns, payloads = channels[messages.topic], messages.times_ns, messages.payloads
-            _head(channel, size).put(data, own, _head_words(channel, counts[messages.topic], times_ns))
-            payloads.template.put(data, own + HEAD.itemsize, payloads.words)
-            # both rise already, but where a time is before that of the message before
-            columns.append((channel, np.sort(times_ns, kind="stable"), np.sort(own, kind="stable")))
-        return cls(data, bounds, columns)
+        found, begin = [], 0
+        for messages, count in zip(topics, lengths, strict=True):
+            channel, own = channels[messages.topic], places[begin : begin + count]
+            template = _record(channel, messages.payloads.template)
+            template.put(data, own, _record_words(channel, counts[messages.topic], messages))
+            found.append((channel, _rows(messages.times_ns, own)))
+            begin += count
+        return cls(data, bounds, found)
 
 
 @lru_cache(maxsize=64)
-def _head(channel: int, size: int) -> Template:
-    """What comes before the payloads in records of so many bytes."""
+def _record(channel: int, payload: Template) -> Template:
+    """The records of a topic's messages."""
+    size = HEAD.itemsize + payload.size
     head = np.array((Opcode.MESSAGE, size - OPCODE_AND_LENGTH, channel, 0, 0, 0), dtype=HEAD)
-    return Template(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
+    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
 
 
-def _head_words(channel: int, first: int, times_ns: Integers) -> Integers:
-    """The words of the heads of messages with the numbers from ``first`` on."""
-    words = np.empty((len(times_ns), 3), dtype=np.int64)
+def _record_words(channel: int, first: int, messages: Messages) -> Integers:
+    """The words of the records of messages with the numbers from ``first`` on."""
+    payload = messages.payloads.words
+    words = np.empty((len(payload), 3 + payload.shape[1]), dtype="<i8")
     # two bytes of the length, which are 0, the channel, and the sequence number, which goes on with 0 behind the last
-    words[:, 0] = np.arange(first, first + len(times_ns)) << 32 | channel << 16
-    words[:, 1] = words[:, 2] = times_ns
+    words[:, 0] = np.arange(first, first + len(words)) << 32 | channel << 16
+    words[:, 1] = words[:, 2] = messages.times_ns
+    words[:, 3:] = payload
     return words
+
+
+def _rows(times_ns: Integers, places: Integers) -> Rows:
+    """Log times and places of a topic's messages, in the order of the places."""
+    rows = np.empty((len(places), 2), dtype="<i8")
+    rows[:, 0], rows[:, 1] = times_ns, places
+    goes_back = len(places) > 1 and (places[1:] < places[:-1]).any()
+    return rows[np.argsort(places)] if goes_back else rows
+
+
+def _entries(channel: int, rows: Rows, first: int, end: int, begin: int) -> Entries:
+    """Some of a topic's messages, for a chunk that begins at a place."""
+    own = rows[first:end].copy()
+    own[:, 1] -= begin
+    return Entries(channel, own, int(own[0, 0]), int(own[-1, 0]))
 
 
 @dataclass(frozen=True)
