@@ -16,12 +16,19 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_writing, record, runs, tell
+from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
+
+
+def compile_all() -> None:
+    """Compile what a long run is computed and laid out by, or load it."""
+    LOOP.compile()
+    PUT.compile()
 
 
 def ours(run: Run) -> tuple[int, Spent]:
     """Messages of a run, and what one costs, µs."""
-    LOOP.compile()
+    compile_all()
     with TemporaryDirectory() as folder:
         path = Path(folder, "bag.mcap")
         with Spent() as spent:
@@ -44,7 +51,7 @@ def main() -> None:
     """Print the table."""
     given = arguments(__doc__)
     head = ("topics", "run", "messages", "times faster", "of processor time", "memory")
-    LOOP.compile()
+    compile_all()
     tell("recording", [head, *map(line, runs(given.longest))], save=given.save)
 
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.estimator import Scores, scores
 from lie_rigid_body.parameters import Value
-from lie_rigid_body.recording.bag_writer import BagWriter, write_run
+from lie_rigid_body.recording.bag_writer import BagWriter, expect_messages, write_run
 from lie_rigid_body.simulation import Simulation
 
 BAGS: Final = "bags"
@@ -89,6 +89,7 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     # so that loading compiled code pays from the first run on
     scenario.expect(campaign.duration * campaign.runs)
     expect(scenario, campaign.duration * campaign.runs)
+    expect_messages(scenario, campaign.duration * campaign.runs)
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
     with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:

@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
-    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.recording.bag_writer import BagWriter, expect_messages
     from lie_rigid_body.simulation import Simulation
 
     scenario = console.scenario(given)
@@ -47,7 +47,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     out = Path(given.out)
     simulation.require_stamps(last_ns)  # before a file is made
     _require_room(out, given.compression, count, _readings(scenario, duration))
-    scenario.expect(float(duration))  # before there is a file: what is loaded in it heeds no signal for a second
+    # before there is a file: what is loaded in them heeds no signal for a second
+    scenario.expect(float(duration))
+    expect_messages(scenario, float(duration))
     with Interruption() as interruption:
         with BagWriter(
             out,

@@ -18,6 +18,7 @@ from lie_rigid_body.messages.layout import (
     numbers_after,
     text,
 )
+from lie_rigid_body.messages.template import Template
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples
@@ -237,7 +238,11 @@ def encode_string(value: str) -> bytes:
 def encode_strings(values: Sequence[str], length: int) -> Payloads:
     """Texts as std_msgs/String, with blanks behind each, so that all have one length in characters of ASCII."""
     data = b"".join(encode_string(value.ljust(length)) for value in values)
-    return Payloads(np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1))
+    rows = np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1)
+    size = rows.shape[1]
+    # words all along; the last one has bytes of the one before
+    template = Template(bytes(size), [(0, size // 8), (size - 8, 1)])
+    return Payloads(template, template.words(rows))
 
 
 def _diagonal(variance: float) -> list[float]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Final, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.messages.template import Template
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import short_repr
 
@@ -37,19 +38,23 @@ def text(value: str) -> bytes:
 
 @dataclass(frozen=True, eq=False)
 class Payloads(Sequence[bytes]):
-    """Messages of one size, which lie side by side.
+    """Messages of one size. Their bytes are laid out when they are asked for, or straight where they are wanted.
 
     Parameters
     ----------
-    rows : ndarray of uint8, shape (N, size)
+    template : Template
+        What they have in common.
+    words : ndarray of little-endian int64, shape (N, K)
+        The words in which they differ.
     """
 
-    rows: NDArray[np.uint8]
+    template: Template
+    words: Integers
 
     __repr__ = short_repr
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self.words)
 
     @overload
     def __getitem__(self, index: int) -> bytes: ...
@@ -58,11 +63,11 @@ class Payloads(Sequence[bytes]):
     def __getitem__(self, index: slice) -> Payloads: ...
 
     def __getitem__(self, index: int | slice) -> bytes | Payloads:
-        return Payloads(self.rows[index]) if isinstance(index, slice) else self.rows[index].tobytes()
+        some = self.words[index if isinstance(index, slice) else [index]]
+        return Payloads(self.template, some) if isinstance(index, slice) else next(self.template.rows(some))
 
     def __iter__(self) -> Iterator[bytes]:
-        data, size = self.rows.tobytes(), self.rows.shape[1]
-        return (data[i : i + size] for i in range(0, len(data), size))
+        return self.template.rows(self.words)
 
 
 class Layout:
@@ -82,19 +87,12 @@ class Layout:
         head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
         start = numbers_after(len(head))
         template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
-        self._template = np.frombuffer(template, dtype=np.uint8)
-        self._size = len(template)
-        self._stamped = frame is not None
-        self._vectors = [f"vector_{i}" for i in range(len(places))]
-        # without a header the stamp's bytes are numbers, and are left alone
-        self._fields = np.dtype(
-            {
-                "names": ["sec", "nanosec", *self._vectors],
-                "formats": ["<i4", "<u4", *(("<f8", (length,)) for _, length in places)],
-                "offsets": [4, 8, *(start + 8 * first for first, _ in places)],
-                "itemsize": self._size,
-            }
-        )
+        # the stamp's two halves, sec and nanosec, are one word
+        stamp = [] if frame is None else [(len(ENCAPSULATION), 1)]
+        self._template = Template(template, [*stamp, *((start + 8 * first, length) for first, length in places)])
+        self._stamped = len(stamp)
+        ends = list(accumulate((length for _, length in places), initial=self._stamped))
+        self._columns = [slice(*bounds) for bounds in pairwise(ends)]
 
     def encode(self, stamps_ns: Integers, *vectors: Array) -> Payloads:
         """One payload a sample.
@@ -109,11 +107,11 @@ class Layout:
         -------
         Payloads
         """
-        data = np.empty((len(stamps_ns), self._size), dtype=np.uint8)
-        data[:] = self._template
-        rows = data.view(self._fields)[:, 0]
+        words = np.empty((len(stamps_ns), self._columns[-1].stop), dtype="<i8")
         if self._stamped:
-            rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
-        for name, values in zip(self._vectors, vectors, strict=True):
-            rows[name] = values
-        return Payloads(data)
+            seconds, nanoseconds = np.divmod(stamps_ns, NS)
+            words[:, 0] = nanoseconds << 32 | seconds
+        numbers = words.view("<f8")
+        for columns, values in zip(self._columns, vectors, strict=True):
+            numbers[:, columns] = values
+        return Payloads(self._template, words)

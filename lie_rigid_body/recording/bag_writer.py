@@ -14,13 +14,14 @@ from mcap.records import Channel, Header, Metadata, Schema
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import definitions, encode_string
+from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
-from lie_rigid_body.messages.layout import Payloads
+from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
 POSE_TOPIC: Final = "/pose"
@@ -143,9 +144,9 @@ class BagWriter:
         """
         if segment.scenario.stamped_twist != self._stamped_twist:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
-        text = np.frombuffer(encode_string(segment.to_json()), dtype=np.uint8)
+        text = segment.to_json()
         with self._writing():
-            self._add([Messages(_SCENARIO, np.array([segment.start_ns]), Payloads(text[np.newaxis]))])
+            self._add([Messages(_SCENARIO, np.array([segment.start_ns]), encode_strings([text], len(text)))])
 
     def write(self, batch: Batch) -> None:
         """Write messages in the order of their times, each logged at its own.
@@ -165,7 +166,7 @@ class BagWriter:
         records = MessageRecords.of(topics, numbers, self._counts)
         done = 0
         for topic in self._new(topics):
-            first = int(np.argmax(records.channels == numbers[topic]))
+            first = records.first_of(numbers[topic])
             self._chunk.add_messages(records[done:first])
             self._add_channel(topic)
             done = first
@@ -259,6 +260,11 @@ class BagWriter:
             self.finish()
         elif self._open:
             self._abandon()  # a run that failed does not replace a bag that is whole
+
+
+def expect_messages(scenario: Scenario, duration: float) -> None:
+    """Take notice that messages of so many seconds will be written, so that all are laid out compiled if that pays."""
+    PUT.compiled_for(int(duration * (2.0 * scenario.rate + sum(model.rate for model in scenario.sensors.on.values()))))
 
 
 def write_run(

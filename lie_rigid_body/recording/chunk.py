@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from mcap.data_stream import RecordBuilder
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
+from lie_rigid_body.messages.template import Template
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
@@ -31,10 +32,10 @@ HEAD: Final = np.dtype(
     ]
 )
 """What comes before the payload in a message record."""
+_CHANNEL, _TIMES = 9, 15
+"""Bytes of it where the channel begins, and where the two times do."""
 OPCODE_AND_LENGTH: Final = 9
 """Bytes of a record that its length does not count."""
-_SEQUENCE_NUMBERS: Final = 2**32
-"""MCAP counts the messages of a channel in 32 bits."""
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -46,6 +47,28 @@ def record_bytes(*records: McapRecord) -> bytes:
     return data
 
 
+Rows: TypeAlias = NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The messages of a channel in a chunk as its index has them.
+
+    Parameters
+    ----------
+    channel : int
+    rows : ndarray of int64 or uint64, shape (N, 2)
+        Log time, ns, and offset in the uncompressed chunk, in the order of the chunk.
+    first_ns, last_ns : int
+        The earliest and the latest log time.
+    """
+
+    channel: int
+    rows: Rows
+    first_ns: int
+    last_ns: int
+
+
 @dataclass(frozen=True)
 class MessageRecords:
     """Message records one after the other.
@@ -55,21 +78,45 @@ class MessageRecords:
     data : ndarray of uint8
     bounds : ndarray of int64, shape (N + 1,)
         Where in the data each begins, and the last ends.
-    channels : ndarray of uint16, shape (N,)
-    log_times_ns : ndarray of int64, shape (N,)
+    topics : list of (int, ndarray of int64, shape (M, 2))
+        Of each topic the channel, and log times, ns, and places in the data of its messages, in the order of the data;
+        also of those beyond the bounds.
     """
 
     data: NDArray[np.uint8]
     bounds: Integers
-    channels: NDArray[np.uint16]
-    log_times_ns: Integers
+    topics: list[tuple[int, Rows]]
 
     def __len__(self) -> int:
-        return len(self.channels)
+        return len(self.bounds) - 1
 
     def __getitem__(self, some: slice) -> MessageRecords:
         begin, end, _ = some.indices(len(self))
-        return MessageRecords(self.data, self.bounds[begin : end + 1], self.channels[some], self.log_times_ns[some])
+        return MessageRecords(self.data, self.bounds[begin : end + 1], self.topics)
+
+    def first_of(self, channel: int) -> int:
+        """The number of the first message of a channel that is one of the topics'."""
+        place = next(int(rows[0, 1]) for number, rows in self.topics if number == channel)
+        return int(np.searchsorted(self.bounds, place))
+
+    def entries(self, pieces: Integers, offset: int) -> Iterator[list[Entries]]:
+        """What the indexes have of each piece of the data.
+
+        Parameters
+        ----------
+        pieces : ndarray of int64, shape (K + 1,)
+            Where each begins, and the last ends.
+        offset : int
+            Where the first begins in its chunk; the others begin theirs.
+        """
+        if len(pieces) == 2 and len(self) == sum(len(rows) for _, rows in self.topics):
+            splits = [[0, len(rows)] for _, rows in self.topics]
+        else:
+            splits = [np.searchsorted(rows[:, 1], pieces).tolist() for _, rows in self.topics]
+        for k, begin in enumerate(pieces[:-1].tolist()):
+            parts = ((topic, at[k], at[k + 1]) for topic, at in zip(self.topics, splits, strict=True))
+            yield [_entries(*topic, first, end, begin - offset) for topic, first, end in parts if first < end]
+            offset = 0
 
     @classmethod
     def of(cls, topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]) -> MessageRecords:
@@ -84,85 +131,92 @@ class MessageRecords:
             Channel of each topic, and how many messages it has had before.
         """
         lengths = [len(messages.payloads) for messages in topics]
-        sizes = [HEAD.itemsize + messages.payloads.rows.shape[1] for messages in topics]
-        times_ns = np.concatenate([messages.times_ns for messages in topics])
-        order = np.argsort(times_ns, kind="stable")
+        sizes = [HEAD.itemsize + messages.payloads.template.size for messages in topics]
+        order = np.argsort(np.concatenate([messages.times_ns for messages in topics]), kind="stable")
         bounds = np.zeros(len(order) + 1, dtype=np.int64)
         np.cumsum(np.repeat(sizes, lengths)[order], out=bounds[1:])
         places = np.empty_like(order)
         places[order] = bounds[:-1]
         data = np.empty(bounds[-1], dtype=np.uint8)
-        numbers, begin = np.empty(len(order), dtype=np.uint16), 0
-        for messages, count, size in zip(topics, lengths, sizes, strict=True):
-            mine = slice(begin, begin + count)
-            numbers[mine] = channels[messages.topic]
-            heads = np.empty(count, dtype=HEAD)
-            heads["opcode"], heads["length"] = Opcode.MESSAGE, size - OPCODE_AND_LENGTH
-            heads["channel"] = channels[messages.topic]
-            first = counts[messages.topic] % _SEQUENCE_NUMBERS
-            heads["sequence"] = np.arange(first, first + count).astype(np.uint32)  # goes on with 0 behind the last
-            heads["log_time"] = heads["publish_time"] = messages.times_ns
-            _put(data, places[mine], heads.view(np.uint8).reshape(-1, HEAD.itemsize))
-            _put(data, places[mine] + HEAD.itemsize, messages.payloads.rows)
+        found, begin = [], 0
+        for messages, count in zip(topics, lengths, strict=True):
+            channel, own = channels[messages.topic], places[begin : begin + count]
+            template = _record(channel, messages.payloads.template)
+            template.put(data, own, _record_words(channel, counts[messages.topic], messages))
+            found.append((channel, _rows(messages.times_ns, own)))
             begin += count
-        return cls(data, bounds, numbers[order], times_ns[order])
+        return cls(data, bounds, found)
 
 
-def _put(data: NDArray[np.uint8], places: Integers, rows: NDArray[np.uint8]) -> None:
-    """Copy each row of bytes to its place, at any byte."""
-    if len(rows):
-        kind = f"V{rows.shape[1]}"
-        # an item of that size at each byte of the data; they overlap
-        items = np.ndarray(len(data) - rows.shape[1] + 1, dtype=kind, buffer=data, strides=(1,))
-        items[places] = np.ascontiguousarray(rows).view(kind)[:, 0]
+@lru_cache(maxsize=64)
+def _record(channel: int, payload: Template) -> Template:
+    """The records of a topic's messages."""
+    size = HEAD.itemsize + payload.size
+    head = np.array((Opcode.MESSAGE, size - OPCODE_AND_LENGTH, channel, 0, 0, 0), dtype=HEAD)
+    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
 
 
-Columns = tuple[NDArray[np.uint16], NDArray[np.integer], Integers]
-"""Of N messages the channels, the log times, ns, and the offsets in the uncompressed chunk, each of shape (N,)."""
+def _record_words(channel: int, first: int, messages: Messages) -> Integers:
+    """The words of the records of messages with the numbers from ``first`` on."""
+    payload = messages.payloads.words
+    words = np.empty((len(payload), 3 + payload.shape[1]), dtype="<i8")
+    # two bytes of the length, which are 0, the channel, and the sequence number, which goes on with 0 behind the last
+    words[:, 0] = np.arange(first, first + len(words)) << 32 | channel << 16
+    words[:, 1] = words[:, 2] = messages.times_ns
+    words[:, 3:] = payload
+    return words
+
+
+def _rows(times_ns: Integers, places: Integers) -> Rows:
+    """Log times and places of a topic's messages, in the order of the places."""
+    rows = np.empty((len(places), 2), dtype="<i8")
+    rows[:, 0], rows[:, 1] = times_ns, places
+    goes_back = len(places) > 1 and (places[1:] < places[:-1]).any()
+    return rows[np.argsort(places)] if goes_back else rows
+
+
+def _entries(channel: int, rows: Rows, first: int, end: int, begin: int) -> Entries:
+    """Some of a topic's messages, for a chunk that begins at a place."""
+    own = rows[first:end].copy()
+    own[:, 1] -= begin
+    return Entries(channel, own, int(own[0, 0]), int(own[-1, 0]))
 
 
 @dataclass(frozen=True)
 class RawChunk:
-    """A chunk before it is compressed. What is computed of it is computed when it is asked for.
+    """A chunk before it is compressed.
 
     Parameters
     ----------
     pieces : list of bytes or ndarray of uint8
         Its data.
-    messages : list of Columns
-        Of one message at least.
+    messages : list of Entries
+        Of one message at least. Of a channel that has several, in their order.
     """
 
     pieces: list[bytes | NDArray[np.uint8]]
-    messages: list[Columns]
+    messages: list[Entries]
 
     @cached_property
     def data(self) -> bytes | NDArray[np.uint8]:
         """All of its bytes."""
         return self.pieces[0] if len(self.pieces) == 1 else b"".join(self.pieces)
 
-    @cached_property
-    def _columns(self) -> Columns:
-        if len(self.messages) == 1:
-            return self.messages[0]
-        channels, log_times_ns, offsets = (np.concatenate(column) for column in zip(*self.messages, strict=True))
-        return channels, log_times_ns, offsets
-
     def log_times_ns(self) -> tuple[int, int]:
         """The earliest and the latest log time, ns."""
-        times = self._columns[1]
-        return int(times.min()), int(times.max())
+        first_ns = min(entries.first_ns for entries in self.messages)
+        return first_ns, max(entries.last_ns for entries in self.messages)
 
-    def indexes(self) -> dict[int, NDArray[np.uint64]]:
-        """For each channel the log times and offsets of its messages, shape (M, 2); in order of first messages."""
-        channels, log_times_ns, offsets = self._columns
-        order = np.argsort(channels, kind="stable")
-        entries = np.empty((len(channels), 2), dtype="<u8")
-        entries[:, 0], entries[:, 1] = log_times_ns[order], offsets[order]
-        ends = np.cumsum(np.bincount(channels)).tolist()
-        parts = [(begin, end) for begin, end in pairwise([0, *ends]) if begin < end]
-        parts.sort(key=lambda part: int(order[part[0]]))
-        return {int(channels[order[begin]]): entries[begin:end] for begin, end in parts}
+    def indexes(self) -> dict[int, Rows]:
+        """For each channel its rows, shape (M, 2); in order of first messages."""
+        found: dict[int, list[Rows]] = {}
+        for entries in sorted(self.messages, key=_first_offset):
+            found.setdefault(entries.channel, []).append(entries.rows)
+        return {channel: rows[0] if len(rows) == 1 else np.concatenate(rows) for channel, rows in found.items()}
+
+
+def _first_offset(entries: Entries) -> int:
+    return int(entries.rows[0, 1])
 
 
 class ChunkBuilder:
@@ -184,7 +238,7 @@ class ChunkBuilder:
     def _begin(self) -> None:
         self._data: list[bytes | NDArray[np.uint8]] = []
         self._size = 0
-        self._messages: list[Columns] = []
+        self._messages: list[Entries] = []
 
     def add(self, record: McapRecord) -> None:
         """Add a schema or a channel."""
@@ -192,13 +246,23 @@ class ChunkBuilder:
 
     def add_messages(self, records: MessageRecords) -> None:
         """Add messages."""
-        while len(records):
-            start = records.bounds[0]
+        if not len(records):
+            return
+        pieces = records.bounds[self._ends(records.bounds)]
+        entries = records.entries(pieces, self._size)
+        for (begin, end), messages in zip(pairwise(pieces.tolist()), entries, strict=True):
+            self._messages += messages
+            self._append(records.data[begin:end])
+
+    def _ends(self, bounds: Integers) -> list[int]:
+        """The numbers of the messages with which pieces for one chunk each begin, and behind the last."""
+        ends, room = [0], self._chunk_size - self._size
+        while ends[-1] < len(bounds) - 1:
             # the first that ends beyond the size is the last of the chunk
-            beyond = int(np.searchsorted(records.bounds, start + self._chunk_size - self._size, side="right"))
-            some, records = records[: max(beyond, 1)], records[max(beyond, 1) :]
-            self._messages.append((some.channels, some.log_times_ns, some.bounds[:-1] - start + self._size))
-            self._append(some.data[start : some.bounds[-1]])
+            beyond = int(np.searchsorted(bounds, bounds[ends[-1]] + room, side="right"))
+            ends.append(min(max(beyond, ends[-1] + 1), len(bounds) - 1))
+            room = self._chunk_size
+        return ends
 
     def _append(self, data: bytes | NDArray[np.uint8]) -> None:
         self._data.append(data)

@@ -6,9 +6,9 @@ import struct
 import zlib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, BinaryIO, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
-import numpy as np
 import zstandard
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -26,11 +26,14 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from numpy.typing import NDArray
 
-from lie_rigid_body.recording.chunk import MAGIC, RawChunk, record_bytes
+from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, Rows, record_bytes
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
 
 _MESSAGE_INDEX: Final = struct.Struct("<BQHI")
+_LENGTH: Final = struct.Struct("<Q")
 _FOOTER: Final = struct.Struct("<BQQQ")
 
 
@@ -80,6 +83,15 @@ def compressed(raw: RawChunk, compression: str, compress: Compress) -> Chunk:
     )
 
 
+def _head_of(chunk: Chunk) -> bytes:
+    """The record of a chunk up to its data, which are not copied."""
+    head = bytearray(record_bytes(replace(chunk, data=b"")))
+    size = len(chunk.data)
+    _LENGTH.pack_into(head, 1, len(head) - OPCODE_AND_LENGTH + size)
+    _LENGTH.pack_into(head, len(head) - _LENGTH.size, size)
+    return bytes(head)
+
+
 class McapFile:
     """An MCAP file that grows by chunks.
 
@@ -127,7 +139,7 @@ class McapFile:
         self._stream.write(data)
         self._position += len(data)
 
-    def add_chunk(self, chunk: Chunk, messages: Mapping[int, NDArray[np.uint64]]) -> None:
+    def add_chunk(self, chunk: Chunk, messages: Mapping[int, Rows]) -> None:
         """Write a chunk and the indexes of its messages.
 
         Parameters
@@ -136,24 +148,25 @@ class McapFile:
         messages : mapping of int to ndarray
             See `RawChunk.indexes`.
         """
-        start, record = self._position, record_bytes(chunk)
-        self._write(record)
-        offsets: dict[int, int] = {}
-        indexes = self._position
+        head = _head_of(chunk)
+        start, length = self._position, len(head) + len(chunk.data)
+        offsets, end = dict[int, int](), start + length
+        parts: list[ReadableBuffer] = [head, chunk.data]
         for channel, entries in messages.items():
-            offsets[channel] = self._position
+            offsets[channel] = end
             self._counts[channel] += len(entries)
             size = entries.nbytes
-            head = _MESSAGE_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size)
-            self._write(head + entries.tobytes())
+            parts += _MESSAGE_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size), entries
+            end += _MESSAGE_INDEX.size + size
+        self._write(b"".join(parts))
         self._note_times(chunk)
         index = ChunkIndex(
             message_start_time=chunk.message_start_time,
             message_end_time=chunk.message_end_time,
             chunk_start_offset=start,
-            chunk_length=len(record),
+            chunk_length=length,
             message_index_offsets=offsets,
-            message_index_length=self._position - indexes,
+            message_index_length=end - start - length,
             compression=chunk.compression,
             compressed_size=len(chunk.data),
             uncompressed_size=chunk.uncompressed_size,

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import struct
 from array import array
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
@@ -21,7 +23,7 @@ from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.chunk import MAGIC, RawChunk
+from lie_rigid_body.recording.chunk import MAGIC, Entries, RawChunk
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason
@@ -249,16 +251,14 @@ class _Salvage:
 
 def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> RawChunk:
     """The chunk that the whole records at the start of some data make; at least one must be a message."""
-    channels, log_times, offsets, end = array("H"), array("Q"), array("q"), 0
+    end, rows = 0, defaultdict[int, array[int]](partial(array, "Q"))
     for opcode, begin, stop in records:
         if opcode == Opcode.MESSAGE:
             channel, _, log_time, _ = _MESSAGE.unpack_from(data, begin)
             if stop < begin + _MESSAGE.size:
                 raise ValueError("a message is too short")
             _require_channel(file, channel)
-            channels.append(channel)
-            log_times.append(log_time)
-            offsets.append(begin - _RECORD.size)
+            rows[channel].extend((log_time, begin - _RECORD.size))
         elif opcode == Opcode.SCHEMA:
             schema = _parse(Schema.read, data[begin:stop])
             file.schemas[schema.id] = schema
@@ -266,10 +266,15 @@ def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> R
             one = _parse(Channel.read, data[begin:stop])
             file.channels[one.id] = one
         end = stop
-    if not channels:
+    if not rows:
         raise ValueError("no message is whole")
-    columns = np.frombuffer(channels, "u2"), np.frombuffer(log_times, "u8"), np.frombuffer(offsets, "i8")
-    return RawChunk([data[:end]], [columns])
+    return RawChunk([data[:end]], [_entries(channel, own) for channel, own in rows.items()])
+
+
+def _entries(channel: int, numbers: array[int]) -> Entries:
+    """The messages of a channel, of log time and offset by turns."""
+    rows = np.frombuffer(numbers, "<u8").reshape(-1, 2)
+    return Entries(channel, rows, int(rows[:, 0].min()), int(rows[:, 0].max()))
 
 
 def _require_channel(file: McapFile, channel: int) -> None:

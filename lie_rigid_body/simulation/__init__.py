@@ -8,6 +8,7 @@ Modules:
 - `fault_log`: the faults of the sensors as they begin;
 - `segment`: a stretch of motion between two resets, and its JSON;
 - `sample_queue`: samples of one clock, computed ahead and taken in order, across resets;
+- `shared_motion`: the motion of those who have the same clock, computed once;
 - `loop`: the truth and the sensors together, across resets.
 """
 

@@ -32,6 +32,7 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.sample_queue import SampleQueue, SensorQueue
 from lie_rigid_body.simulation.samples import Samples, SensorSamples
 from lie_rigid_body.simulation.segment import Segment
+from lie_rigid_body.simulation.shared_motion import Latest, SharedMotion
 from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
@@ -238,13 +239,12 @@ def _followed(
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:
     """The motions of one start: first of the truth, then of each sensor that there is.
 
-    A closed form serves them all. A moving chart divides the time between the samples asked of it into steps, so that
-    those of another clock in between would change its bits: the truth and each sensor have one of their own.
+    A moving chart divides the time between the samples asked of it into steps, so that those of another clock in
+    between would change its bits: each clock has one of its own, and those who have the same clock share it.
     """
-    if scenario.motion == "closed_form":
-        motion = scenario.make_motion()
-        return lambda: motion
-    return scenario.make_motion
+    rates = [scenario.rate, *(model.rate for model in scenario.sensors.on.values())]
+    clocks, start, turns = {rate: Latest() for rate in rates}, scenario.make_motion(), iter(rates)
+    return lambda: SharedMotion(start, clocks[next(turns)])
 
 
 def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[Samples]:
@@ -260,7 +260,7 @@ def _sensor(segment: Segment, model: SensorModel, motion: Motion) -> SampleQueue
     scenario, start_ns = segment.scenario, segment.start_ns
     clock = SampleClock(scenario.epoch_ns, model.rate)
     first = clock.count_until(start_ns - 1)
-    sensor = _made(model, scenario, clock.stamp_ns(first - 1) - start_ns, motion)
+    sensor = _made(model, scenario, clock.stamp_ns(first - 1) - start_ns)
     arrivals = Arrivals(clock, first, start_ns, model.delivery)
     compute = partial(_readings, sensor, motion, start_ns, arrivals)
     return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate), arrivals)
@@ -274,7 +274,7 @@ class _Sensor(Protocol):
         ...
 
 
-def _made(model: SensorModel, scenario: Scenario, before_ns: int, motion: Motion) -> _Sensor:
+def _made(model: SensorModel, scenario: Scenario, before_ns: int) -> _Sensor:
     """The sensor of a model, before its first reading, which comes an interval after ``before_ns``."""
     if isinstance(model, MagnetometerModel):
         return Magnetometer(model)
@@ -283,7 +283,7 @@ def _made(model: SensorModel, scenario: Scenario, before_ns: int, motion: Motion
     if not isinstance(model, ImuModel):
         return SunSensor(model)
     # an instantaneous rate does not look at the state before
-    before = _extended(scenario, motion).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
+    before = _extended(scenario).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
     return Imu(model, scenario.body(), before_ns, before)
 
 
@@ -299,6 +299,6 @@ def _readings(sensor: _Sensor, motion: Motion, start_ns: int, arrivals: Arrivals
     return SensorSamples(*arrivals.of(measured_ns), sensor.measure(times, motion.at(times)))
 
 
-def _extended(scenario: Scenario, motion: Motion) -> ClosedForm:
+def _extended(scenario: Scenario) -> ClosedForm:
     """Exact motion extended to times before the start; the integrator only goes forward."""
-    return motion if isinstance(motion, ClosedForm) else ClosedForm(scenario.body(), scenario.start())
+    return ClosedForm(scenario.body(), scenario.start())

@@ -1,0 +1,65 @@
+"""A motion that several ask for the same times, one after the other, and that is computed once."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion import Motion
+
+
+@dataclass
+class Latest:
+    """The latest call of those who are in step: its number from 1 on, times and states, and the motion after it."""
+
+    number: int = 0
+    t_ns: Any = None
+    states: Any = None
+    motion: Any = None
+
+
+class SharedMotion:
+    """A motion for one of several users, each of whom gets the bits of a motion of their own.
+
+    As long as they ask for the same times in the same order, each answer is computed for the first and kept for the
+    others until the next one. Who asks otherwise goes on alone.
+
+    Parameters
+    ----------
+    motion : Motion
+        At the start; it is copied.
+    latest : Latest
+        The same for all users.
+    """
+
+    def __init__(self, motion: Motion, latest: Latest) -> None:
+        self._motion = copy.copy(motion)
+        self._latest = latest
+        self._calls = 0
+        self._in_step = True
+
+    def expect(self, work: int) -> None:
+        """Tell the motion of work that is to come; see `Motion`."""
+        self._motion.expect(work)
+
+    def at(self, t_ns: ArrayLike) -> State:
+        """The states at the given times, ns."""
+        latest = self._latest
+        if self._in_step and self._calls < latest.number:
+            self._in_step = self._calls + 1 == latest.number and np.array_equal(latest.t_ns, t_ns)
+            if self._in_step:
+                self._calls += 1
+                self._motion = copy.copy(latest.motion)
+                kept: State = latest.states
+                return kept
+        states = self._motion.at(t_ns)
+        if self._in_step:
+            self._calls += 1
+            latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
+            latest.motion = copy.copy(self._motion)
+        return states
