@@ -169,7 +169,9 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         surveyed = survey(bag, inertia)
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
-    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything; NaN breaks every law
+    with np.errstate(
+        divide="ignore", invalid="ignore", over="ignore"
+    ):  # recorded numbers may be anything; NaN breaks every law
         of_sensors = SensorLaws(bag, surveyed)
         segments = tuple(_segments(bag, surveyed, of_sensors, watch))
         sensors = of_sensors.findings()

@@ -278,7 +278,7 @@ class _Thinning:
             self._taken += len(places)
 
     def _extreme(self, bucket: Block) -> Integers:
-        with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
             energy = self._body.kinetic_energy(bucket.states)
             momentum = self._body.angular_momentum(bucket.states)
         columns = np.column_stack([bucket.states.body_rate, energy, momentum])
