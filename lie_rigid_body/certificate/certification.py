@@ -202,7 +202,7 @@ def expect(scenario: Scenario, duration: float) -> None:
 
 def _any_numbers() -> np.errstate:
     """A context, and decorator, for one thread: recorded numbers may be anything, and NaN breaks every law."""
-    return np.errstate(invalid="ignore", over="ignore")
+    return np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 def _segments(

@@ -16,12 +16,10 @@ from lie_rigid_body.certificate.stamps import number_samples
 from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSegment, segment_parts, tally_pairs
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.bag_reader import Bag, PoseTrack, Recording, TakeReadings, TwistTrack
+from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, Bag, PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import SOFTWARE, Segment
 from lie_rigid_body.wording import short_repr
 
-MOST_SEGMENTS: Final = 10_000
-"""Most segments of a bag: each takes up to 1 ms."""
 _RECORDER: Final = "libmcap "
 """How the library name of a file by `ros2 bag record` begins."""
 _ALL_OF: Final = 20_000
@@ -280,7 +278,7 @@ class _Thinning:
             self._taken += len(places)
 
     def _extreme(self, bucket: Block) -> Integers:
-        with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
             energy = self._body.kinetic_energy(bucket.states)
             momentum = self._body.angular_momentum(bucket.states)
         columns = np.column_stack([bucket.states.body_rate, energy, momentum])

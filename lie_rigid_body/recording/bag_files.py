@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
-from lie_rigid_body.recording.mcap_reader import McapContents, read_file
+from lie_rigid_body.recording.mcap_reader import McapContents, Wanted, read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
 
@@ -54,7 +54,7 @@ class BagFiles:
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
-    def read(self, contents: McapContents, wanted: Collection[str]) -> Iterator[int]:
+    def read(self, contents: McapContents, wanted: Wanted) -> Iterator[int]:
         """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
         for file in self._files:
             before = 0
@@ -64,8 +64,8 @@ class BagFiles:
                 before = position
                 yield position
 
-    def contents(self, wanted: Collection[str]) -> McapContents:
-        """All messages, with the payloads of the wanted types.
+    def contents(self, wanted: Wanted) -> McapContents:
+        """All messages counted, with the payloads of those that are wanted.
 
         Raises
         ------

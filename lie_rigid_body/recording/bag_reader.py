@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,14 +14,14 @@ import numpy as np
 
 from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
-from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again
+from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again, pieces_again
 from lie_rigid_body.recording.sensor_reader import (
     VALUES,
     FaultMessages,
@@ -30,8 +30,13 @@ from lie_rigid_body.recording.sensor_reader import (
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
+from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import short_repr
 
+MOST_SEGMENTS: Final = 10_000
+"""Most segments of a bag: each takes up to 1 ms."""
+_TEXTS_AT_ONCE: Final = 1000
+"""Messages about faults that are taken together."""
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -208,7 +213,7 @@ class Bag:
         in_memory: bool = False,
     ) -> None:
         files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
-        contents = files.contents((STRING, *_OF_THE_TRUTH, *VALUES) if in_memory else (STRING,))
+        contents = files.contents(of_types((*_OF_THE_TRUTH, *VALUES)) if in_memory else nothing)
         self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 
     @classmethod
@@ -217,7 +222,7 @@ class Bag:
     ) -> tuple[Bag, ...]:
         """A bag for each body of a file or folder, which is read once to find them."""
         files = BagFiles(path, progress)
-        contents = files.contents((STRING,))
+        contents = files.contents(nothing)
         bags, found = [], bodies(files.path, contents, topics)
         for body in found:
             bag = cls.__new__(cls)
@@ -228,7 +233,7 @@ class Bag:
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         self._path, self._files, self.body = files.path, files, body.name
-        self._types = {track.message_type for track in contents.tracks.values()}
+        self._topics = tuple(contents.tracks)
         own, sensors = body.tracks, body.sensors
         known = (*own, *sensors.values())
         for track in known:
@@ -238,7 +243,7 @@ class Bag:
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
         self._outlines, self._count = contents.outlines, pose.count + twist.count
         self.library = contents.library
-        self.scenario_texts = texts(self._path, scenario)
+        self.scenario_texts = _scenarios(self._texts((scenario.topic, scenario.message_type)))
         self.expected_samples = _expected_samples(self._path, contents)
         self.published_otherwise = sum(track.published_otherwise for track in own)
         self.others = _others(contents, known)
@@ -258,11 +263,6 @@ class Bag:
             for name, track in sensors.items()
             if in_memory and track.message_type in VALUES
         }
-        self._of_faults = {
-            name: FaultMessages.of(texts(self._path, track))
-            for name, track in sensors.items()
-            if track.message_type == STRING
-        }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
             for name, track in sensors.items()
@@ -281,7 +281,9 @@ class Bag:
             Called with the messages about faults first, and then with the messages of the others that stand among the
             poses and twists of a batch, before it comes.
         """
-        take({name: self._of_faults[name] for name in sensors if name in self._of_faults})
+        for name in self._of_faults:
+            for told in self._faults(name) if name in sensors else ():
+                take({name: told})
         sensors = [name for name in sensors if name not in self._of_faults]
         if self._kept is not None:
             take({name: self._kept_readings[name] for name in sensors})
@@ -303,17 +305,13 @@ class Bag:
     def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
         """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
         contents, before = McapContents(), [0] * len(keys)
-        for position in itertools.chain(self._files.read(contents, {kind for _, kind in keys}), [None]):
+        for position in itertools.chain(self._files.read(contents, lambda *key: key in keys), [None]):
             tracks = [contents.tracks.get(key) for key in keys]
             waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
             if position is None or waiting >= _BATCH:
                 pieces = [[] if track is None else track.take() for track in tracks]
                 yield list(zip(pieces, before, strict=True))
                 before = [n + sum(len(p.starts) for p in taken) for n, taken in zip(before, pieces, strict=True)]
-            for track in contents.tracks.values():
-                if (track.topic, track.message_type) not in keys:
-                    track.take()
-            if position is None or waiting >= _BATCH:
                 contents.kept = 0
 
     def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
@@ -325,9 +323,25 @@ class Bag:
                 yield [reader.taken() for reader in readers]
         yield [reader.taken() for reader in readers]
 
-    def messages_of(self, types: Collection[str]) -> McapContents:
-        """All messages of some types, undecoded, in memory; nothing is read if there are none, or texts alone."""
-        return self._files.contents(types) if self._types.intersection(types) - {STRING} else McapContents()
+    def messages_of(self, wanted: Wanted) -> McapContents:
+        """All messages that are wanted, undecoded, in memory; nothing is read if there are none, or texts alone."""
+        are_there = any(wanted(*key) for key in self._topics if key[1] != STRING)
+        return self._files.contents(wanted) if are_there else McapContents()
+
+    @property
+    def _of_faults(self) -> list[str]:
+        """The relative names of the topics about faults."""
+        return [name for name, topic in self.sensors.items() if topic.message_type == STRING]
+
+    def _faults(self, name: str) -> Iterator[FaultMessages]:
+        """The messages about faults, some at a time."""
+        found = self._texts((self.sensors[name].topic, STRING))
+        while some := list(itertools.islice(found, _TEXTS_AT_ONCE)):
+            yield FaultMessages.of(some)
+
+    def _texts(self, key: tuple[str, str]) -> Iterator[tuple[int, str]]:
+        """Log time, ns, and text of each message of a topic of texts, as they are read."""
+        return texts(self._path, key[0], pieces_again(self._path, self._outlines, key))
 
     def load(self) -> Recording:
         """The whole bag in memory."""
@@ -347,8 +361,11 @@ class Bag:
             self.was_cut_off,
             self.sensors,
             {
-                **{name: SensorMessages.joined([batch[name] for batch in readings[1:]]) for name in names},
-                **self._of_faults,
+                **{name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
+                **{
+                    name: FaultMessages.of([*self._texts((self.sensors[name].topic, STRING))])
+                    for name in self._of_faults
+                },
             },
         )
 
@@ -403,6 +420,25 @@ def _joined(tracks: Sequence[Track]) -> Track:
     }
     frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
     return replace(tracks[0], frame_ids=tuple(frames), **joined)
+
+
+def _scenarios(found: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
+    """The messages of a scenario topic, up to the first that is none: a topic of other texts may be without end."""
+    kept, distinct = list[tuple[int, str]](), dict[str, str]()
+    for time, text in found:
+        is_new = text not in distinct
+        kept.append((time, distinct.setdefault(text, text)))
+        if is_new and (len(distinct) > MOST_SEGMENTS or not _is_scenario(text)):
+            break
+    return kept
+
+
+def _is_scenario(text: str) -> bool:
+    try:
+        Segment.from_json(text)
+    except InputError:
+        return False
+    return True
 
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:

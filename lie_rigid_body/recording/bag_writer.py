@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
@@ -17,7 +18,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
 from lie_rigid_body.messages.template import PUT
-from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk
+from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
@@ -41,6 +42,8 @@ _LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}
 """Depth of the history of the topics that late subscribers hear as well."""
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
+_DRAFT_EVERY: Final = 0.4
+"""Time, s, after which what a chunk has so far is written as a draft."""
 _LARGEST_BATCH: Final = 8192
 """Largest number of samples computed and written at once."""
 _STEPS_PER_BATCH: Final = 10_000
@@ -196,6 +199,18 @@ class BagWriter:
             self._chunk.finish()
             self._queue.put(self._sync)
 
+    def draft(self) -> None:
+        """Let the present chunk be written as far as it is, until the whole one takes its place.
+
+        Where a chunk takes long, a process that is killed so loses little, and yet chunks do not depend on time.
+        """
+        with self._writing():
+            raw = self._chunk.so_far()
+            self._queue.put(partial(self._write_draft, raw), sum(map(len, raw.pieces)) if raw else 0)
+
+    def _write_draft(self, raw: RawChunk | None) -> None:
+        self._file.draft(record_bytes(self._compressed(raw)) if raw else b"")
+
     def _sync(self) -> None:
         self._file.sync()
         self._file.require_intact()
@@ -295,9 +310,13 @@ def write_run(
     # few samples when each takes many steps, so that an interruption loses little
     size = scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
+    drafted = time.monotonic()
     while simulation.next_stamp_ns <= last_ns:
         with computing():
             taken = simulation.take_until(last_ns, size)
         bag.write(encoder.encode(taken))
+        if time.monotonic() - drafted > _DRAFT_EVERY:
+            bag.draft()
+            drafted = time.monotonic()
         bag.require_intact()
         yield len(taken.samples)

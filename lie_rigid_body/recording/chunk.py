@@ -270,9 +270,12 @@ class ChunkBuilder:
         if self._size > self._chunk_size:
             self.finish()
 
+    def so_far(self) -> RawChunk | None:
+        """The present chunk as far as it is; None without messages."""
+        return RawChunk([*self._data], [*self._messages]) if self._messages else None
+
     def finish(self) -> None:
         """End the present chunk, if it has messages."""
-        if self._messages:
-            chunk = RawChunk(self._data, self._messages)
+        if chunk := self.so_far():
             self._begin()
             self._full(chunk)

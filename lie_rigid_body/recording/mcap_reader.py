@@ -9,11 +9,11 @@ import os
 import struct
 import zlib
 from array import array
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final, TypeVar
+from typing import BinaryIO, Final, TypeAlias, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
@@ -51,6 +51,8 @@ from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
+Wanted: TypeAlias = Callable[[str, str], bool]
+"""Whether the messages of a topic, by its name and message type, are kept until they are taken."""
 
 _HEAD: Final = struct.Struct("<BQ")
 _MOST_LOOSE_BYTES: Final = 2**20
@@ -116,7 +118,7 @@ class RawTrack:
     definition : tuple of (str, bytes)
         Encoding and text of its schema.
     pieces : list of RawMessages
-        Those not yet taken; empty when the type was not wanted.
+        Those not yet taken; empty when they were not wanted.
     count : int
         Messages, wanted or not.
     published_otherwise : int
@@ -163,6 +165,8 @@ class Outline:
     largest_chunk : int
         The size of the largest of them, inflated.
     channels : dict of (topic, message type) to list of int
+    chunks_of : dict of (topic, message type) to array of int
+        Those of the chunks that have messages of a topic.
     """
 
     path: Path
@@ -170,6 +174,7 @@ class Outline:
     chunks: array[int]
     largest_chunk: int
     channels: dict[tuple[str, str], list[int]]
+    chunks_of: dict[tuple[str, str], array[int]]
 
     __repr__ = short_repr
 
@@ -221,14 +226,24 @@ class McapContents:
         return self.kept > self.most_kept
 
 
-def read_file(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
+def of_types(types: Container[str]) -> Wanted:
+    """Want the messages of some types, whatever their topics."""
+    return lambda topic, message_type: message_type in types
+
+
+def nothing(topic: str, message_type: str) -> bool:
+    """Want no messages: they are counted."""
+    return False
+
+
+def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     """Add a file's messages to the tracks, chunk by chunk.
 
     Parameters
     ----------
     path : Path
-    wanted : collection of str
-        Message types whose payloads are kept until they are taken.
+    wanted : callable
+        Which messages are kept until they are taken. See `Wanted`.
     into : McapContents
 
     Yields
@@ -275,13 +290,14 @@ def opened(path: Path) -> BinaryIO:
 class _FileReader:
     """One file, read from its start to its end."""
 
-    def __init__(self, path: Path, stream: BinaryIO, wanted: Collection[str], into: McapContents) -> None:
+    def __init__(self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents) -> None:
         self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
         into.allow(self._size)
         self._records, self._most_records = 0, most_records(self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
         self._channels: dict[int, RawTrack] = {}
+        self._chunks_of: dict[tuple[str, str], array[int]] = {}
         self._inventory = Inventory()
         self._loose = bytearray()
         self._loose_ends = [0]
@@ -394,8 +410,8 @@ class _FileReader:
         channels: dict[tuple[str, str], list[int]] = {}
         for number, track in self._channels.items():
             channels.setdefault((track.topic, track.message_type), []).append(number)
-        inventory = self._inventory
-        return Outline(self._path, state_of(self._stream), inventory.chunk_places, inventory.largest_chunk, channels)
+        inventory, places = self._inventory, self._inventory.chunk_places
+        return Outline(self._path, state_of(self._stream), places, inventory.largest_chunk, channels, self._chunks_of)
 
     def _header(self, header: Header) -> None:
         if header.profile not in _PROFILES:
@@ -496,15 +512,23 @@ class _FileReader:
         for channel in np.flatnonzero(counts).tolist():
             track = self._channels[channel]
             track.count += int(counts[channel])
-            if not any_otherwise and track.message_type not in self._wanted:
+            self._note_place((track.topic, track.message_type))
+            wanted = self._wanted(track.topic, track.message_type)
+            if not any_otherwise and not wanted:
                 continue
             own = np.flatnonzero(table.channels == channel)
             log_times = table.log_times[own]
             track.published_otherwise += int(np.count_nonzero(otherwise[own]))
-            if track.message_type in self._wanted:
+            if wanted:
                 piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
                 track.pieces.append(piece)
                 self._keep(len(piece.data), len(own))
+
+    def _note_place(self, key: tuple[str, str]) -> None:
+        """Note that the present chunk has messages of a topic."""
+        places = self._chunks_of.setdefault(key, array("q"))
+        if not places or places[-1] != self._position:
+            places.append(self._position)
 
     def _keep(self, size: int, messages: int) -> None:
         if self._into.keep(size, messages):

@@ -86,6 +86,11 @@ class OutputFile:
         self.stream.flush()
         os.fsync(self._file.fileno())
 
+    def draft(self, data: bytes) -> None:
+        """Write all that is still in a buffer, and bytes behind it in whose place what is written next comes."""
+        self.stream.flush()
+        self._file.draft(data)
+
     def require_intact(self) -> None:
         """Check that what was written so far is still there, under its name and at its length.
 
@@ -179,17 +184,24 @@ class _GrowingFile(FileIO):
     Attributes
     ----------
     length : int
-        How many bytes were written.
+        How many bytes it is to have: those that were written, and a draft of those that follow.
     """
 
     def __init__(self, path: Path, permissions: int = 0o666) -> None:
         super().__init__(path, "xb", opener=lambda name, flags: os.open(name, flags | os.O_APPEND, permissions))
-        self.length = 0
+        self.length = self._drafted = 0
 
     def write(self, data: ReadableBuffer, /) -> int:
+        if self._drafted and os.fstat(self.fileno()).st_size == self.length:  # a shorter file would get zeros
+            self.length = self.truncate(self.length - self._drafted)
+        self._drafted = 0
         count = super().write(data)
         self.length += count
         return count
+
+    def draft(self, data: bytes) -> None:
+        """Write bytes that the next ones replace. A process that is killed leaves them."""
+        self._drafted = self.write(data)
 
 
 def _beside(target: Path) -> tuple[Path, _GrowingFile]:

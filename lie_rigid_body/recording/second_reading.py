@@ -5,22 +5,25 @@ from __future__ import annotations
 import struct
 from array import array
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import BinaryIO, Final
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
 from mcap.records import Chunk
 
 from lie_rigid_body.arrays import Booleans
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.layout import FRAME, numbers_after
-from lie_rigid_body.recording.bag_files import Progress
+from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.inflation import inflated_unverified
-from lie_rigid_body.recording.mcap_reader import Outline, RawMessages, opened, state_of
+from lie_rigid_body.recording.inventory import MessageTable
+from lie_rigid_body.recording.mcap_reader import McapContents, Outline, RawMessages, opened, state_of
 from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.other_thread import ahead
@@ -133,10 +136,38 @@ class TopicReader:
 
 def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
     """Whether the files can be read again so: in chunks, by loops that are compiled for so many messages."""
-    if not outlines or not all(outline.chunks for outline in outlines):
+    if not _in_chunks(outlines):
         return False
     expect(count)
     return are_compiled()
+
+
+def _in_chunks(outlines: Sequence[Outline]) -> bool:
+    return bool(outlines) and all(outline.chunks for outline in outlines)
+
+
+def pieces_again(path: Path, outlines: Sequence[Outline], key: tuple[str, str]) -> Iterator[RawMessages]:
+    """The messages of a topic of a bag that was found whole, piece by piece, from the chunks that have any.
+
+    Parameters
+    ----------
+    path : Path
+        Of the bag. Where its messages stand outside of chunks, it is read to its end.
+    outlines : sequence of Outline
+        Of its files.
+    key : tuple of (str, str)
+        Topic and message type.
+    """
+    if _in_chunks(outlines):
+        own = [replace(each, chunks=each.chunks_of[key]) for each in outlines if key in each.chunks_of]
+        for outline, data in chunks(own, unheard):
+            yield _piece(data, outline.channels[key])
+        return
+    contents = McapContents()
+    for _ in BagFiles(path).read(contents, lambda *given: given == key):
+        yield from contents.tracks[key].take() if key in contents.tracks else ()
+        contents.kept = 0
+    yield from contents.tracks[key].take()
 
 
 def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Outline, bytes]]:
@@ -201,17 +232,29 @@ def _changed(outline: Outline) -> BagError:
 
 def _piece(data: bytes, channels: Sequence[int]) -> RawMessages:
     """The messages of channels in a chunk."""
-    find: Any = FIND.compiled_for(0)
-    found, position = FoundMessages(find, data), 0
     starts, ends, log_times = ([np.empty(0, dtype=np.int64)] for _ in range(3))
-    while position < len(data):
-        table = found.at(position)
-        if table is None:
-            position += _RECORD.size + _RECORD.unpack_from(data, position)[1]
-            continue
+    for table in _tables(data):
         own = np.isin(table.channels, list(channels))
         starts.append(table.starts[own] + _PAYLOAD)
         ends.append(table.ends[own])
         log_times.append(table.log_times[own])
-        position = int(table.ends[-1])
     return RawMessages(data, np.concatenate(starts), np.concatenate(ends), np.concatenate(log_times))
+
+
+def _tables(data: bytes) -> Iterator[MessageTable]:
+    """The messages of a chunk, with the compiled loop or without."""
+    find = FIND.compiled_for(0)
+    found = None if find is None else FoundMessages(find, data)
+    position, places = 0, array("q")
+    while position < len(data):
+        if found is not None and (table := found.at(position)) is not None:
+            yield table
+            position = int(table.ends[-1])
+            continue
+        opcode, length = _RECORD.unpack_from(data, position)
+        end = position + _RECORD.size + length
+        if opcode == Opcode.MESSAGE:
+            places.extend((position, end))
+        position = end
+    bounds = np.array(places, dtype=np.int64).reshape(-1, 2)
+    yield MessageTable.of(data, bounds[:, 0], bounds[:, 1])

@@ -20,7 +20,7 @@ from lie_rigid_body.messages.definitions import (
     VECTOR3_STAMPED,
 )
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns, texts
+from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns, taken, texts
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
@@ -37,8 +37,6 @@ VALUES: Final = {
 Of an IMU its orientation, angular velocity, rad/s, and specific force, m/s²; of a magnetometer the field, T; of an
 attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun sensor the direction.
 """
-SENSOR_TYPES: Final = (*_NUMBERS, STRING)
-"""The message types of the sensors, and of their faults."""
 SensorMessages: TypeAlias = TopicMessages
 """Messages of a sensor's topic; their values are the fields of `VALUES` one after the other."""
 
@@ -144,10 +142,19 @@ def recorded_faults(path: Path, contents: McapContents) -> tuple[Fault, ...]:
         If a message on their topic tells of none.
     """
     track = _find(path, contents, FAULTS.removeprefix("~/"))
+    if track is None:
+        return ()
+    found = texts(path, track.topic, taken(path, track))
     try:
-        return () if track is None else tuple(map(Fault.from_json, dict.fromkeys(t for _, t in texts(path, track))))
+        return tuple(map(Fault.from_json, dict.fromkeys(text for _, text in found)))
     except InputError as error:
         raise BagError(f"{path}: {error}") from None
+
+
+def is_of_sensor(topic: str, message_type: str) -> bool:
+    """Whether a topic has name and type of a sensor's, or of that about their faults."""
+    names = ((name.removeprefix("~/"), kind) for name, kind in SENSOR_TOPICS.items())
+    return any(message_type == kind and f"/{topic}".endswith(f"/{name}") for name, kind in names)
 
 
 def _find(path: Path, contents: McapContents, name: str) -> RawTrack | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.mcap_reader import FileSpan, McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.mcap_reader import FileSpan, McapContents, RawMessages, RawTrack, Wanted
 
 SUFFIX: Final = ".db3"
 """Of the names of such files."""
@@ -18,14 +18,14 @@ _AT_ONCE: Final = 4096
 """Messages that are read together."""
 
 
-def read_database(path: Path, wanted: Collection[str], into: McapContents) -> Iterator[int]:
+def read_database(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     """Add a file's messages to the tracks, some thousand at a time, in the order of their log times.
 
     Parameters
     ----------
     path : Path
-    wanted : collection of str
-        Message types whose payloads are kept until they are taken.
+    wanted : callable
+        Which messages are kept until they are taken. See `Wanted`.
     into : McapContents
 
     Yields
@@ -57,7 +57,7 @@ def read_database(path: Path, wanted: Collection[str], into: McapContents) -> It
         raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
 
 
-def _read(path: Path, reader: Any, wanted: Collection[str], into: McapContents) -> Iterator[int]:
+def _read(path: Path, reader: Any, wanted: Wanted, into: McapContents) -> Iterator[int]:
     tracks = {connection.id: _track(connection, into) for connection in reader.connections}
     messages, size = reader.messages(), path.stat().st_size
     into.allow(size)
@@ -67,9 +67,10 @@ def _read(path: Path, reader: Any, wanted: Collection[str], into: McapContents) 
         for connection, time, data in some:
             by_track.setdefault(connection.id, []).append((time, bytes(data)))
         for number, own in by_track.items():
-            tracks[number].count += len(own)
-            if tracks[number].message_type in wanted:
-                tracks[number].pieces.append(_piece(own))
+            track = tracks[number]
+            track.count += len(own)
+            if wanted(track.topic, track.message_type):
+                track.pieces.append(_piece(own))
                 if into.keep(sum(len(data) for _, data in own), len(own)):
                     raise BagError(f"{path} has messages of {into.kept} bytes, more than is read: record it again")
         count += len(some)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,23 +97,35 @@ def taken(path: Path, track: RawTrack) -> list[RawMessages]:
     """
     require_cdr(path, track)
     pieces = track.take()
-    if pieces and pieces[0].data[pieces[0].starts[0] :].startswith(ZSTD_MAGIC):
-        raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
+    if pieces:
+        _require_unpacked(path, pieces[0])
     return pieces
 
 
-def payloads(pieces: Sequence[RawMessages]) -> Iterator[tuple[int, bytes]]:
+def _require_unpacked(path: Path, piece: RawMessages) -> None:
+    if len(piece.starts) and piece.data[piece.starts[0] :].startswith(ZSTD_MAGIC):
+        raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
+
+
+def payloads(pieces: Iterable[RawMessages]) -> Iterator[tuple[int, bytes]]:
     """Log time, ns, and bytes of each message."""
     for piece in pieces:
         for time, start, end in zip(piece.log_times_ns.tolist(), piece.starts, piece.ends, strict=True):
             yield time, piece.data[start:end]
 
 
-def texts(path: Path, track: RawTrack) -> list[tuple[int, str]]:
-    """Log time, ns, and text of each std_msgs/String of a topic."""
-    pieces = taken(path, track)
-    with named(path, track.topic):
-        return [(time, messages.decode_string(payload, i)) for i, (time, payload) in enumerate(payloads(pieces))]
+def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tuple[int, str]]:
+    """Log time, ns, and text of each std_msgs/String of a topic, as they come."""
+    number = 0
+    for piece in pieces:
+        _require_unpacked(path, piece)
+        with named(path, topic):
+            found = [
+                (time, messages.decode_string(payload, number + i))
+                for i, (time, payload) in enumerate(payloads([piece]))
+            ]
+        yield from found
+        number += len(found)
 
 
 def columns(pieces: Sequence[RawMessages], numbers: int, *, stamped: bool, first: int = 0) -> tuple[Integers, Decoded]:

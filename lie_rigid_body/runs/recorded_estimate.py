@@ -19,8 +19,8 @@ from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import POSE, SCENARIO, given_track
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import texts
+from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, Wanted
+from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr
@@ -92,13 +92,19 @@ def recorded_estimate(
         If a declared scenario is impossible.
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
-    contents = BagFiles(path, progress).contents(_TYPES)
+    contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
     if truth_bag is None:
         true = _true_motion(path, contents, topic, topics, near=topic)
     else:
-        true = _true_motion(Path(truth_bag), BagFiles(truth_bag, progress).contents(_TYPES), "", topics, near=topic)
+        truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
+        true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
     track = read_attitudes(path, contents, topic, true.frames)
     return held_against(track, true, true.until(int(track.stamps_ns.max())))
+
+
+def _estimate_or_truth(*topics: str) -> Wanted:
+    """Want the messages of an estimate's topic, and of those that are said to or may tell the truth."""
+    return lambda name, kind: kind in _TYPES and (name in topics or name.rpartition("/")[2] in ("scenario", "pose"))
 
 
 @dataclass(frozen=True)
@@ -157,7 +163,9 @@ def _true_motion(
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
-        segments = tuple(declared_segments(text for _, text in texts(path, scenario)).values())
+        segments = tuple(
+            declared_segments(text for _, text in texts(path, scenario.topic, taken(path, scenario))).values()
+        )
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
     pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
     if scenario is None and pose is None:

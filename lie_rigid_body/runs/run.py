@@ -105,12 +105,12 @@ class Run:
         from lie_rigid_body.certificate.segments import as_written, recorded_segments
         from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SUN
         from lie_rigid_body.recording.bag_reader import Bag
-        from lie_rigid_body.recording.sensor_reader import SENSOR_TYPES, recorded_faults, sensor_track
+        from lie_rigid_body.recording.sensor_reader import is_of_sensor, recorded_faults, sensor_track
 
         if not isinstance(path, str | PathLike):
             raise InputError(f"bag {shown(path)} is no path: give that of an MCAP file, or of a folder of them")
         path, bag = Path(path), Bag(path)
-        contents, own = bag.messages_of(SENSOR_TYPES), as_written(bag)
+        contents, own = bag.messages_of(is_of_sensor), as_written(bag)
         faults = recorded_faults(path, contents)
         names = (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)
         data, bias, field, attitude, sun = (sensor_track(path, contents, name) for name in names)

@@ -293,6 +293,10 @@ def test_no_file_gives_a_traceback(kind: str) -> None:
     assert examples(kind, 10, drawn=False)["files"] >= 10
 
 
+def test_a_quaternion_whose_norm_underflows_breaks_laws_without_a_warning() -> None:
+    assert answers(replaced(POSE, 0, 76, longs(1), 2**20), drawn=True)["check 1"] == 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_thousand_files_of_each_kind(kind: str, record_property: Callable[[str, object], None]) -> None:

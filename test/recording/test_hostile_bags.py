@@ -18,13 +18,14 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
 
-from lie_rigid_body.certificate.segments import MOST_SEGMENTS, declared_segments
+from lie_rigid_body.certificate.segments import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK
+from lie_rigid_body.recording.mcap_reader import of_types
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
 
@@ -34,7 +35,7 @@ MEMORY = 200 * 2**20
 READ = f"""
 import resource, sys
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
 pages = int(open("/proc/self/statm").read().split()[0])
 resource.setrlimit(resource.RLIMIT_AS, (pages * {resource.getpagesize()} + {MEMORY},) * 2)
 for path in sys.argv[1:]:
@@ -120,7 +121,7 @@ def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkey
             writer.add_message(channel, 0, bytes(2**20), 0)
         writer.finish()
     with pytest.raises(BagError, match=r"messages of \d+ bytes in a file of \d+, more than is read"):
-        read_bag(tmp_path / "x.mcap")
+        BagFiles(tmp_path / "x.mcap").contents(of_types([STRING]))
 
 
 NAMES = {
@@ -151,13 +152,13 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
     path.mkdir()
     for i in range(3):
         make_bag(f"folder/{i}.mcap", count=200)
-    one = BagFiles(path / "0.mcap").contents([POSE_STAMPED]).kept
+    one = BagFiles(path / "0.mcap").contents(of_types([POSE_STAMPED])).kept
     monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one)
     monkeypatch.setattr(mcap_reader, "_KEPT_PER_BYTE", 0)
-    assert BagFiles(path).contents([POSE_STAMPED]).kept == 3 * one
+    assert BagFiles(path).contents(of_types([POSE_STAMPED])).kept == 3 * one
     monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one - 1)
     with pytest.raises(BagError, match=f"messages of {one} bytes"):
-        BagFiles(path).contents([POSE_STAMPED])
+        BagFiles(path).contents(of_types([POSE_STAMPED]))
 
 
 def test_a_pipe_is_no_bag(tmp_path: Path) -> None:

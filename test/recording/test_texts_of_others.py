@@ -1,0 +1,76 @@
+"""Texts that others publish beside a body, without end: none is kept, whatever their topic is called."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from bags import MakeBag
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.definitions import STRING
+from lie_rigid_body.recording import mcap_reader
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.runs import Run
+from lie_rigid_body.runs.recorded_estimate import recorded_estimate
+
+SAMPLES = 40
+PER_MESSAGE = 5
+LINE = json.dumps({"level": "INFO", "text": 200 * "x"})
+SCENARIO = "/lie_rigid_body/scenario"
+
+
+@pytest.fixture(autouse=True)
+def little_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bodies' own messages, and not those of others."""
+    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", 60_000)
+    monkeypatch.setattr(mcap_reader, "_KEPT_PER_BYTE", 0)
+
+
+def mixed(source: Path, target: Path, topic: str, *, left_out: str = "", **options: object) -> Path:
+    """A copy of a bag with lines of a log between its messages."""
+    with source.open("rb") as stream, target.open("wb") as out:
+        writer, channels = Writer(out, **options), dict[str, int]()  # type: ignore[arg-type]
+        writer.start("ros2", "another recorder")
+        log = writer.register_channel(topic, "cdr", writer.register_schema(STRING, "ros2msg", b"string data"))
+        for schema, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+            assert schema is not None
+            if channel.topic not in channels:
+                own = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.topic] = writer.register_channel(channel.topic, "cdr", own)
+            if channel.topic != left_out:
+                writer.add_message(channels[channel.topic], message.log_time, message.data, message.log_time)
+            for _ in range(PER_MESSAGE):
+                writer.add_message(log, message.log_time, encode_string(LINE), message.log_time)
+        writer.finish()
+    return target
+
+
+@pytest.mark.parametrize("topic", ["/log", "/faults"])
+@pytest.mark.parametrize("chunked", [True, False])
+def test_a_log_beside_a_body_is_only_counted(make_bag: MakeBag, tmp_path: Path, topic: str, chunked: bool) -> None:
+    path = mixed(make_bag(count=SAMPLES), tmp_path / "mixed.mcap", topic, use_chunking=chunked, chunk_size=4000)
+    certificate = certify(Bag(path))
+    assert certificate.passed
+    count = PER_MESSAGE * (2 * SAMPLES + 1)
+    [said] = [each for each in certificate.not_certified if f"topic {topic} ({count} messages)" in each]
+    assert said
+
+
+def test_nor_does_a_run_or_a_score_keep_it(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = mixed(make_bag(count=SAMPLES, imu_rate=20.0), tmp_path / "mixed.mcap", "/log")
+    assert len(Run.from_bag(path).t_ns) == SAMPLES
+    assert len(recorded_estimate(path, "/pose").track.stamps_ns) == SAMPLES
+
+
+def test_a_log_in_place_of_the_scenario_is_left_at_its_first_line(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = mixed(make_bag(count=SAMPLES), tmp_path / "mixed.mcap", "/log", left_out=SCENARIO)
+    bag = Bag(path, topics={"scenario": "/log"})
+    assert [text for _, text in bag.scenario_texts] == [LINE]
+    with pytest.raises(BagError, match="does not explain itself"):
+        certify(bag)
