@@ -15,10 +15,11 @@ from lie_rigid_body.certificate.segments import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
+from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bodies import POSE, SCENARIO, given_track
+from lie_rigid_body.recording.bodies import SCENARIO, given_track
 from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.runs.truth import ScenarioTruth
