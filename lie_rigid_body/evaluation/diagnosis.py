@@ -60,7 +60,7 @@ AT_LIMIT: Final = 0.999
 SIGNIFICANT: Final = 3.0
 """A lag is told from none if it is so many standard errors."""
 
-SURE: Final = 6.0
+SURE: Final = 8.0
 """A lag of so many standard errors is told, and named, also where other errors are larger."""
 
 LEAST_SAMPLES_LATE: Final = 0.5
@@ -276,9 +276,9 @@ def _lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float
     """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
 
     Else beside what was found. It is told if it is named as a cause or halves the error, and three times its standard
-    error; or if it is sure, six times that, and about the same in each half of the run; or if it is none of these, and
-    this is small beside a lag that would turn the body by the error that is left. Between them is what slow errors may
-    feign.
+    error; or if it is sure, eight times that, and about the same in each half of the run; or if it is none of these,
+    and this is small beside a lag that would turn the body by the error that is left. Between them is what slow errors
+    may feign.
     """
     ours = written(comparison, explanation.convention)
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
