@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -58,11 +58,12 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     dask.config.set(_QUIET)
     if scheduler is not None:
         try:
-            with Client(scheduler, timeout=10) as client:
-                yield client
-        except OSError as error:
+            found = Client(scheduler, timeout=10)
+        except (OSError, ValueError) as error:  # the latter of what is no address
             said = shortened(str(error), 90)
-            raise BagError(f"no Dask scheduler answers at {scheduler}: {said}: start one there") from None
+            raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {said}: start one there") from None
+        with found as client:
+            yield client
         return
     with tempfile.TemporaryDirectory() as own:
         with _deaf_children():
