@@ -160,15 +160,12 @@ class Outline:
         Which file it was, and what it would not be any more if it changed.
     chunks : array of int
         The bytes where the records of its chunks begin; empty if messages stand outside of chunks.
-    largest_chunk : int
-        The size of the largest of them, inflated.
     channels : dict of (topic, message type) to list of int
     """
 
     path: Path
     state: tuple[int, ...]
     chunks: array[int]
-    largest_chunk: int
     channels: dict[tuple[str, str], list[int]]
 
     __repr__ = short_repr
@@ -394,8 +391,7 @@ class _FileReader:
         channels: dict[tuple[str, str], list[int]] = {}
         for number, track in self._channels.items():
             channels.setdefault((track.topic, track.message_type), []).append(number)
-        inventory = self._inventory
-        return Outline(self._path, state_of(self._stream), inventory.chunk_places, inventory.largest_chunk, channels)
+        return Outline(self._path, state_of(self._stream), self._inventory.chunk_places, channels)
 
     def _header(self, header: Header) -> None:
         if header.profile not in _PROFILES:
