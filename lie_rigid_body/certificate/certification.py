@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
+from lie_rigid_body.certificate.aside import Aside
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import SegmentLaws
 from lie_rigid_body.certificate.residuals import WORK
@@ -25,7 +26,6 @@ from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording, TakeReadings
-from lie_rigid_body.recording.other_thread import Aside
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed

@@ -162,8 +162,6 @@ class Outline:
         Which file it was, and what it would not be any more if it changed.
     chunks : array of int
         The bytes where the records of its chunks begin; empty if messages stand outside of chunks.
-    largest_chunk : int
-        The size of the largest of them, inflated.
     channels : dict of (topic, message type) to list of int
     chunks_of : dict of (topic, message type) to array of int
         Those of the chunks that have messages of a topic.
@@ -172,7 +170,6 @@ class Outline:
     path: Path
     state: tuple[int, ...]
     chunks: array[int]
-    largest_chunk: int
     channels: dict[tuple[str, str], list[int]]
     chunks_of: dict[tuple[str, str], array[int]]
 
@@ -410,8 +407,8 @@ class _FileReader:
         channels: dict[tuple[str, str], list[int]] = {}
         for number, track in self._channels.items():
             channels.setdefault((track.topic, track.message_type), []).append(number)
-        inventory, places = self._inventory, self._inventory.chunk_places
-        return Outline(self._path, state_of(self._stream), places, inventory.largest_chunk, channels, self._chunks_of)
+        places = self._inventory.chunk_places
+        return Outline(self._path, state_of(self._stream), places, channels, self._chunks_of)
 
     def _header(self, header: Header) -> None:
         if header.profile not in _PROFILES:

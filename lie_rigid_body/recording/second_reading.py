@@ -6,7 +6,6 @@ import struct
 from array import array
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -26,19 +25,12 @@ from lie_rigid_body.recording.inventory import MessageTable
 from lie_rigid_body.recording.mcap_reader import McapContents, Outline, RawMessages, opened, state_of
 from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
-from lie_rigid_body.recording.other_thread import ahead
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
 
 _RECORD: Final = struct.Struct("<BQ")
 _PAYLOAD: Final = 31
 """Byte of a message record where its payload begins."""
-_GROUP_BYTES: Final = 2**19
-"""Chunks of this size in all are inflated together, or one that is larger."""
-_BYTES_AHEAD: Final = 2**20
-"""About the size of all that are inflated before they are needed."""
-_WORTH_A_THREAD: Final = 30
-"""Chunks of a file from which on another thread inflates them."""
 
 
 class TopicReader:
@@ -182,12 +174,15 @@ def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Ou
         with opened(outline.path) as stream:
             try:
                 _require_same(outline, stream)
-                position = 0
-                for group in ahead(partial(_inflated, stream), _groups(outline), _groups_ahead(outline)):
-                    for end, data in group:
-                        progress(end - position)
-                        position = end
-                        yield outline, data
+                before = 0
+                for place in outline.chunks:
+                    stream.seek(place)
+                    _, length = _RECORD.unpack(stream.read(_RECORD.size))
+                    content = stream.read(length)
+                    progress(stream.tell() - before)
+                    before = stream.tell()
+                    data = inflated_unverified(Chunk.read(ReadDataStream(BytesIO(content))))
+                    yield outline, data
                 _require_same(outline, stream)
             except BagError:
                 raise
@@ -195,30 +190,6 @@ def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Ou
                 raise BagError(f"{outline.path} cannot be read: {reason(error)}: copy it to a better place") from None
             except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
                 raise _changed(outline) from error
-
-
-def _groups(outline: Outline) -> Iterator[array[int]]:
-    """The places of the chunks of a file, of so many together that handing them over costs little."""
-    count = max(1, _GROUP_BYTES // max(outline.largest_chunk, 1))
-    for begin in range(0, len(outline.chunks), count):
-        yield outline.chunks[begin : begin + count]
-
-
-def _groups_ahead(outline: Outline) -> int:
-    """How many of them may be inflated before they are needed: none of a short file, or of one with large chunks."""
-    is_short = len(outline.chunks) < _WORTH_A_THREAD
-    return 0 if is_short else _BYTES_AHEAD // max(outline.largest_chunk, _GROUP_BYTES)
-
-
-def _inflated(stream: BinaryIO, places: array[int]) -> list[tuple[int, bytes]]:
-    """Of the chunks that begin at these bytes where they end, and the records in them."""
-    found = []
-    for place in places:
-        stream.seek(place)
-        _, length = _RECORD.unpack(stream.read(_RECORD.size))
-        chunk = Chunk.read(ReadDataStream(BytesIO(stream.read(length))))
-        found.append((place + _RECORD.size + length, inflated_unverified(chunk)))
-    return found
 
 
 def _require_same(outline: Outline, stream: BinaryIO) -> None:

@@ -1,43 +1,13 @@
-"""Work for another thread: done before it is asked for, or aside while its caller goes on."""
+"""Work that another thread does aside, while its caller goes on."""
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
 A = TypeVar("A")
-B = TypeVar("B")
-
-
-def ahead(function: Callable[[A], B], arguments: Iterable[A], most: int) -> Generator[B, None, None]:
-    """The values of a function in the order of its arguments, computed by one other thread.
-
-    Parameters
-    ----------
-    function : callable
-        One that mostly waits, or computes without Python's lock.
-    arguments : iterable
-    most : int
-        How many values are made before they are asked for; 0: they are computed by this thread.
-    """
-    if most == 0:
-        yield from map(function, arguments)
-        return
-    waiting = deque[Future[B]]()
-    with ThreadPoolExecutor(1) as thread:
-        try:
-            for argument in arguments:
-                waiting.append(thread.submit(function, argument))
-                if len(waiting) > most:
-                    yield waiting.popleft().result()
-            while waiting:
-                yield waiting.popleft().result()
-        finally:
-            for future in waiting:
-                future.cancel()
 
 
 class Aside(Generic[A]):
