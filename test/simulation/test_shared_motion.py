@@ -6,7 +6,7 @@ import copy
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
@@ -21,7 +21,8 @@ KINDS = ("moving_chart", "closed_form")
 
 
 def scenario(kind: str, **parameters: object) -> Scenario:
-    return Scenario.from_parameters({"motion": kind, "max_step": 0.004, **parameters})
+    """With a stepper that errs so much that other steps give other bits."""
+    return Scenario.from_parameters({"motion": kind, "method": "rkmk2", "max_step": 0.004, **parameters})
 
 
 def bits(states: State) -> bytes:
@@ -64,6 +65,7 @@ def users(kind: str, count: int, calls: list[int]) -> list[User]:
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(turns=st.lists(st.tuples(st.integers(0, 2), st.sampled_from([0, 1, 2, 5])), max_size=12))
+@example(turns=[(0, 5), (1, 5), (0, 5), (2, 5), (1, 2), (1, 5), (2, 1), (2, 5), (0, 5)])
 @settings(max_examples=20)
 def test_everyone_has_the_bits_of_an_own_motion(kind: str, turns: list[tuple[int, int]]) -> None:
     three = users(kind, 3, [])
