@@ -103,6 +103,21 @@ def require_suffix(option: str, path: str | None, suffix: str) -> None:
         raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
 
 
+def path(text: str) -> str:
+    """The name of a file or folder of a command line, for `argparse`.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is empty, which is the folder one is in to the system, or ``-``, which would be a file of that name.
+    """
+    if not text:
+        raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
+    if text == "-":
+        raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
+    return text
+
+
 def complain(prog: str, message: str) -> None:
     """Print an error as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
     try:
@@ -190,7 +205,12 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p")
     group.add_argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them")
     group.add_argument(
-        "--params-file", metavar="FILE", action="append", default=[], help="a ROS 2 parameter file; may be repeated"
+        "--params-file",
+        metavar="FILE",
+        type=path,
+        action="append",
+        default=[],
+        help="a ROS 2 parameter file; may be repeated",
     )
     group.add_argument(
         "-p",

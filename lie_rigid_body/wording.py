@@ -127,6 +127,11 @@ def listed(names: Collection[object]) -> str:
     return first if len(names) <= MOST_NAMES else f"{first} and {len(names) - MOST_NAMES} more"
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things, with an s where there is not one."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def suggestion(name: str, known: Sequence[str], kind: str) -> str:
     """What to give instead of an unknown name: those most like it, or else the first of all.
 

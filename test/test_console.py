@@ -13,6 +13,7 @@ from typing import NoReturn
 import pytest
 
 from lie_rigid_body import console
+from lie_rigid_body.__main__ import main
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.errors import BagError
@@ -117,6 +118,43 @@ def test_an_error_line_is_short_and_keeps_its_ends(message: str, capsys: pytest.
     assert len(line) <= LONGEST_LINE + 1
     assert line.startswith("verb: error: x")
     assert line.strip()[-4:] == message.strip()[-4:]
+
+
+@pytest.mark.parametrize("name", ["", "-"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["check", "{}"],
+        ["check", "bag.mcap", "{}", "--report", "a.html"],
+        ["check", "bag.mcap", "--report", "{}"],
+        ["record", "{}", "--duration", "1"],
+        ["explain", "--params-file", "{}"],
+        ["recover", "{}", "-o", "new.mcap"],
+        ["recover", "bag.mcap", "-o", "{}"],
+        ["plot", "{}", "-o", "a.png"],
+        ["plot", "bag.mcap", "-o", "{}"],
+        ["evaluate", "{}", "--estimate", "/pose"],
+        ["evaluate", "bag.mcap", "--estimate", "/pose", "--truth", "{}"],
+        ["evaluate", "bag.mcap", "--estimate", "/pose", "--plot", "{}"],
+        ["evaluate", "bag.mcap", "--estimate", "/pose", "--report", "{}"],
+        ["campaign", "{}", "--out", "out"],
+        ["campaign", "campaign.yaml", "--out", "{}"],
+        ["campaign", "campaign.yaml", "--out", "out", "--report", "{}"],
+    ],
+)
+def test_what_is_no_name_is_refused_by_every_verb(
+    arguments: list[str],
+    name: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([argument.format(name) for argument in arguments]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert re.search(f": '{name}' (names no file|stands for no stream here: give a name, ./-)", line)
+    assert len(line) <= LONGEST_LINE
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

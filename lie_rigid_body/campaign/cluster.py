@@ -7,23 +7,28 @@ import os
 import signal
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
-from multiprocessing import resource_tracker
+from multiprocessing import active_children, resource_tracker
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, LocalCluster
 
+_Closable = TypeVar("_Closable", bound="Client | LocalCluster")
 RUNS_AHEAD: Final = 4
 """Runs that wait at each worker, so that none is idle, and few are done in vain at an interruption."""
+
+LARGEST_PORT: Final = 65535
+LONGEST_CLOSING_S: Final = 15.0
+"""More than the 9 s in which Dask asks a worker to end, and then kills it."""
 
 _QUIET: Final = {
     "distributed.logging.distributed": "critical",
@@ -33,6 +38,26 @@ _QUIET: Final = {
     "distributed.worker.profile.enabled": False,
 }
 """Settings of Dask."""
+
+
+def require_address(scheduler: str) -> None:
+    """Refuse what is no address of a scheduler, before anything is made for it.
+
+    Raises
+    ------
+    InputError
+    """
+    from distributed.comm import get_address_host_port
+
+    try:
+        host, port = get_address_host_port(scheduler)
+    except ValueError:
+        host, port = "", 0
+    if not (host and 0 < port <= LARGEST_PORT):
+        raise InputError(
+            f"--scheduler {shown(scheduler)} is not the address of a Dask scheduler: give protocol, host and port, "
+            "such as tcp://host:8786"
+        )
 
 
 @contextmanager
@@ -58,14 +83,15 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     dask.config.set(_QUIET)
     if scheduler is not None:
         try:
-            found = Client(scheduler, timeout=10)
-        except (OSError, ValueError) as error:  # the latter of what is no address
+            connected = Client(scheduler, timeout=10)
+        except Exception as error:  # of the network, of TLS without a certificate, of a name that cannot be
             said = shortened(str(error), 90)
             raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {said}: start one there") from None
-        with found as client:
-            yield client
+        with _closed_in_time(connected):
+            yield connected
         return
-    with tempfile.TemporaryDirectory() as own:
+    others = active_children()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         with _deaf_children():
             cluster = LocalCluster(
                 n_workers=workers or cores(),
@@ -75,8 +101,23 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
                 local_directory=own,
                 silence_logs=logging.CRITICAL,
             )
-        with cluster, Client(cluster) as client:
+        with _closed_in_time(cluster), _closed_in_time(Client(cluster)) as client:
             yield client
+        for process in active_children():  # there is none, unless the cluster was too late
+            if process not in others:
+                process.kill()
+
+
+@contextmanager
+def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
+    """A context that ends with a client or a cluster, and does not wait for it for ever: all that is wanted is here."""
+    from distributed import TimeoutError as Late
+
+    try:
+        yield what
+    finally:
+        with suppress(Late):
+            what.close(timeout=LONGEST_CLOSING_S)
 
 
 @contextmanager

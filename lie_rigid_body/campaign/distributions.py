@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -72,39 +73,67 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(f"{what}: there is no distribution {shown(name)}: give one of {', '.join(DISTRIBUTIONS)}")
     required, make = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
-    allowed = [{key} if isinstance(key, str) else set(key) for key in required]
-    unknown = sorted(map(str, set(values) - set().union(*allowed)))
-    if unknown or any(len(keys & set(values)) != 1 for keys in allowed):
-        keys = ", ".join(" or ".join(sorted(keys)) for keys in allowed) or "nothing more"
-        extra = f", not {shortened(unknown[0], 40)}" if unknown else ""
-        raise InputError(f"{what}: {name} takes {keys}{extra}")
+    allowed = [(key,) if isinstance(key, str) else key for key in required]
+    if wrong := _wrong_keys(set(values), allowed):
+        keys = ", ".join(map(" or ".join, allowed)) or "nothing more"
+        raise InputError(f"{what}: {name} takes {keys}, and {wrong}")
     return make(what, values)
 
 
+def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
+    """What is wrong with the keys of a distribution, and the remedy; empty if there is one of each alternative."""
+    if unknown := sorted(map(str, given.difference(*allowed))):
+        return f"{shortened(unknown[0], 40)} is none of that: leave it out"
+    for keys in allowed:
+        found = [key for key in keys if key in given]
+        if not found:
+            return f"{' or '.join(keys)} is missing: add it"
+        if len(found) > 1:
+            return f"{' and '.join(found)} are given: leave one out"
+    return ""
+
+
+def _is_finite(value: object) -> TypeGuard[int | float]:
+    """Whether a value is a number that a double can hold."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= sys.float_info.max
+
+
 def _number(what: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if not _is_finite(value):
         raise InputError(f"{what}: {shown(value)} is not a finite number: give one")
     return float(value)
 
 
 def _range(what: str, low: object, high: object) -> tuple[float, float]:
     first, last = _number(f"{what}.low", low), _number(f"{what}.high", high)
-    if not first <= last or not math.isfinite(last - first):
-        raise InputError(f"{what}: low {first:g} is above high {last:g}, or too far from it: exchange them")
+    if first > last:
+        raise InputError(f"{what}: low {first:g} is above high {last:g}: exchange them")
+    if not math.isfinite(last - first):
+        raise InputError(f"{what}: from {first:g} to {last:g} is beyond double precision: bring them nearer")
     return first, last
 
 
-def _positive(what: str, value: object) -> Draw:
+def _above_0(what: str, value: object) -> Draw:
     """A number, a range [low, high] or a distribution, of a quantity that has to be above 0."""
+    return _limited(what, value, lambda drawn: drawn > 0.0, "above 0")
+
+
+def _limited(what: str, value: object, allows: Callable[[float], bool], limit: str) -> Draw:
+    """A number, a range [low, high] or a distribution, of a quantity with a limit, which each draw has to keep."""
     draw = _scalar(what, value)
 
-    def positive(u: Uniforms) -> float:
+    def limited(u: Uniforms) -> float:
         drawn = draw(u)
-        if not (isinstance(drawn, float) and drawn > 0.0):
-            raise InputError(f"{what}: {shown(drawn)} was drawn in run {u.run}, and has to be above 0")
-        return drawn
+        if not (_is_finite(drawn) and allows(drawn)):
+            raise InputError(
+                f"{what}: {shown(drawn)} was drawn in run {u.run} and is not a finite number {limit}: "
+                "draw from others only"
+            )
+        return float(drawn)
 
-    return positive
+    return limited
 
 
 def _scalar(what: str, value: object) -> Draw:
@@ -164,7 +193,7 @@ def _uniform_rotation(what: str, given: Mapping[str, object]) -> Draw:
 
 def _direction(what: str, given: Mapping[str, object]) -> Draw:
     """A vector whose direction is uniform on the sphere: its z is uniform, by Archimedes."""
-    norm = _scalar(f"{what}.norm", given["norm"])
+    norm = _limited(f"{what}.norm", given["norm"], lambda drawn: drawn >= 0.0, "of at least 0")
 
     def vector(u: Uniforms) -> list[float]:
         z, angle = 2.0 * u.next() - 1.0, 2.0 * math.pi * u.next()
@@ -179,7 +208,7 @@ def _box(what: str, given: Mapping[str, Any]) -> Draw:
     edges = given["edges"]
     if not isinstance(edges, list) or len(edges) != 3:
         raise InputError(f"{what}: edges is to be a list of three lengths or ranges, m: give [[0.1, 0.3], 0.2, 0.4]")
-    lengths = [_positive(f"{what}.edges", edge) for edge in edges]
+    lengths = [_above_0(f"{what}.edges", edge) for edge in edges]
     heavy = _mass(what, given)
 
     def moments(u: Uniforms) -> list[float]:
@@ -192,7 +221,7 @@ def _box(what: str, given: Mapping[str, Any]) -> Draw:
 
 def _cylinder(what: str, given: Mapping[str, Any]) -> Draw:
     """Moments m (3r² + h²)/12 across and m r²/2 about the axis of a homogeneous cylinder, which is the body's z."""
-    radius, height = (_positive(f"{what}.{name}", given[name]) for name in ("radius", "height"))
+    radius, height = (_above_0(f"{what}.{name}", given[name]) for name in ("radius", "height"))
     heavy = _mass(what, given)
 
     def moments(u: Uniforms) -> list[float]:
@@ -207,9 +236,9 @@ def _cylinder(what: str, given: Mapping[str, Any]) -> Draw:
 def _mass(what: str, given: Mapping[str, object]) -> Callable[[Uniforms, float], float]:
     """The mass, kg, of a volume, m³: as given, or from a density, kg/m³."""
     if "mass" in given:
-        mass = _positive(f"{what}.mass", given["mass"])
+        mass = _above_0(f"{what}.mass", given["mass"])
         return lambda u, volume: mass(u)
-    density = _positive(f"{what}.density", given["density"])
+    density = _above_0(f"{what}.density", given["density"])
     return lambda u, volume: density(u) * volume
 
 
@@ -217,7 +246,7 @@ def _run(what: str, given: Mapping[str, object]) -> Draw:
     return lambda u: u.run
 
 
-_MASS: Final = ("mass", "density")
+_MASS: Final = ("density", "mass")
 DISTRIBUTIONS: Final[Mapping[str, tuple[tuple[str | tuple[str, ...], ...], Callable[..., Draw]]]] = {
     "uniform": (("low", "high"), _uniform),
     "loguniform": (("low", "high"), _loguniform),

@@ -29,7 +29,7 @@ class Journal:
     ----------
     campaign : Campaign
     folder : Path
-        Made if need be.
+        Made if need be, in one that exists.
 
     Raises
     ------
@@ -46,7 +46,8 @@ class Journal:
         path = folder / JOURNAL
         try:
             _require_own(folder)
-            (folder / BAGS).mkdir(parents=True, exist_ok=True)
+            folder.mkdir(exist_ok=True)
+            (folder / BAGS).mkdir(exist_ok=True)
             self._file = path.open("a+", encoding="utf-8")
             self._lock()
             self._read()
@@ -124,6 +125,11 @@ class Journal:
 
 
 def _require_own(folder: Path) -> None:
-    """Refuse a folder with anything in it but a campaign."""
+    """Refuse a folder with anything in it but a campaign, and one in a folder that does not exist."""
+    if not folder.parent.is_dir():
+        raise BagError(
+            f"{folder} cannot be created, because the folder {folder.parent} does not exist: make it, "
+            "or give another one"
+        )
     if folder.is_dir() and not (folder / JOURNAL).exists() and any(folder.iterdir()):
         raise InputError(f"{folder} holds other files and no campaign: give a new folder, or an empty one")

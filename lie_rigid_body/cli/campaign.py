@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.wording import shortened, shown
+from lie_rigid_body.wording import counted, shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -40,8 +40,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         html_page.require_room(given.report, overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)
-    for run in range(campaign.runs):
-        campaign.scenario_of(run)  # refuse what no run can be before the first is begun
+    _require_scenarios(campaign, given.campaign)
+    if given.scheduler is not None:
+        from lie_rigid_body.campaign.cluster import require_address
+
+        require_address(given.scheduler)
     if campaign.estimator is not None:
         estimator(campaign.estimator)
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
@@ -60,9 +63,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> console.Parser:
     parser = console.Parser("campaign", "Record and certify many runs with parameters drawn at random.")
-    parser.add_argument("campaign", metavar="CAMPAIGN.yaml", help="what varies, and how many runs there are")
     parser.add_argument(
-        "--out", metavar="DIR", required=True, help="folder of the table and the bags; resumed if begun"
+        "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=console.path,
+        required=True,
+        help="folder of the table and the bags; resumed if begun",
     )
     parser.add_argument(
         "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
@@ -74,6 +83,7 @@ def _parser() -> console.Parser:
     parser.add_argument(
         "--report",
         metavar="OUT.html",
+        type=console.path,
         help="write the runs and the sizes of their residuals as one page (needs plotly)",
     )
     parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
@@ -84,6 +94,15 @@ def _workers(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
         raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
     return int(text)
+
+
+def _require_scenarios(campaign: Campaign, path: str) -> None:
+    """Refuse what no run can be before the first is begun."""
+    try:
+        for run in range(campaign.runs):
+            campaign.scenario_of(run)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> list[BaseException]:
@@ -125,7 +144,8 @@ def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], g
     rows = [journal.rows[run] for run in sorted(journal.rows)]
     broken = sorted(row.run for row in rows if not row.certified)
     worst = max(row.attitude_accuracy_rad for row in rows)
-    lines = [f"{len(rows)} runs, {len(rows) - len(broken)} certified, attitudes within {worst:.2g} rad, in {table}"]
+    count, certified = counted(len(rows), "run"), len(rows) - len(broken)
+    lines = [f"{count}, {certified} certified, attitudes within {worst:.2g} rad, in {table}"]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
     if campaign.estimator is not None:

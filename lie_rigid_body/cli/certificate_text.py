@@ -8,12 +8,16 @@ from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.parameters import Value
+from lie_rigid_body.wording import counted
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Of the columns of `law_cells`."""
 _COLUMNS: Final = " {:<34}{:>8}{:>8} {:<3}{:>8}{:>10} {}"
 _UNIT: Final = 3
 """Characters of the column of units; a longer one stands behind the name."""
+_TWO_DIGITS: Final = 99.0
+_LONGEST_COUNT: Final = 1e7
+"""Counts from here on do not fit into their column."""
 _WIDTH: Final = 80
 """Characters of a line of the table, and of the sentences."""
 
@@ -117,7 +121,7 @@ def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> t
     if motion == "moving_chart":
         motion = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
     return (
-        f"segment {number} of {count}: {certificate.samples} samples at {scenario.rate:g} Hz "
+        f"segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns",
         f"inertia {_numbers(scenario.inertia)} kg m²",
         f"initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
@@ -144,7 +148,13 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     verdict = "holds" if law.holds else "BROKEN"
     is_long = len(law.unit) > _UNIT
     name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
-    return name, f"{law.worst:.2g}", f"{law.limit:.2g}", unit, sample, time, verdict
+    return name, _quantity(law.worst), f"{law.limit:.2g}", unit, sample, time, verdict
+
+
+def _quantity(value: float) -> str:
+    """Two digits of a measure, and all of a count."""
+    is_count = _TWO_DIGITS < value < _LONGEST_COUNT and value.is_integer()
+    return f"{value:.0f}" if is_count else f"{value:.2g}"
 
 
 def _wrapped(sentence: str, mark: str) -> str:

@@ -160,6 +160,7 @@ def _parser() -> console.Parser:
     parser.add_argument(
         "bags",
         metavar="BAG",
+        type=console.path,
         nargs="+",
         help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders below it",
     )
@@ -178,7 +179,10 @@ def _parser() -> console.Parser:
         "(needs python-flint)",
     )
     parser.add_argument(
-        "--report", metavar="OUT.html", help="write laws, drifts and the motion in 3-D as one page (needs plotly)"
+        "--report",
+        metavar="OUT.html",
+        type=console.path,
+        help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
     )
     parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
     return parser

@@ -11,6 +11,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -291,7 +292,7 @@ def _title(pieces: Sequence[RecordedSegment]) -> str:
     if motion == "moving_chart":
         motion = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
     total = sum(piece.count for piece in pieces)
-    samples = "1 sample" if total == 1 else f"{total} samples"
+    samples = counted(total, "sample")
     count = len(pieces) - 1
     mark = "dashed" if count <= MOST_RESETS_AS_LINES else "marks above"
     resets = f", {count} reset{'s' * (count > 1)} ({mark})" if count else ""

@@ -42,8 +42,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> console.Parser:
     parser = console.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
-    parser.add_argument("bag", metavar="BAG", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    parser.add_argument(
+        "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
+    )
     console.add_topic_argument(parser)
-    parser.add_argument("-o", "--out", metavar="OUT.png", required=True, help="the picture to write")
+    parser.add_argument("-o", "--out", metavar="OUT.png", type=console.path, required=True, help="the picture to write")
     parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")
     return parser

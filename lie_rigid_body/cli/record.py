@@ -14,6 +14,7 @@ from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import exact_duration
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -64,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> console.Parser:
     parser = console.Parser("record", "Write a bag of a scenario, without ROS.")
-    parser.add_argument("out", metavar="OUT.mcap", help="the file to write")
+    parser.add_argument("out", metavar="OUT.mcap", type=console.path, help="the file to write")
     console.add_scenario_arguments(parser)
     parser.add_argument(
         "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
@@ -139,7 +140,8 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
         clock = simulation.clock
         first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
         console.say(
-            f"{done} samples, stamps {first} to {last} s, in {bag.path} ({size})\n{console.how_to_certify(bag.path)}",
+            f"{counted(done, 'sample')}, stamps {first} to {last} s, in {bag.path} ({size})\n"
+            f"{console.how_to_certify(bag.path)}",
             done=f"{bag.path} is written and whole",
         )
     return console.SUCCESS

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.recovery import Recovery
@@ -24,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     first, last = map(console.seconds, recovery.log_times_ns)
     size = console.size(os.path.getsize(given.out))
     console.say(
-        f"{recovery.messages} messages on {recovery.topics} topics, stamps {first} to {last} s, "
+        f"{counted(recovery.messages, 'message')} on {counted(recovery.topics, 'topic')}, stamps {first} to {last} s, "
         f"in {given.out} ({size})\n"
         f"{_what_was_wrong(given.broken, recovery)}\n"
         f"{console.how_to_certify(given.out)}",
@@ -35,8 +36,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> console.Parser:
     parser = console.Parser("recover", "Write every whole message of an MCAP file that was cut off into a new one.")
-    parser.add_argument("broken", metavar="BROKEN", help="the file that was cut off; it is only read")
-    parser.add_argument("-o", "--out", metavar="FIXED", required=True, help="the file to write")
+    parser.add_argument(
+        "broken", metavar="BROKEN", type=console.path, help="the file that was cut off; it is only read"
+    )
+    parser.add_argument("-o", "--out", metavar="FIXED", type=console.path, required=True, help="the file to write")
     parser.add_argument("--force", action="store_true", help="replace FIXED if it exists, when the new one is whole")
     return parser
 
@@ -44,9 +47,9 @@ def _parser() -> console.Parser:
 def _what_was_wrong(broken: str, recovery: Recovery) -> str:
     found = []
     if recovery.broken_at is not None:
-        found.append(
-            f"breaks off in the record at byte {recovery.broken_at}, which gave {recovery.of_the_last} messages"
-        )
+        gave = counted(recovery.of_the_last, "message")
+        found.append(f"breaks off in the record at byte {recovery.broken_at}, which gave {gave}")
     if recovery.damaged:
-        found.append(f"has {len(recovery.damaged)} damaged records, left out, the first at byte {recovery.damaged[0]}")
+        damaged = counted(len(recovery.damaged), "damaged record")
+        found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")
     return f"{broken} {' and '.join(found) or 'was whole'}"

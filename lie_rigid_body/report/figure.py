@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Score
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +61,7 @@ def _draw(title: str, score: Score) -> Figure:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, borderaxespad=0.1)
     (rest[0] if rest else parts).set_xlabel("time since the first estimate [s]")
     rms = score.total_deg.rms
-    figure.suptitle(f"{title}\nattitude error {rms:.4g}° rms, {score.samples} samples", fontsize=11)
+    figure.suptitle(f"{title}\nattitude error {rms:.4g}° rms, {counted(score.samples, 'sample')}", fontsize=11)
     return figure
 
 

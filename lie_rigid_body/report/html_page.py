@@ -26,9 +26,9 @@ p { max-width: 62rem; }
 table { border-collapse: collapse; margin: 1rem 0; }
 th, td { padding: 0.3rem 0.9rem; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; }
-td { font-variant-numeric: tabular-nums; } th { position: sticky; top: 0; background: white; }
+td { font-variant-numeric: tabular-nums; }
 tr.broken td { background: #fbe9e7; }
-.table { overflow: auto; max-height: 40rem; }
+.table { overflow-x: auto; }
 .badge { display: inline-block; padding: 0.2rem 0.8rem; border-radius: 0.4rem; color: white; }
 .badge.passed { background: #0a7a55; } .badge.broken { background: #b3261e; }
 li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: #f2f4f6; padding: 0 0.3rem; }
@@ -40,6 +40,10 @@ figcaption { color: #555; font-size: 0.85rem; margin-top: 0.2rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
 pre { background: #f2f4f6; padding: 0.8rem; overflow-x: auto; }
+@media print {
+  body { margin: 0; max-width: none; } .table { overflow: visible; } pre { white-space: pre-wrap; }
+  th, td { padding: 0.2rem 0.4rem; } tr, figure { break-inside: avoid; } .controls { display: none; }
+}
 """
 
 _DRAW: Final = """
@@ -195,7 +199,7 @@ def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -
         f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
         for cells, passed in rows
     ]
-    return f'<div class="table"><table><tr>{head}</tr>{"".join(lines)}</table></div>'
+    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
 
 
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:

@@ -59,18 +59,22 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 def _parser() -> console.Parser:
     parser = console.Parser("evaluate", "Score and diagnose an attitude estimate against the truth.")
     parser.epilog = _EPILOG
-    parser.add_argument("run", metavar="RUN", nargs="?", help="an MCAP file, or a folder that 'ros2 bag record' made")
+    parser.add_argument(
+        "run", metavar="RUN", type=console.path, nargs="?", help="an MCAP file, or a folder that 'ros2 bag record' made"
+    )
     parser.add_argument(
         "--estimate",
         metavar="TOPIC",
         help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
     )
-    parser.add_argument("--truth", metavar="OTHER", help="the bag of the truth, if it is not in RUN")
+    parser.add_argument("--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN")
     console.add_topic_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the score for programs")
     parser.add_argument("--series", action="store_true", help="with --json: also the errors of every sample")
-    parser.add_argument("--plot", metavar="OUT.png", help="draw the errors over time")
-    parser.add_argument("--report", metavar="OUT.html", help="write score, findings and picture as one page")
+    parser.add_argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time")
+    parser.add_argument(
+        "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
+    )
     parser.add_argument("--max-rms", metavar="ANGLE", help="largest RMS of the total error, such as 1deg")
     parser.add_argument(
         "--max-after",

@@ -15,6 +15,7 @@ from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.arguments import Arguments, parse
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -145,7 +146,7 @@ def _recording(node: SimulatorNode, path: str) -> Iterator[Recorder | None]:
         yield recorder
     if recorder.failure is not None:
         raise recorder.failure
-    _say(f"recorded {bag.sample_count} samples; {console.how_to_certify(path)}")
+    _say(f"recorded {counted(bag.sample_count, 'sample')}; {console.how_to_certify(path)}")
 
 
 def _open_bag(node: SimulatorNode, path: str) -> BagWriter:

@@ -325,6 +325,10 @@ def command(pid: int) -> str:
         ("runs: 1\nseed: 1\nduration: 1.0\nvary: {rate: 3.0}", "vary.rate is not a distribution"),
         ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}", "run 0: rate: -3 is outside"),
         (
+            "runs: 1\nseed: 1\nduration: 1.0\nvary: {initial_body_rate: {distribution: direction, norm: -1}}",
+            "vary.initial_body_rate.norm: -1.0 was drawn in run 0",
+        ),
+        (
             "runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: 3.0}\nvary: {rate: {distribution: run}}",
             "in parameters and in vary",
         ),
@@ -340,12 +344,41 @@ def command(pid: int) -> str:
     ],
 )
 def test_bad_campaigns_are_refused_in_one_line(
-    text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert main([str(written(tmp_path, text)), "--out", str(tmp_path / "out")]) == 2
+    monkeypatch.chdir(tmp_path)
+    assert main([written(tmp_path, text).name, "--out", "out"]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert words in line
+    assert "campaign.yaml" in line or "estimator '" in line
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "address", ["nonsense", "", "http://127.0.0.1:1", "tcp://127.0.0.1", "tcp://:8786", "tcp://h:0", "tcp://h:65536"]
+)
+def test_what_is_no_address_is_refused_before_a_folder_is_made(
+    address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"--scheduler '{address}' is not the address of a Dask scheduler: give protocol, host and port" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_no_scheduler_can_be_reached_by_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """TLS without a certificate."""
+    given = [str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--scheduler", "tls://127.0.0.1:1"]
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "no Dask scheduler answers at tls://127.0.0.1:1: TLS expects" in line
+
+
+def test_a_folder_in_one_that_does_not_exist_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "none" / "out")]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "none does not exist: make it, or give another one" in line
+    assert not (tmp_path / "none").exists()
 
 
 def test_a_folder_of_something_else_is_left_alone(

@@ -122,16 +122,22 @@ def test_the_run_is_its_number() -> None:
     [
         (3.0, "not a distribution"),
         ({"distribution": "cauchy"}, "there is no distribution 'cauchy'"),
-        ({"distribution": "uniform", "low": 1.0}, "uniform takes low, high"),
-        ({"distribution": "uniform", "low": 1.0, "high": 2.0, "mean": 3.0}, "uniform takes low, high, not mean"),
-        ({"distribution": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1"),
+        ({"distribution": "uniform", "low": 1.0}, "uniform takes low, high, and high is missing: add it"),
+        (
+            {"distribution": "uniform", "low": 1.0, "high": 2.0, "mean": 3.0},
+            "uniform takes low, high, and mean is none of that: leave it out",
+        ),
+        ({"distribution": "run", "low": 1.0}, "run takes nothing more, and low is none of that: leave it out"),
+        ({"distribution": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1: exchange them"),
+        ({"distribution": "uniform", "low": -1e308, "high": 1e308}, "is beyond double precision: bring them nearer"),
+        ({"distribution": "uniform", "low": 0, "high": 10**400}, "is not a finite number"),
         ({"distribution": "uniform", "low": "a", "high": 1.0}, "'a' is not a finite number"),
         ({"distribution": "uniform", "low": 0, "high": float("inf")}, "not a finite number"),
         ({"distribution": "loguniform", "low": 0.0, "high": 1.0}, "no logarithm"),
         ({"distribution": "normal", "mean": 0.0, "std": -1.0}, "below 0"),
         ({"distribution": "choice", "values": []}, "at least one"),
-        ({"distribution": "box", "edges": [1, 1, 1]}, "density or mass"),
-        ({"distribution": "box", "mass": 1, "density": 1, "edges": [1, 1, 1]}, "density or mass"),
+        ({"distribution": "box", "edges": [1, 1, 1]}, "takes density or mass, edges, and density or mass is missing"),
+        ({"distribution": "box", "mass": 1, "density": 1, "edges": [1, 1, 1]}, "density and mass are given: leave one"),
         ({"distribution": "box", "mass": 1, "edges": [1, 1]}, "three lengths"),
         ({"distribution": "direction", "norm": [1, 2, 3]}, "no range"),
         ({"distribution": "direction", "norm": {"distribution": "none"}}, "there is no distribution"),
@@ -144,7 +150,24 @@ def test_what_is_no_distribution_is_refused(given: object, words: str) -> None:
     assert len(str(error.value)) < 200
 
 
-def test_a_length_that_is_not_positive_is_refused_when_it_is_drawn() -> None:
-    draw = distribution("vary.inertia", {"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]})
-    with pytest.raises(InputError, match="has to be above 0"):
-        draw(Uniforms(0, 0, "inertia"))
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]}, "finite number above 0: draw"),
+        ({"distribution": "direction", "norm": -1}, "-1.0 was drawn in run 0 and is not a finite number of at"),
+        ({"distribution": "direction", "norm": {"distribution": "choice", "values": ["a"]}}, "'a' was drawn in run 0"),
+        ({"distribution": "direction", "norm": {"distribution": "choice", "values": [math.inf]}}, "inf was drawn"),
+    ],
+)
+def test_a_length_that_cannot_be_is_refused_when_it_is_drawn(given: dict[str, Any], words: str) -> None:
+    draw = distribution("vary.x", given)
+    with pytest.raises(InputError, match=r"^vary\.x\.") as error:
+        draw(Uniforms(0, 0, "x"))
+    assert words in str(error.value)
+    assert len(str(error.value)) < 200
+
+
+def test_lengths_may_be_drawn_as_integers_and_a_norm_may_be_0() -> None:
+    [moments] = drawn(count=1, distribution="box", mass={"distribution": "choice", "values": [12]}, edges=[1, 1, 1])
+    assert moments == pytest.approx([2.0, 2.0, 2.0])
+    assert not drawn(count=1, distribution="direction", norm=0).any()

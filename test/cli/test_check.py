@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.cli.certificate_text import law_cells
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
@@ -95,6 +97,11 @@ def test_the_table_fits_into_eighty_columns(tmp_path, capsys, parameters):
     main([str(bag)])
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines[1:])) <= 80
+
+
+@pytest.mark.parametrize(("worst", "said"), [(300.0, "300"), (99.5, "1e+02"), (2.51e-16, "2.5e-16"), (1e7, "1e+07")])
+def test_a_count_has_all_its_digits(worst, said):
+    assert law_cells(LawResult("stamps", "gap", worst, 0.0, 1, 1, 1, 1), 1.0)[1] == said
 
 
 def test_a_bag_that_breaks_a_law(tmp_path, capsys):

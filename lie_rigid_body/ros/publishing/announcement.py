@@ -12,6 +12,7 @@ from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.wording import counted
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
 def farewell(node: str, punctuality: Punctuality) -> str:
     """The line at the end: how many samples were sent, and how many of them late."""
     late = f"{punctuality.missed} of them late, by up to {punctuality.worst_ns / 1e6:.3g} ms"
-    return f"{node} ends: {punctuality.sent} samples sent, {late if punctuality.missed else 'none of them late'}"
+    sent = counted(punctuality.sent, "sample")
+    return f"{node} ends: {sent} sent, {late if punctuality.missed else 'none of them late'}"
 
 
 def commands(names: Names) -> list[str]:
