@@ -20,6 +20,7 @@ BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"
 BLURRED: Final = 5.0
 """With perfect sensors a filter errs by no more than this, degrees, or its wiring is in doubt."""
+BEST_POSSIBLE: Final = "best possible, were scale and mounting known"
 
 Ranking = Sequence[tuple[Filter, list[Result], list[Result]]]
 
@@ -28,7 +29,12 @@ def ranking(defaults: Sequence[Result], best: Sequence[Result]) -> Ranking:
     """Filters with their results at the defaults and at the best setting, the most accurate first."""
     pairs = zip(by_filter(defaults), by_filter(best), strict=True)
     rows = [(each, plain, tuned) for (each, plain), (_, tuned) in pairs]
-    return sorted(rows, key=lambda row: (bool(doubt(row[2])), typical(row[2], GRADES[1:])))
+    return sorted(rows, key=lambda row: (bool(doubt(row[2])), overall(row[2])))
+
+
+def overall(results: Sequence[Result]) -> float:
+    """What filters are ranked by: geometric mean over the grades of real sensors of the median errors, degrees."""
+    return float(np.exp(np.mean([np.log(typical(results, [grade])) for grade in GRADES[1:]])))
 
 
 def typical(results: Iterable[Result], grades: Sequence[str], fault: bool = False) -> float:
@@ -61,13 +67,15 @@ def table(rows: Ranking, bounds: Sequence[Result]) -> str:
         columns.append(f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}")
         lines.append(columns)
     floor = [angle(typical(bounds, [grade])) for grade in GRADES[1:]]
-    lines.append(["**best possible**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
+    lines.append([f"**{BEST_POSSIBLE}**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def angle(degrees: float) -> str:
     """For the eye: two digits, 0 below a ten-thousandth."""
-    return "—" if np.isnan(degrees) else "0" if degrees < 5e-5 else f"{degrees:.2g}"
+    if np.isnan(degrees):
+        return "—"
+    return "0" if degrees < 5e-5 else f"{degrees:.2g}" if degrees < 99.5 else f"{degrees:.0f}"
 
 
 def both(default: float, tuned: float) -> str:
@@ -76,11 +84,12 @@ def both(default: float, tuned: float) -> str:
 
 
 def advice(rows: Ranking) -> str:
-    """What the users of each filter should know, and the setting that was best for MEMS sensors."""
+    """What the users of each filter should know, and the setting for MEMS sensors if it is better than the defaults."""
     lines = []
-    for each, _, tuned in rows:
+    for each, plain, tuned in rows:
         setting = next(r.setting for r in tuned if r.case == Case("slow_tumble", "mems"))
-        chosen = ", ".join(f"`{name}={value:g}`" for name, value in setting.items())
+        better = typical(tuned, ["mems"]) < typical(plain, ["mems"])
+        chosen = ", ".join(f"`{name}={value:g}`" for name, value in setting.items() if better)
         said = [doubt(tuned), each.advice, f"with MEMS sensors {chosen}" if chosen else ""]
         if any(said):
             lines.append(f"- {each.library} `{each.name}`: {'; '.join(filter(None, said))}.")
@@ -100,15 +109,16 @@ def heat_map(rows: Ranking, bounds: Sequence[Result]) -> Figure:
     shown += [Case("slow_tumble", "mems", fault) for fault in FAULTS]
     floor = {r.case: r.total for r in bounds}
     numbers = [[{r.case: r.total for r in tuned}[case] for case in shown] for _, _, tuned in rows]
-    numbers.append([floor.get(case, np.nan) for case in shown])
-    names = [each.full_name for each, _, _ in rows] + ["best possible"]
+    numbers.append([0.0 if case.grade == "perfect" else floor.get(case, np.nan) for case in shown])
+    names = [each.full_name for each, _, _ in rows] + [BEST_POSSIBLE]
     figure = Figure(figsize=(0.42 * len(shown) + 4.0, 0.27 * len(names) + 2.6), dpi=110, layout="constrained")
     axes = figure.subplots()
     image = axes.imshow(np.maximum(numbers, 1e-3), norm=LogNorm(1e-3, 180.0), cmap="viridis_r", aspect="auto")
     for row, line in enumerate(numbers):
         for column, value in enumerate(line):
-            text = "" if np.isnan(value) else "0" if value < 5e-4 else f"{value:.1g}" if value < 1 else f"{value:.0f}"
-            axes.text(column, row, text, ha="center", va="center", fontsize=6, color="white" if value > 5 else "black")
+            text = "" if np.isnan(value) else angle(value if value >= 5e-4 else 0.0)
+            color = "white" if value > 0.5 else "black"
+            axes.text(column, row, text, ha="center", va="center", fontsize=6, color=color)
     axes.set_xticks(
         range(len(shown)), [case.fault or case.motion for case in shown], rotation=60, ha="right", fontsize=7
     )
@@ -118,7 +128,7 @@ def heat_map(rows: Ranking, bounds: Sequence[Result]) -> Figure:
         if end > begin:
             axes.axvline(end, color="white", lw=2)
             axes.text((begin + end) / 2, -0.8, title, ha="center", va="bottom", fontsize=8)
-    figure.colorbar(image, ax=axes, label="RMS of the total error after 30 s [°]", pad=0.01)
+    figure.colorbar(image, ax=axes, label="RMS of the total error after 30 s [°]", pad=0.01, extend="min")
     return figure
 
 

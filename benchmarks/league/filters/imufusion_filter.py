@@ -22,4 +22,12 @@ def estimate(given: Readings, **settings: float) -> Rotation:
     return magnetic_enu(given, attitudes([ahrs.update(*reading).get_quaternion() for reading in readings]))
 
 
-FILTERS = (Filter("imufusion", "Ahrs", estimate, {"gain": (0.1, 0.2, 0.5, 1.0, 2.0)}),)
+FILTERS = (
+    Filter(
+        "imufusion",
+        "Ahrs",
+        estimate,
+        {"gain": (0.2, 0.5, 1.0, 2.0, 4.0), "magnetic_rejection": (0.0, 10.0), "rejection_timeout": (5.0,)},
+        advice="its `Bias` corrects the gyro of a body that rests, as none does here",
+    ),
+)
