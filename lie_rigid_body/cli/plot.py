@@ -10,7 +10,6 @@ from pathlib import Path
 from lie_rigid_body import console
 from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bodies import TYPES
 from lie_rigid_body.recording.output_file import require_room, write_file
 
 
@@ -20,6 +19,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
+
+    from lie_rigid_body.recording.bodies import TYPES
+
     topics = console.topic_names(given.topic, TYPES)
     require_room(given.out, overwrite=given.force)
 

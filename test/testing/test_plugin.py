@@ -144,7 +144,7 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run):
         ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' is not"),
         ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan is not"),
         ({"max_rms_deg": 1.0, "gyro_bias": np.zeros((3, 3))}, r"gyro_bias: shape \(3, 3\) is not \(250, 3\)"),
-        ({"max_rms_deg": 1.0, "estimate": None}, r"estimate: shape \(\) is not"),
+        ({"max_rms_deg": 1.0, "estimate": None}, "estimate: not numbers"),
         ({"max_rms_deg": 1.0, "estimate": "est"}, "estimate: not numbers"),
         ({"run": None, "max_rms_deg": 1.0}, "run: None is no Run"),
     ],
