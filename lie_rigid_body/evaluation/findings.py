@@ -179,4 +179,6 @@ def _lag(comparison: Comparison, lag_s: float) -> str:
 
 def _doubt(diagnosis: Diagnosis, cause: str) -> str:
     others = [name.replace("_", " ") for name in diagnosis.instead_of(cause)]
+    if others and cause == LAG:
+        others.append("an error of the gyro's scale or bias")
     return f"; this motion does not tell it from {' or '.join(others)}" if others else ""

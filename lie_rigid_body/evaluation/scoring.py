@@ -30,6 +30,8 @@ LONGEST_LAG_S: Final = 1.0
 ABSENT: Final = 0.05
 """A filter may begin late or end early by this share of the truth's times before it is remarked."""
 
+LARGEST_SETTLED_DEG: Final = 20.0
+"""An estimate that errs by more, degrees, has not converged, unless a larger limit is given."""
 UNLIKE_DEG: Final = 5.0
 """Median error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
 
@@ -49,7 +51,8 @@ class Score:
     time_to_converge_s : float or None
         From the first sample until the total error stays below `converged_deg`; None if it never does.
     converged_deg : float
-        As given, or one and a half times the largest total error in the second half of the run.
+        As given, or one and a half times the largest total error in the second half of the run, at most
+        `LARGEST_SETTLED_DEG`.
     lag_s : float or None
         Positive if the estimate is late. None if the motion does not tell it.
     lag_standard_error_s : float or None
@@ -202,7 +205,7 @@ def evaluate(
     total, heading, inclination = (np.degrees(angle) for angle in error)
     t_s = seconds(estimate.stamps_ns)
     uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
-    limit = settling_limit(t_s, total) if converged_deg is None else converged_deg
+    limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
     (lag_s, lag_standard_error_s), found = (
         _diagnosis(estimate, truth, longest_lag_s) if diagnosed else ((None, None), ())
@@ -291,7 +294,7 @@ def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
     if given - len(stamps) > ABSENT * given:
         message = (
             f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
-            "compare with the truth of the same run."
+            "compare with the truth of the same run, by the same clock."
         )
         remarks.append(Remark("gaps", message))
     return tuple(remarks)

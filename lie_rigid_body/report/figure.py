@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation.estimate import GAP
 from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
@@ -106,12 +107,15 @@ def _draw_nees(axes: Axes, score: Score) -> None:
 
 
 def _thinned(t_s: Array, values: Array) -> tuple[Array, Array]:
-    """At most some thousand points, each the largest of its neighbours."""
+    """At most some thousand points, each the largest of its neighbours, and none where there is a gap."""
+    steps = np.diff(t_s)
+    behind = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.intp)
     size = -(-len(values) // _MOST_POINTS)
-    if size == 1:
-        return t_s, values
-    starts = np.arange(0, len(values), size)
-    return t_s[starts], np.maximum.reduceat(values, starts)
+    if size > 1:
+        starts = np.union1d(np.arange(0, len(values), size), behind)
+        behind = np.searchsorted(starts, behind)
+        t_s, values = t_s[starts], np.maximum.reduceat(values, starts)
+    return np.insert(t_s, behind, np.nan), np.insert(values, behind, np.nan)
 
 
 def _marker(values: Array) -> dict[str, Any]:

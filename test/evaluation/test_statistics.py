@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Limits, Statistics, bias_error, time_to_converge
+from lie_rigid_body.evaluation import Limits, SampledTruth, Statistics, bias_error, evaluate, time_to_converge
 from lie_rigid_body.evaluation.limits import angle_deg, time_s
 from lie_rigid_body.evaluation.statistics import settling_limit
 
@@ -82,3 +82,11 @@ def test_limits_name_what_breaks_them():
     assert Limits.parse(max_after="1min:8deg").broken(t, e) == (
         "the estimate ends at 4 s, before the limit after 60 s begins",
     )
+
+
+def test_what_is_wrong_all_the_time_has_not_converged():
+    stamps = np.arange(100) * 10_000_000
+    truth = np.tile([0.0, 0.0, 0.0, 1.0], (100, 1))
+    score = evaluate(stamps, np.roll(truth, 1, axis=1), SampledTruth(stamps, truth))
+    assert score.time_to_converge_s is None
+    assert score.converged_deg == 20.0

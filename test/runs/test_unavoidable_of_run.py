@@ -10,7 +10,7 @@ import pytest
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.report import write_plot, write_report
+from lie_rigid_body.report import figure, write_plot, write_report
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 
 GIVEN: dict[str, Any] = {
@@ -138,6 +138,23 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
     page = (tmp_path / "errors.html").read_text(encoding="utf-8")
     assert "best filter" in page
     assert "best by noise" in page
+
+
+@pytest.mark.parametrize("points", [10_000, 7], ids=["all", "thinned"])
+def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, points):
+    drawn = []
+    monkeypatch.setattr("matplotlib.axes.Axes.plot", lambda axes, t, y, **_: drawn.append((t, y)))
+    monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda axes, **_: None)
+    monkeypatch.setattr("lie_rigid_body.report.figure._MOST_POINTS", points)
+    t_ns = run.imu.t_ns
+    kept = (t_ns < t_ns[0] + 2_000_000_000) | (t_ns > t_ns[0] + 3_000_000_000)
+    score = run.score(run.attitude().at(t_ns[kept]), t_ns[kept])
+    figure.png("a gap", score)
+    for t, error in drawn:
+        [gap] = np.flatnonzero(np.isnan(t))
+        assert t[gap - 1] < 2.0
+        assert t[gap + 1] > 3.0
+        assert np.array_equal(np.isnan(t), np.isnan(error))
 
 
 def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
