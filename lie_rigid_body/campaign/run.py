@@ -15,6 +15,9 @@ from lie_rigid_body.simulation import Simulation
 
 BAGS: Final = "bags"
 """The folder of the bags, in that of the campaign."""
+LARGEST_IN_MEMORY: Final = 8 * 2**20
+"""Largest size, bytes, of a bag that is read into memory as a whole for its certificate, which takes a twentieth less
+time than to read it in batches; a longer one would take ever more memory."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Ro
 
 def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row:
     from lie_rigid_body.certificate import certify, expect
-    from lie_rigid_body.recording.bag_reader import read_bag
+    from lie_rigid_body.recording.bag_reader import Bag, read_bag
 
     scenario = campaign.scenario_of(run)
     # so that loading compiled code pays from the first run on
@@ -95,7 +98,7 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
         for _ in write_run(bag, simulation, last_ns):
             pass
-    certificate = certify(read_bag(path))
+    certificate = certify(read_bag(path) if path.stat().st_size <= LARGEST_IN_MEMORY else Bag(path))
     return Row(
         run,
         campaign.varied(scenario),

@@ -18,11 +18,12 @@ from typing import Any
 
 import pytest
 
-from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign import Campaign, run
 from lie_rigid_body.campaign.journal import Journal
-from lie_rigid_body.campaign.run import Row
+from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.recording import bag_reader
 
 # not loaded here: the process that only collects these tests does without
 pytestmark = pytest.mark.skipif(
@@ -185,6 +186,15 @@ def test_a_page_shows_the_runs_and_their_residuals(
     assert counts["closed form [rad]"] == 6
     assert main(given) == 2
     assert "--force to replace it" in capsys.readouterr().err
+
+
+def test_a_long_bag_is_certified_in_batches_and_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = Campaign(runs=1, seed=1, duration=1.0, parameters={"imu_rate": 100.0})
+    kept = carry_out(campaign, 0, None)
+    assert kept.certified
+    monkeypatch.setattr(run, "LARGEST_IN_MEMORY", 0)
+    monkeypatch.setattr(bag_reader, "read_bag", None)
+    assert carry_out(campaign, 0, None) == kept
 
 
 @pytest.fixture
