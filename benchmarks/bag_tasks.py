@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import resource
+import re
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -183,7 +183,10 @@ def alone(function: Callable[..., T], *given: Any) -> tuple[T, float]:
 
 
 def _with_memory(function: Callable[..., T], given: tuple[Any, ...]) -> tuple[T, float]:
-    return function(*given), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    result = function(*given)
+    peak = re.search(r"VmHWM:\s+(\d+) kB", Path("/proc/self/status").read_text(encoding="ascii"))
+    assert peak is not None
+    return result, int(peak[1]) / 1024  # that of getrusage is at least the parent's
 
 
 def arguments(about: str | None, *, longest: int = DAY) -> argparse.Namespace:
