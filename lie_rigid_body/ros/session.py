@@ -98,6 +98,8 @@ def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
         except ExternalShutdownException:
             return
         except Exception as error:
+            if not rclpy.ok():  # it ended between two looks of the executor, whose wait set then fails
+                return
             # one malformed request must not silence all services
             node.get_logger().error(f"a callback failed: {error!r}")
 

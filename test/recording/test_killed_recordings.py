@@ -57,7 +57,7 @@ KILLER = """
         print(json.dumps([sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK"), status]), flush=True)
 """
 """For each line of its input it forks a recording, and kills it so many seconds after its first batch."""
-LONGEST = {"fast": 0.5, "slow": 1.5, "to replace another": 0.5}
+LONGEST = {"fast": 0.2, "slow": 1.5, "to replace another": 0.2}
 """Times, s, after which a recording is killed at the latest: of a fast one little is to be certified then."""
 RUNS = {
     "fast": ["-p", "motion:=closed_form", "-p", "imu_rate:=50.0", "--duration", "1000000"],
@@ -143,6 +143,7 @@ def test_a_draft_has_all_that_was_written_and_leaves_no_trace(tmp_path: Path, co
                     bag.draft()
                     bag.require_intact()
                     bag.wait()
+                if drafted and count in (5, 35, 55):
                     killed = tmp_path / f"{count}.mcap"
                     killed.write_bytes(path.read_bytes())
                     assert recovered(killed, tmp_path / f"{count}-fixed.mcap") == count

@@ -145,3 +145,21 @@ def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.Capture
     assert main(["--ros-args", "--params-file", f"/dev/fd/{ours}"]) == 2
     os.close(ours)
     assert f"/dev/fd/{ours} is a pipe" in capfd.readouterr().err
+
+
+def test_an_end_while_a_wait_begins_is_no_failed_callback(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    import rclpy
+    from rclpy.executors import MultiThreadedExecutor
+
+    from lie_rigid_body.ros import session
+
+    def spin(executor: MultiThreadedExecutor) -> None:
+        rclpy.try_shutdown()
+        raise RuntimeError("the context of the wait set is not valid")
+
+    monkeypatch.setattr(MultiThreadedExecutor, "spin", spin)
+    with session.initialised([]), session.spinning(rclpy.create_node("ended")):
+        pass
+    assert capfd.readouterr() == ("", "")
