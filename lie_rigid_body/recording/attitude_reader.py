@@ -21,7 +21,7 @@ from lie_rigid_body.messages.definitions import (
     TF_MESSAGE,
 )
 from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.recording.track_decoding import named, payloads, stamped_columns, taken
 from lie_rigid_body.wording import listed, short_repr
 

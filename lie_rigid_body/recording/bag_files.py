@@ -11,7 +11,8 @@ from typing import Any, Final, TypeAlias
 from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
-from lie_rigid_body.recording.mcap_reader import McapContents, Wanted, read_file
+from lie_rigid_body.recording.mcap_contents import McapContents, Wanted
+from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
 

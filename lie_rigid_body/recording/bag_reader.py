@@ -19,7 +19,7 @@ from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWI
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
-from lie_rigid_body.recording.mcap_reader import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
+from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
 from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again, pieces_again
 from lie_rigid_body.recording.sensor_reader import (

@@ -11,7 +11,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.wording import listed, short_repr, suggestion
 
 SCENARIO: Final = "scenario"

@@ -22,7 +22,8 @@ from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.inflation import inflated_unverified
 from lie_rigid_body.recording.inventory import MessageTable
-from lie_rigid_body.recording.mcap_reader import McapContents, Outline, RawMessages, opened, state_of
+from lie_rigid_body.recording.mcap_contents import McapContents, Outline, RawMessages
+from lie_rigid_body.recording.mcap_reader import opened, state_of
 from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.output_file import reason

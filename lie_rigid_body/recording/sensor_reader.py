@@ -19,7 +19,7 @@ from lie_rigid_body.messages.definitions import (
     STRING,
     VECTOR3_STAMPED,
 )
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns, taken, texts
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.mcap_reader import FileSpan, McapContents, RawMessages, RawTrack, Wanted
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, RawMessages, RawTrack, Wanted
 
 SUFFIX: Final = ".db3"
 """Of the names of such files."""

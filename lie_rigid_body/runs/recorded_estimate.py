@@ -20,7 +20,7 @@ from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import SCENARIO, given_track
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack, Wanted
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment

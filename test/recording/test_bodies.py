@@ -12,7 +12,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import Body, bodies
-from lie_rigid_body.recording.mcap_reader import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 
 HERE = Path("x.mcap")
 POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING

@@ -25,7 +25,7 @@ from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK
-from lie_rigid_body.recording.mcap_reader import of_types
+from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
 
