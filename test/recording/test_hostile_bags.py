@@ -21,7 +21,7 @@ from test_bag_reader import folder
 from lie_rigid_body.certificate.segments import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording import mcap_reader
+from lie_rigid_body.recording import mcap_contents
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK
@@ -112,7 +112,7 @@ def test_a_chunk_holds_messages_and_their_types_only(tmp_path: Path, opcode: int
 
 
 def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", 2**16)
+    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", 2**16)
     with open(tmp_path / "x.mcap", "wb") as out:
         writer = Writer(out, compression=CompressionType.ZSTD)
         writer.start("ros2", "a forger")
@@ -153,10 +153,10 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
     for i in range(3):
         make_bag(f"folder/{i}.mcap", count=200)
     one = BagFiles(path / "0.mcap").contents(of_types([POSE_STAMPED])).kept
-    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one)
-    monkeypatch.setattr(mcap_reader, "_KEPT_PER_BYTE", 0)
+    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one)
+    monkeypatch.setattr(mcap_contents, "_KEPT_PER_BYTE", 0)
     assert BagFiles(path).contents(of_types([POSE_STAMPED])).kept == 3 * one
-    monkeypatch.setattr(mcap_reader, "_KEPT_AT_LEAST", one - 1)
+    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one - 1)
     with pytest.raises(BagError, match=f"messages of {one} bytes"):
         BagFiles(path).contents(of_types([POSE_STAMPED]))
 
