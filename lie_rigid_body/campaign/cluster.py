@@ -7,7 +7,7 @@ import os
 import signal
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
@@ -92,17 +92,18 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         return
     others = active_children()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
-        with _deaf_children():
-            cluster = LocalCluster(
-                n_workers=workers or cores(),
-                threads_per_worker=1,
-                memory_limit=0,
-                dashboard_address="127.0.0.1:0",  # whichever port is free
-                local_directory=own,
-                silence_logs=logging.CRITICAL,
-            )
-        with _closed_in_time(cluster), _closed_in_time(Client(cluster)) as client:
-            yield client
+        with ExitStack() as parts:
+            with _deaf_children(), _signals_put_off():
+                cluster = LocalCluster(
+                    n_workers=workers or cores(),
+                    threads_per_worker=1,
+                    memory_limit=0,
+                    dashboard_address="127.0.0.1:0",  # whichever port is free
+                    local_directory=own,
+                    silence_logs=logging.CRITICAL,
+                )
+                parts.enter_context(_closed_in_time(cluster))
+            yield parts.enter_context(_closed_in_time(Client(cluster)))
         for process in active_children():  # there is none, unless the cluster was too late
             if process not in others:
                 process.kill()
@@ -118,6 +119,20 @@ def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
     finally:
         with suppress(Late):
             what.close(timeout=LONGEST_CLOSING_S)
+
+
+@contextmanager
+def _signals_put_off() -> Iterator[None]:
+    """A context that SIGTERM and SIGHUP do not interrupt: half a cluster cannot be closed. They come after it."""
+    came: list[int] = []
+    before = {number: signal.signal(number, lambda n, _: came.append(n)) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for late in came[:1]:
+            signal.raise_signal(late)
 
 
 @contextmanager
