@@ -76,6 +76,17 @@ class Interruption:
         finally:
             self._allowed = False
 
+    @contextmanager
+    def put_off(self) -> Iterator[None]:
+        """A context within `allowed` that the signals do not interrupt; one that came interrupts at its end."""
+        self._allowed = False
+        try:
+            yield
+        finally:
+            self._allowed = True
+        if self.requested:
+            raise KeyboardInterrupt
+
 
 def count_as_handled() -> None:
     """Tell CPython that a KeyboardInterrupt is being handled.

@@ -69,3 +69,23 @@ raise SystemExit(7 if interruption.requested else 0)
 def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int) -> None:
     ended = subprocess.run([sys.executable, "-c", HANGUP, before], check=False)
     assert ended.returncode == status
+
+
+PUT_OFF = """
+import signal
+from lie_rigid_body.interruption import Interruption
+with Interruption() as interruption:
+    try:
+        with interruption.allowed():
+            with interruption.put_off():
+                signal.raise_signal(signal.SIGTERM)
+                print("whole")
+            print("not interrupted")
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+def test_what_is_put_off_interrupts_at_the_end() -> None:
+    ended = subprocess.run([sys.executable, "-c", PUT_OFF], capture_output=True, text=True, check=True)
+    assert ended.stdout.splitlines() == ["whole", "interrupted"]

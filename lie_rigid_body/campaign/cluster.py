@@ -6,8 +6,8 @@ import logging
 import os
 import signal
 import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
@@ -61,7 +61,11 @@ def require_address(scheduler: str) -> None:
 
 
 @contextmanager
-def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
+def client_of(
+    workers: int | None,
+    scheduler: str | None,
+    starting: Callable[[], AbstractContextManager[None]] = nullcontext,
+) -> Iterator[Client]:
     """A client of a Dask cluster: of the one at an address, or of one of processes on this machine while it lasts.
 
     Parameters
@@ -70,6 +74,8 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         Processes of one thread each; as many as cores by default.
     scheduler : str, optional
         Address of the scheduler of a cluster that runs already.
+    starting : callable, optional
+        Makes the context in which a cluster starts: half of one cannot be closed.
 
     Raises
     ------
@@ -93,7 +99,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     others = active_children()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         with ExitStack() as parts:
-            with _deaf_children(), _signals_put_off():
+            with starting(), _deaf_children():
                 cluster = LocalCluster(
                     n_workers=workers or cores(),
                     threads_per_worker=1,
@@ -119,20 +125,6 @@ def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
     finally:
         with suppress(Late):
             what.close(timeout=LONGEST_CLOSING_S)
-
-
-@contextmanager
-def _signals_put_off() -> Iterator[None]:
-    """A context that SIGTERM and SIGHUP do not interrupt: half a cluster cannot be closed. They come after it."""
-    came: list[int] = []
-    before = {number: signal.signal(number, lambda n, _: came.append(n)) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        for late in came[:1]:
-            signal.raise_signal(late)
 
 
 @contextmanager

@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
-                failed = _carry_out(campaign, journal, given)
+                failed = _carry_out(campaign, journal, given, interruption)
         except KeyboardInterrupt:
             done = len(journal.rows)
             console.complain(
@@ -105,7 +105,9 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
         raise InputError(f"{path}: {error}") from None
 
 
-def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> list[BaseException]:
+def _carry_out(
+    campaign: Campaign, journal: Journal, given: argparse.Namespace, interruption: Interruption
+) -> list[BaseException]:
     """Do what is still to be done, and return what runs without a row failed of."""
     from tqdm import tqdm
 
@@ -117,7 +119,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         return failed
     # disable=None: shown on a terminal only
     with (
-        client_of(given.workers, given.scheduler) as client,
+        client_of(given.workers, given.scheduler, interruption.put_off) as client,
         tqdm(total=campaign.runs, initial=len(journal.rows), unit=" runs", file=sys.stderr, disable=None) as bar,
     ):
         elsewhere = given.scheduler is not None
