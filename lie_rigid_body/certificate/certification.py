@@ -22,7 +22,6 @@ from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording, TakeReadings
@@ -195,7 +194,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
 def expect(scenario: Scenario, duration: float) -> None:
     """Take notice that bags of a scenario will be certified, of so many seconds in all; see `Motion.expect`."""
     samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
-    ClosedForm(scenario.body(), scenario.start()).expect(samples)
+    scenario.exact_motion().expect(samples)
     WORK.compiled_for(samples)
     message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 

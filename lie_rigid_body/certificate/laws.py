@@ -17,7 +17,6 @@ from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 
 _BLOCK: Final = 16_384
@@ -78,7 +77,7 @@ class SegmentLaws:
     def __init__(self, found: SurveyedSegment, watch: Watch | None = None) -> None:
         self._found, self._watch, scenario = found, watch, found.segment.scenario
         self._body, self._start = scenario.body(), scenario.start()
-        self._motion = ClosedForm(self._body, self._start)
+        self._motion = scenario.exact_motion()
         self.tolerance = tolerance(scenario, found.duration)
         self._motion.expect(found.count)
         WORK.compiled_for(found.count)

@@ -28,11 +28,9 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.certificate.tolerance import SHARED, Tolerance, tolerance
+from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.lie import so3
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.motion.drift import U
-from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.triad import TriadModel
@@ -105,7 +103,7 @@ class Times:
 
     def __init__(self, segment: Segment, rate: float) -> None:
         self._clock, self.first = sensor_clock(segment, rate)
-        self._start_ns, self.motion = segment.start_ns, _motion(segment.scenario)
+        self._start_ns, self.motion = segment.start_ns, segment.scenario.exact_motion()
         self.next = self.first
 
     def before(self, number: int) -> int:
@@ -320,12 +318,6 @@ class FieldReadings(Readings):
         """The field."""
         angle = self._tolerance.attitude(seconds(elapsed_ns))[:, np.newaxis]
         return (Expected(signal, self._gain * angle + self._rounding, self._converter),)
-
-
-@lru_cache(maxsize=SHARED)
-def _motion(scenario: Scenario) -> ClosedForm:
-    """The exact motion of a scenario, which its sensors share."""
-    return ClosedForm(scenario.body(), scenario.start())
 
 
 def seconds(elapsed_ns: Integers) -> Array:

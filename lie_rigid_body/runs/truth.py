@@ -13,7 +13,6 @@ from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.simulation import Segment
 
 
@@ -53,7 +52,7 @@ class ScenarioTruth(Truth):
             raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns")
         self.first_ns, self.last_ns = int(first_ns), int(last_ns)
         self._starts = np.array([segment.start_ns for segment in segments], dtype=np.int64)
-        self._motions = [ClosedForm(segment.scenario.body(), segment.scenario.start()) for segment in segments]
+        self._motions = [segment.scenario.exact_motion() for segment in segments]
         self._correction: SampledTruth | None = None
         if np.size(stamps_ns):
             stamps = read_stamps("truth", stamps_ns)

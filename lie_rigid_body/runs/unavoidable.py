@@ -18,7 +18,6 @@ from lie_rigid_body.evaluation.unavoidable import (
     VectorReadings,
     unavoidable_error,
 )
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.sensors import AttitudeSensorModel, ImuModel, Sensors, SunSensorModel
 from lie_rigid_body.sensors.triad import TriadModel
 from lie_rigid_body.simulation import Segment
@@ -90,7 +89,7 @@ def _of_segment(segment: Segment, last_ns: int, most: int | None) -> Unavoidable
     vectors, attitudes = _others(segment, last_ns, most)
     return unavoidable_error(
         stamps,
-        ClosedForm(scenario.body(), scenario.start()).at(stamps - segment.start_ns).attitude_xyzw,
+        scenario.exact_motion().at(stamps - segment.start_ns).attitude_xyzw,
         gyro_noise=imu.gyro.noise_density * np.sqrt(rate),
         gyro_bias=_walk(imu.gyro, rate),
         vectors=[*([_gravity(imu, stamps, rate)] if imu.support else []), *vectors],

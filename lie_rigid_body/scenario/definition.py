@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -127,17 +129,43 @@ class Scenario:
 
     def body(self) -> RigidBody:
         """The body of this scenario."""
-        return RigidBody(self.inertia)
+        return self._body
 
     def start(self) -> State:
         """The state at the start."""
-        return State(self.initial_attitude_xyzw, self.initial_body_rate)
+        return self._start
+
+    def exact_motion(self) -> ClosedForm:
+        """The exact solution from the start, at times before it as well, whatever the motion that is asked for."""
+        return self._exact_motion
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""
+        return copy.copy(self._motion_at_start)
+
+    # Computed at the first call and kept, as a frozen scenario determines them.
+
+    @cached_property
+    def _body(self) -> RigidBody:
+        return RigidBody(self.inertia)
+
+    @cached_property
+    def _start(self) -> State:
+        return State(self.initial_attitude_xyzw, self.initial_body_rate)
+
+    @cached_property
+    def _exact_motion(self) -> ClosedForm:
+        return ClosedForm(self.body(), self.start())
+
+    @cached_property
+    def _motion_at_start(self) -> Motion:
         if self.motion == "closed_form":
-            return ClosedForm(self.body(), self.start())
+            return self._exact_motion
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
+
+    def __getstate__(self) -> dict[str, object]:
+        """The fields alone: a copy computes the rest anew."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def expect(self, duration: float) -> None:
         """Take notice that samples and readings of so many seconds will be computed; see `Motion.expect`."""
@@ -147,6 +175,10 @@ class Scenario:
 
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
+        return self._rate_bound
+
+    @cached_property
+    def _rate_bound(self) -> float:
         body, start = self.body(), self.start()
         smallest = float(body.principal_moments[0])
         by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)

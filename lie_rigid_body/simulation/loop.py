@@ -12,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion import ClosedForm, Motion
+from lie_rigid_body.motion import Motion
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import (
     AttitudeSensor,
@@ -282,8 +282,8 @@ def _made(model: SensorModel, scenario: Scenario, before_ns: int) -> _Sensor:
         return AttitudeSensor(model)
     if not isinstance(model, ImuModel):
         return SunSensor(model)
-    # an instantaneous rate does not look at the state before
-    before = _extended(scenario).at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
+    # an instantaneous rate does not look at the state before, to which no integrator goes
+    before = scenario.exact_motion().at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
     return Imu(model, scenario.body(), before_ns, before)
 
 
@@ -297,8 +297,3 @@ def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
 def _readings(sensor: _Sensor, motion: Motion, start_ns: int, arrivals: Arrivals, measured_ns: Integers) -> _Readings:
     times = measured_ns - start_ns
     return SensorSamples(*arrivals.of(measured_ns), sensor.measure(times, motion.at(times)))
-
-
-def _extended(scenario: Scenario) -> ClosedForm:
-    """Exact motion extended to times before the start; the integrator only goes forward."""
-    return ClosedForm(scenario.body(), scenario.start())
