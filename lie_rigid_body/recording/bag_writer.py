@@ -16,7 +16,7 @@ from mcap.records import Channel, Header, Metadata, Schema
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
+from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
 from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
@@ -42,6 +42,8 @@ _LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}
 """Depth of the history of the topics that late subscribers hear as well."""
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
+_TOGETHER: Final = 256
+"""Messages of small batches that are laid out at once, in half a millisecond: one alone takes nearly as long."""
 _DRAFT_EVERY: Final = 0.4
 """Time, s, after which what a chunk has so far is written as a draft."""
 _LARGEST_BATCH: Final = 8192
@@ -108,6 +110,7 @@ class BagWriter:
         self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
+        self._gathered = Gathering()
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
         self._queue = DiskQueue(waits=wait_for_disk)
@@ -125,7 +128,7 @@ class BagWriter:
     @property
     def sample_count(self) -> int:
         """How many samples of the truth were written."""
-        return self._counts[POSE]
+        return self._counts[POSE] + self._gathered.sample_count
 
     def _add_channel(self, topic: str) -> None:
         number, kind = len(self._channels) + 1, self._types[topic]
@@ -149,6 +152,7 @@ class BagWriter:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
         text = segment.to_json()
         with self._writing():
+            self._lay_out()
             self._add([Messages(_SCENARIO, np.array([segment.start_ns]), encode_strings([text], len(text)))])
 
     def write(self, batch: Batch) -> None:
@@ -159,8 +163,17 @@ class BagWriter:
         batch : Batch
             As `BatchEncoder` makes it.
         """
+        topics = [messages for messages in batch.topics if len(messages.payloads)]
         with self._writing():
-            self._add([messages for messages in batch.topics if len(messages.payloads)])
+            if not self._gathered.fits(topics):
+                self._lay_out()
+            self._gathered.add(topics)
+            if self._gathered.message_count >= _TOGETHER:
+                self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Put into chunks what was gathered: each sample of a live node alone would take ten times as long."""
+        self._add(self._gathered.take())
 
     def _add(self, topics: list[Messages]) -> None:
         if not topics:
@@ -196,6 +209,7 @@ class BagWriter:
     def flush(self) -> None:
         """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""
         with self._writing():
+            self._lay_out()
             self._chunk.finish()
             self._queue.put(self._sync)
 
@@ -205,6 +219,7 @@ class BagWriter:
         Where a chunk takes long, a process that is killed so loses little, and yet chunks do not depend on time.
         """
         with self._writing():
+            self._lay_out()
             raw = self._chunk.so_far()
             self._queue.put(partial(self._write_draft, raw), sum(map(len, raw.pieces)) if raw else 0)
 
@@ -233,6 +248,7 @@ class BagWriter:
         if not self._open:
             return
         with self._writing():
+            self._lay_out()
             self._chunk.finish()
             self._queue.put(self._finish)
             self._queue.finish()
