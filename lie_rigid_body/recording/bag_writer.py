@@ -21,7 +21,7 @@ from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
-from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
+from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
@@ -46,6 +46,8 @@ _TOGETHER: Final = 256
 """Messages of small batches that are laid out at once, in half a millisecond: one alone takes nearly as long."""
 _DRAFT_EVERY: Final = 0.4
 """Time, s, after which what a chunk has so far is written as a draft."""
+_SYNC_AT_LEAST: Final = 0.5
+"""Time, s, after the end of a sync from which on the next flush has one, even if others wait for a slow disk."""
 _LARGEST_BATCH: Final = 8192
 """Largest number of samples computed and written at once."""
 _STEPS_PER_BATCH: Final = 10_000
@@ -111,6 +113,8 @@ class BagWriter:
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
         self._gathered = Gathering()
+        self._flushes = 0
+        self._synced = -_SYNC_AT_LEAST
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
         self._queue = DiskQueue(waits=wait_for_disk)
@@ -211,7 +215,8 @@ class BagWriter:
         with self._writing():
             self._lay_out()
             self._chunk.finish()
-            self._queue.put(self._sync)
+            self._flushes += 1
+            self._queue.put(partial(self._sync, self._flushes))
 
     def draft(self) -> None:
         """Let the present chunk be written as far as it is, until the whole one takes its place.
@@ -226,8 +231,11 @@ class BagWriter:
     def _write_draft(self, raw: RawChunk | None) -> None:
         self._file.draft(record_bytes(self._compressed(raw)) if raw else b"")
 
-    def _sync(self) -> None:
+    def _sync(self, number: int) -> None:
+        if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
+            return  # a later flush waits already: one sync, which may take longer than half a second, is for both
         self._file.sync()
+        self._synced = time.monotonic()
         self._file.require_intact()
 
     def wait(self) -> None:
@@ -270,16 +278,16 @@ class BagWriter:
             raise
         except OSError as error:
             self._abandon()
-            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains()}") from None
+            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains(error)}") from None
 
     def _abandon(self) -> None:
         self._open = False
         self._queue.end(self._file.abandon)
 
-    def _what_remains(self) -> str:
+    def _what_remains(self, error: OSError) -> str:
         if self._file.replaces:
-            return "the older file of that name is kept: make room and record again"
-        return f"make room, and rescue it with {rescue()}"
+            return f"the older file of that name is kept: {remedy(error)} and record again"
+        return f"{remedy(error)}, and rescue it with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self
