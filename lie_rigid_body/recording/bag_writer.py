@@ -235,6 +235,8 @@ class BagWriter:
         if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
             return  # a later flush waits already: one sync, which may take longer than half a second, is for both
         self._file.sync()
+        if number == 1:
+            self._file.sync_name()
         self._synced = time.monotonic()
         self._file.require_intact()
 

@@ -88,6 +88,15 @@ class OutputFile:
         self.stream.flush()
         os.fsync(self._file.fileno())
 
+    def sync_name(self) -> None:
+        """Fsync the folder, as far as it can be: the file is found under its name after a loss of power."""
+        with contextlib.suppress(OSError):
+            folder = os.open(self._written.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
+
     def draft(self, data: bytes) -> None:
         """Write all that is still in a buffer, and bytes behind it in whose place what is written next comes."""
         self.stream.flush()
