@@ -15,6 +15,7 @@ from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Value, exact_duration
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.wording import short_repr, shown, suggestion
@@ -76,6 +77,12 @@ class Campaign:
         both = sorted(set(self.parameters) & set(self.vary))
         if both:
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
+        live = [f"vary.{name}" for name in self.vary if name in OF_THE_NODE]
+        live += ["record_path"] if self.parameters.get("record_path") else []
+        if live:
+            raise InputError(
+                f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
+            )
         self._draws  # noqa: B018 refuses what is no distribution
         if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any, Final, Protocol
@@ -59,6 +59,8 @@ SENSOR_TOPICS: Final = {
     FAULTS: STRING,
 }
 """The topics of the sensors by their relative names, and their message types."""
+_ORDER: Final = (POSE, TWIST, *SENSOR_TOPICS)
+"""The order of messages of equal times: the truth before sensors."""
 _TOPICS_OF: Final = {
     "imu": (IMU_DATA, IMU_BIAS),
     "magnetometer": (MAG,),
@@ -85,6 +87,14 @@ class Messages:
     payloads: Payloads
 
     __repr__ = short_repr
+
+    @classmethod
+    def joined(cls, parts: Sequence[Messages]) -> Messages:
+        """Messages of one topic and one template, one after the other."""
+        if len(parts) == 1:
+            return parts[0]
+        template, words = parts[0].payloads.template, np.concatenate([part.payloads.words for part in parts])
+        return cls(parts[0].topic, np.concatenate([part.times_ns for part in parts]), Payloads(template, words))
 
 
 @dataclass(frozen=True)
@@ -126,6 +136,43 @@ class Batch:
         ]
         everything.sort(key=itemgetter(0))
         yield from everything
+
+
+class Gathering:
+    """Messages of small batches that wait to be laid out together, as if they were those of a larger one.
+
+    Attributes
+    ----------
+    message_count : int
+    """
+
+    def __init__(self) -> None:
+        self._parts: dict[str, list[Messages]] = {}
+        self.message_count = 0
+
+    @property
+    def sample_count(self) -> int:
+        """How many samples of the truth are among them."""
+        return sum(len(messages.payloads) for messages in self._parts.get(POSE, ()))
+
+    def fits(self, topics: Sequence[Messages]) -> bool:
+        """Whether messages have the templates of those of their topics that wait."""
+        return all(
+            parts[0].payloads.template is messages.payloads.template
+            for messages in topics
+            if (parts := self._parts.get(messages.topic))
+        )
+
+    def add(self, topics: Sequence[Messages]) -> None:
+        """Take the messages of the next batch, which fit, some of each topic."""
+        for messages in topics:
+            self._parts.setdefault(messages.topic, []).append(messages)
+            self.message_count += len(messages.payloads)
+
+    def take(self) -> list[Messages]:
+        """All that wait, by topic, in the order in which those of equal times come."""
+        parts, self._parts, self.message_count = self._parts, {}, 0
+        return [Messages.joined(parts[topic]) for topic in sorted(parts, key=_ORDER.index)]
 
 
 def sensor_topics(sensors: Sensors) -> list[str]:

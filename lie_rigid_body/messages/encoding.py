@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -239,10 +240,14 @@ def encode_strings(values: Sequence[str], length: int) -> Payloads:
     """Texts as std_msgs/String, with blanks behind each, so that all have one length in characters of ASCII."""
     data = b"".join(encode_string(value.ljust(length)) for value in values)
     rows = np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1)
-    size = rows.shape[1]
-    # words all along; the last one has bytes of the one before
-    template = Template(bytes(size), [(0, size // 8), (size - 8, 1)])
+    template = _text_template(rows.shape[1])
     return Payloads(template, template.words(rows))
+
+
+@lru_cache(maxsize=8)
+def _text_template(size: int) -> Template:
+    """Words all along; the last one has bytes of the one before."""
+    return Template(bytes(size), [(0, size // 8), (size - 8, 1)])
 
 
 def _diagonal(variance: float) -> list[float]:

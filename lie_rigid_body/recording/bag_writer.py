@@ -16,12 +16,12 @@ from mcap.records import Channel, Header, Metadata, Schema
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Messages
+from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
 from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
-from lie_rigid_body.recording.output_file import OutputFile, reason, rescue
+from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
@@ -42,8 +42,12 @@ _LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}
 """Depth of the history of the topics that late subscribers hear as well."""
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
+_TOGETHER: Final = 256
+"""Messages of small batches that are laid out at once, in half a millisecond: one alone takes nearly as long."""
 _DRAFT_EVERY: Final = 0.4
 """Time, s, after which what a chunk has so far is written as a draft."""
+_SYNC_AT_LEAST: Final = 0.5
+"""Time, s, after the end of a sync from which on the next flush has one, even if others wait for a slow disk."""
 _LARGEST_BATCH: Final = 8192
 """Largest number of samples computed and written at once."""
 _STEPS_PER_BATCH: Final = 10_000
@@ -108,6 +112,9 @@ class BagWriter:
         self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
+        self._gathered = Gathering()
+        self._flushes = 0
+        self._synced = -_SYNC_AT_LEAST
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
         self._queue = DiskQueue(waits=wait_for_disk)
@@ -125,7 +132,7 @@ class BagWriter:
     @property
     def sample_count(self) -> int:
         """How many samples of the truth were written."""
-        return self._counts[POSE]
+        return self._counts[POSE] + self._gathered.sample_count
 
     def _add_channel(self, topic: str) -> None:
         number, kind = len(self._channels) + 1, self._types[topic]
@@ -149,6 +156,7 @@ class BagWriter:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
         text = segment.to_json()
         with self._writing():
+            self._lay_out()
             self._add([Messages(_SCENARIO, np.array([segment.start_ns]), encode_strings([text], len(text)))])
 
     def write(self, batch: Batch) -> None:
@@ -159,8 +167,17 @@ class BagWriter:
         batch : Batch
             As `BatchEncoder` makes it.
         """
+        topics = [messages for messages in batch.topics if len(messages.payloads)]
         with self._writing():
-            self._add([messages for messages in batch.topics if len(messages.payloads)])
+            if not self._gathered.fits(topics):
+                self._lay_out()
+            self._gathered.add(topics)
+            if self._gathered.message_count >= _TOGETHER:
+                self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Put into chunks what was gathered: each sample of a live node alone would take ten times as long."""
+        self._add(self._gathered.take())
 
     def _add(self, topics: list[Messages]) -> None:
         if not topics:
@@ -196,8 +213,10 @@ class BagWriter:
     def flush(self) -> None:
         """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""
         with self._writing():
+            self._lay_out()
             self._chunk.finish()
-            self._queue.put(self._sync)
+            self._flushes += 1
+            self._queue.put(partial(self._sync, self._flushes))
 
     def draft(self) -> None:
         """Let the present chunk be written as far as it is, until the whole one takes its place.
@@ -205,14 +224,20 @@ class BagWriter:
         Where a chunk takes long, a process that is killed so loses little, and yet chunks do not depend on time.
         """
         with self._writing():
+            self._lay_out()
             raw = self._chunk.so_far()
             self._queue.put(partial(self._write_draft, raw), sum(map(len, raw.pieces)) if raw else 0)
 
     def _write_draft(self, raw: RawChunk | None) -> None:
         self._file.draft(record_bytes(self._compressed(raw)) if raw else b"")
 
-    def _sync(self) -> None:
+    def _sync(self, number: int) -> None:
+        if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
+            return  # a later flush waits already: one sync, which may take longer than half a second, is for both
         self._file.sync()
+        if number == 1:
+            self._file.sync_name()
+        self._synced = time.monotonic()
         self._file.require_intact()
 
     def wait(self) -> None:
@@ -233,6 +258,7 @@ class BagWriter:
         if not self._open:
             return
         with self._writing():
+            self._lay_out()
             self._chunk.finish()
             self._queue.put(self._finish)
             self._queue.finish()
@@ -254,16 +280,16 @@ class BagWriter:
             raise
         except OSError as error:
             self._abandon()
-            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains()}") from None
+            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains(error)}") from None
 
     def _abandon(self) -> None:
         self._open = False
         self._queue.end(self._file.abandon)
 
-    def _what_remains(self) -> str:
+    def _what_remains(self, error: OSError) -> str:
         if self._file.replaces:
-            return "the older file of that name is kept: make room and record again"
-        return f"make room, and rescue it with {rescue()}"
+            return f"the older file of that name is kept: {remedy(error)} and record again"
+        return f"{remedy(error)}, and rescue it with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import os
 import secrets
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """How the name of a file that is to replace an older one begins and ends until it is whole."""
+_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class OutputFile:
@@ -85,6 +87,15 @@ class OutputFile:
         """Flush and fsync: what was written survives a loss of power."""
         self.stream.flush()
         os.fsync(self._file.fileno())
+
+    def sync_name(self) -> None:
+        """Fsync the folder, as far as it can be: the file is found under its name after a loss of power."""
+        with contextlib.suppress(OSError):
+            folder = os.open(self._written.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
 
     def draft(self, data: bytes) -> None:
         """Write all that is still in a buffer, and bytes behind it in whose place what is written next comes."""
@@ -165,12 +176,17 @@ def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:
         out.discard()  # part of it is of no use, and would stand in the way of the next one
         if not isinstance(error, OSError):
             raise
-        raise BagError(f"{path} cannot be written: {reason(error)}: make room, or give another place") from None
+        raise BagError(f"{path} cannot be written: {reason(error)}: {remedy(error)}, or give another place") from None
 
 
 def reason(error: Exception) -> str:
     """The message of an error of the operating system, without its number and path."""
     return (isinstance(error, OSError) and error.strerror) or str(error)
+
+
+def remedy(error: OSError) -> str:
+    """What to do about an error of writing."""
+    return "make room" if error.errno in _NO_ROOM else "look after the disk"
 
 
 def rescue() -> str:

@@ -45,6 +45,8 @@ _OWN: Final = (
     "stamped_twist",
     "epoch_ns",
 )
+OF_THE_NODE: Final = tuple(name for name in _BY_NAME if name not in (*_OWN, *_SENSORS))
+"""Parameters that no scenario holds: they change when and where a live node sends its samples, and none of them."""
 
 
 @dataclass(frozen=True)

@@ -326,6 +326,15 @@ def command(pid: int) -> str:
         ("runs: 1\nseed: 1\nduration: 1.0\nscenario: none", "'none' is unknown"),
         ("runs: 1\nseed: 1\nduration: 1.0\nvary: {speed: {distribution: run}}", "there is no parameter 'speed'"),
         ("runs: 1\nseed: 1\nduration: 1.0\nvary: {rate: 3.0}", "vary.rate is not a distribution"),
+        (
+            "runs: 1\nseed: 1\nduration: 1.0\nvary: {record_path: {distribution: choice, values: [a.mcap, b.mcap]}}",
+            "vary.record_path is for the node: leave it out",
+        ),
+        (
+            "runs: 1\nseed: 1\nduration: 1.0\nvary: {paused: {distribution: choice, values: [true]}}",
+            "vary.paused is for",
+        ),
+        ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {record_path: a.mcap}", "record_path is for the node"),
         ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}", "run 0: rate: -3 is outside"),
         (
             "runs: 1\nseed: 1\nduration: 1.0\nvary: {initial_body_rate: {distribution: direction, norm: -1}}",

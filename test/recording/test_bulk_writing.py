@@ -6,11 +6,15 @@ from functools import cache
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 import zstandard
 from bags import COMPRESSIONS, PlainBag
+from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
+from lie_rigid_body.messages.template import Template
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_file import ZSTD_LEVEL
 from lie_rigid_body.scenario import Scenario
@@ -27,6 +31,7 @@ SCENARIOS: dict[str, list[dict[str, object]]] = {
     "truth": [{}],
     "sensors": [SENSORS],
     "slow truth": [{**SENSORS, "rate": 7.0}],
+    "faults": [{"rate": 20.0, "imu_rate": 50.0, "imu_latency_jitter": 0.03, "imu_dropout_probability": 0.1}],
     "sensors that come and go": [{}, SENSORS, {"magnetometer_rate": 300.0}, {}],
 }
 
@@ -87,7 +92,38 @@ def test_every_byte_is_that_of_the_plain_writer(tmp_path: Path, name: str, chunk
     assert in_bulk(run, chunk_size, compression, tmp_path / "a.mcap") == plain(run, chunk_size, compression)
 
 
-@pytest.mark.parametrize("size", [1, 37, 100_000])
-def test_where_batches_begin_changes_no_byte(tmp_path: Path, size: int) -> None:
-    expected = plain(batches("sensors", 1024), 5000, "zstd")
-    assert in_bulk(batches("sensors", size), 5000, "zstd", tmp_path / "a.mcap") == expected
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [("sensors", 1), ("sensors", 37), ("sensors", 100_000), ("faults", 1)],
+)
+def test_where_batches_begin_changes_no_byte(tmp_path: Path, name: str, size: int) -> None:
+    expected = plain(batches(name, 1024), 5000, "zstd")
+    assert in_bulk(batches(name, size), 5000, "zstd", tmp_path / "a.mcap") == expected
+
+
+@pytest.mark.parametrize("name", ["truth", "faults"])
+def test_samples_that_come_one_by_one_are_laid_out_many_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """A live node has no time to lay out each alone."""
+    put, laid_out = Template.put, list[int]()
+
+    def counted(template: Template, data: NDArray[np.uint8], places: Integers, words: Integers) -> None:
+        laid_out.append(len(words))
+        put(template, data, places, words)
+
+    monkeypatch.setattr(Template, "put", counted)
+    run = batches(name, 1)
+    in_bulk(run, 256 * 1024, "zstd", tmp_path / "a.mcap")
+    assert len(laid_out) < len(run) / 4
+
+
+def test_the_samples_of_a_bag_are_counted_as_they_are_written(tmp_path: Path) -> None:
+    first, *run = batches("sensors", 1)[:20]
+    assert isinstance(first, Segment)
+    with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+        bag.begin_segment(first)
+        for i, part in enumerate(run):
+            assert isinstance(part, Batch)
+            bag.write(part)
+            assert bag.sample_count == samples(run[: i + 1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from threading import Event
@@ -10,7 +11,7 @@ import pytest
 from bags import write_samples
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording import disk_queue
+from lie_rigid_body.recording import bag_writer, disk_queue
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.disk_queue import LARGEST_BACKLOG, DiskQueue
 from lie_rigid_body.scenario import Scenario
@@ -74,9 +75,39 @@ def test_a_bag_whose_disk_stands_still_is_given_up_and_what_is_written_stays(
     written = bag.path.stat().st_size
     monkeypatch.setattr(bag._file, "sync", disk.wait)
     bag.flush()
-    with pytest.raises(BagError, match=r"a.mcap cannot be written: the disk does not keep up.* recover"):
+    with pytest.raises(BagError, match=r"a.mcap cannot be written: the disk does not keep up.*look after.* recover"):
         write_samples(bag, scenario, simulation.take(1000))
     assert bag.path.stat().st_size >= written
     with pytest.raises(BagError, match="already finished"):
         bag.flush()
     disk.set()
+
+
+@pytest.mark.parametrize(("at_least", "syncs"), [(math.inf, 2), (0.0, 5)])
+def test_flushes_that_wait_for_a_slow_sync_share_the_next_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, disk: Event, at_least: float, syncs: int
+) -> None:
+    """Otherwise a disk that takes longer to sync than the time between flushes falls behind for ever."""
+    monkeypatch.setattr(bag_writer, "_SYNC_AT_LEAST", at_least)
+    scenario = Scenario.from_parameters({"motion": "closed_form"})
+    simulation, begun, synced = Simulation(scenario), Event(), list[int]()
+    bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True, wait_for_disk=False)
+    sync = bag._file.sync
+
+    def slow() -> None:
+        begun.set()
+        disk.wait()
+        sync()
+        synced.append(bag.path.stat().st_size)
+
+    monkeypatch.setattr(bag._file, "sync", slow)
+    bag.begin_segment(simulation.segment)
+    for _ in range(5):
+        write_samples(bag, scenario, simulation.take(10))
+        bag.flush()
+        begun.wait()
+    disk.set()
+    bag.wait()
+    assert len(synced) == syncs
+    assert synced[-1] == bag.path.stat().st_size
+    bag.finish()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -246,3 +247,21 @@ def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
     with pytest.raises(BagError, match="cannot be created: Permission denied"):
         BagWriter(tmp_path / "a.mcap", stamped_twist=True)
+
+
+@pytest.mark.parametrize(
+    ("number", "advice"),
+    [(errno.ENOSPC, "make room"), (errno.EDQUOT, "make room"), (errno.EIO, "look after"), (errno.EROFS, "look after")],
+)
+def test_a_disk_that_is_not_full_needs_no_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, advice: str
+) -> None:
+    bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True)
+    bag.begin_segment(Simulation(Scenario.from_parameters()).segment)
+
+    def fail(descriptor: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(BagError, match=rf"a.mcap cannot be written: {os.strerror(number)}; {advice}.* rescue it"):
+        bag.finish()

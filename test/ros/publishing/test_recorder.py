@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -27,13 +28,28 @@ class PromptBag(BagWriter):
         self.wait()
 
 
+@pytest.fixture
+def synced(monkeypatch: pytest.MonkeyPatch) -> dict[int, int]:
+    """The length at which each file or folder, by its inode, was last put on the disk."""
+    lengths, fsync = dict[int, int](), os.fsync
+
+    def noted(descriptor: int) -> None:
+        fsync(descriptor)
+        status = os.fstat(descriptor)
+        lengths[status.st_ino] = status.st_size
+
+    monkeypatch.setattr(os, "fsync", noted)
+    return lengths
+
+
 class Crash(Sink):
     """Reads the file that a crash would leave after each turn of the loop; to come after the recorder."""
 
-    def __init__(self, writer: BagWriter) -> None:
+    def __init__(self, writer: BagWriter, synced: dict[int, int]) -> None:
         self.writer = writer
+        self.synced = synced
         self.lost_ns: list[int] = []
-        self._read: tuple[int, int] = (-1, 0)
+        self._read: tuple[int, int] = (0, 0)
         self._sent_ns = 0
 
     def begin_segment(self, segment: object) -> None: ...
@@ -43,7 +59,10 @@ class Crash(Sink):
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         self.writer.wait()  # the disk takes no time here
-        if (size := self.writer.path.stat().st_size) != self._read[0]:
+        file, folder = self.writer.path.stat(), self.writer.path.parent.stat()
+        if (size := file.st_size) != self._read[0]:
+            assert self.synced[file.st_ino] == size  # so that a loss of power leaves as much as the end of the process
+            assert folder.st_ino in self.synced
             stamps = stamps_in_whole_chunks(self.writer.path)
             self._read = size, stamps[-1] - NS if stamps else 0
         self.lost_ns.append(self._sent_ns - self._read[1])
@@ -51,9 +70,11 @@ class Crash(Sink):
 
 
 @pytest.mark.parametrize(("rate", "stall_ns"), [(200.0, 0), (30.0, 300_000_000)])
-def test_a_crash_at_any_moment_loses_less_than_a_second(tmp_path: Path, rate: float, stall_ns: int) -> None:
+def test_a_crash_at_any_moment_loses_less_than_a_second(
+    tmp_path: Path, synced: dict[int, int], rate: float, stall_ns: int
+) -> None:
     with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as writer:
-        crash = Crash(writer)
+        crash = Crash(writer, synced)
         run = ScriptedRun(rate=rate, sinks=[Recorder(writer, pytest.fail), crash])
 
         def stall() -> None:
