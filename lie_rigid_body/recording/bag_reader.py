@@ -160,6 +160,16 @@ class Recording:
         return self.twists.topic
 
     @property
+    def pose_count(self) -> int:
+        """Number of poses."""
+        return len(self.poses.log_times_ns)
+
+    @property
+    def twist_count(self) -> int:
+        """Number of twists."""
+        return len(self.twists.log_times_ns)
+
+    @property
     def stamped(self) -> bool:
         """Whether twists have stamps of their own."""
         return self.twists.stamps_ns is not None
@@ -195,6 +205,8 @@ class Bag:
     sensors
         As in `Recording`.
     pose_topic, twist_topic : str
+    pose_count, twist_count : int
+        Messages of each.
     stamped : bool
         Whether twists have stamps of their own.
 
@@ -241,7 +253,7 @@ class Bag:
         pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
-        self._outlines, self._count = contents.outlines, pose.count + twist.count
+        self._outlines, self.pose_count, self.twist_count = contents.outlines, pose.count, twist.count
         self.library = contents.library
         self.scenario_texts = _scenarios(self._texts((scenario.topic, scenario.message_type)))
         self.expected_samples = _expected_samples(self._path, contents)
@@ -290,7 +302,9 @@ class Bag:
             yield self._kept
             return
         keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
-        if may_read_again(self._outlines, self._count + sum(self.sensors[name].count for name in sensors)):
+        if may_read_again(
+            self._outlines, self.pose_count + self.twist_count + sum(self.sensors[name].count for name in sensors)
+        ):
             found = self._batches_again(self._pose, self._twist, *keys.values())
         else:
             found = self._batches(self._pose, self._twist, *keys.values())
