@@ -21,7 +21,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again, pieces_again
+from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, pieces_again
 from lie_rigid_body.recording.sensor_reader import (
     VALUES,
     FaultMessages,
@@ -329,13 +329,12 @@ class Bag:
                 contents.kept = 0
 
     def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
-        readers = [TopicReader(self._path, key, *self._layout(key)) for key in keys]
+        reader = TopicsReader(self._path, [Topic(key, *self._layout(key)) for key in keys])
         for outline, data in chunks(self._outlines, self._files.progress):
-            for reader in readers:
-                reader.add(data, outline.channels.get(reader.key, ()))
-            if sum(reader.count for reader in readers) >= _BATCH:
-                yield [reader.taken() for reader in readers]
-        yield [reader.taken() for reader in readers]
+            reader.add(data, outline.channels)
+            if reader.count >= _BATCH:
+                yield reader.taken()
+        yield reader.taken()
 
     def messages_of(self, wanted: Wanted) -> McapContents:
         """All messages that are wanted, undecoded, in memory; nothing is read if there are none, or texts alone."""
