@@ -1,6 +1,6 @@
 """The certificate of a bag: its samples held against the laws of torque-free motion.
 
-- `segments`, `stamps`: a recording cut at its resets, its samples numbered, paired and complete;
+- `survey`, `stamps`, `segments`: a recording cut at its resets, its samples numbered, paired and complete;
 - `tolerance`, `propagation`: the limit of each law for the declared motion;
 - `laws`, `law_result`: the laws, and how near each came to its limit;
 - `readings`, `sensor_topics`, `sensors`: what sensors should have read, and their messages held against it;

@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from functools import partial
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.aside import Aside
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.laws import SegmentLaws
+from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
+from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.segments import Survey, numbered_blocks, survey
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
+from lie_rigid_body.certificate.survey import Survey, Surveyor, numbered_blocks, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
-from lie_rigid_body.recording.bag_reader import Bag, Recording, TakeReadings
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
+Blocks: TypeAlias = Iterator[tuple[int, Block]]
+"""Samples in the order of their stamps, each block with its segment's place."""
 _READINGS_FOR_A_THREAD: Final = 100_000
 """Readings of sensors from which on another thread computes them."""
 
@@ -150,7 +154,9 @@ def _counted(count: int, noun: str) -> str:
 
 
 def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch: Watch | None = None) -> Certificate:
-    """Hold every law against every segment of a bag, which is read twice.
+    """Hold every law against every segment of a bag.
+
+    It is read once, if it is whole: its survey, on which limits depend, is then foreseen. Otherwise it is read again.
 
     Parameters
     ----------
@@ -170,20 +176,26 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         If the bag does not explain itself, or has no sample.
     """
     try:
-        surveyed = survey(bag, inertia)
+        surveyor = Surveyor(bag, inertia)
+        foreseen = surveyor.foreseen() if watch is None else None  # which is to be told of a residual once
+        surveyed = foreseen or survey(bag, inertia)
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
     with _any_numbers():
-        of_sensors = SensorLaws(bag, surveyed)
-        count = sum(bag.sensors[name].count for name in of_sensors.wanted)
-        with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
-            segments = tuple(_segments(bag, surveyed, of_sensors.wanted, add, watch))
+        if foreseen is not None:
+            held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch)
+            surveyed = surveyor.result()
+        if foreseen is None or not surveyed.is_as(foreseen):
+            segments = [found.segment for found in surveyed.segments]
+            held, of_sensors = _held(bag, surveyed, partial(numbered_blocks, bag, segments), watch)
         sensors = of_sensors.findings()
     surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
         tuple(
-            replace(segment, laws=segment.laws + laws, notes=segment.notes + notes)
-            for segment, laws, notes in zip(segments, sensors.laws, sensors.notes, strict=True)
+            _certificate(found, laws, of_its_sensors, notes, as_written=surveyed.as_written)
+            for found, laws, of_its_sensors, notes in zip(
+                surveyed.segments, held, sensors.laws, sensors.notes, strict=True
+            )
         ),
         (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
@@ -204,44 +216,57 @@ def _any_numbers() -> np.errstate:
     return np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
-def _segments(
-    bag: Bag | Recording, surveyed: Survey, sensors: Collection[str], add: TakeReadings, watch: Watch | None
-) -> Iterator[SegmentCertificate]:
+def _held(
+    bag: Bag | Recording, surveyed: Survey, read: Callable[..., Blocks], watch: Watch | None
+) -> tuple[list[HeldLaws], SensorLaws]:
+    """The laws held against the samples of a bag that is surveyed, as they come, and those of its sensors."""
+    of_sensors = SensorLaws(bag, surveyed)
+    count = sum(bag.sensors[name].count for name in of_sensors.wanted)
+    with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
+        return list(_of_segments(surveyed, read(of_sensors.wanted, add), watch)), of_sensors
+
+
+def _of_segments(surveyed: Survey, blocks: Blocks, watch: Watch | None) -> Iterator[HeldLaws]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    blocks = numbered_blocks(bag, [found.segment for found in surveyed.segments], sensors, add)
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
-        held = SegmentLaws(found, watch)
+        laws = SegmentLaws(found, watch)
         while pending is not None and pending[0] == i:
-            held.add(pending[1])
+            laws.add(pending[1])
             pending = next(blocks, None)
-        yield _certificate(found, held, as_written=surveyed.as_written)
+        yield laws.held()
     for _ in blocks:
         pass  # displaced beyond a reset: their sensors' messages still count
 
 
-def _certificate(found: SurveyedSegment, held: SegmentLaws, *, as_written: bool) -> SegmentCertificate:
-    laws = (found.stamps, *held.results())
-    certificate = SegmentCertificate(found.segment, found.count, laws)
+def _certificate(
+    found: SurveyedSegment,
+    held: HeldLaws,
+    of_sensors: tuple[LawResult, ...],
+    notes_of_sensors: tuple[str, ...],
+    *,
+    as_written: bool,
+) -> SegmentCertificate:
+    laws = (found.stamps, *held.results)
+    certificate = SegmentCertificate(found.segment, found.count, (*laws, *of_sensors))
     notes = list(_notes(found, held, attitude_holds=certificate.law("closed form").holds))
-    if found.stamps.unit == GAP and not as_written and all(law.holds for law in laws[1:]):
+    if found.stamps.unit == GAP and not as_written and all(law.holds for law in held.results):
         notes.append(_loss(found))
-    return replace(certificate, notes=tuple(notes))
+    return replace(certificate, notes=(*notes, *notes_of_sensors))
 
 
-def _notes(found: SurveyedSegment, held: SegmentLaws, *, attitude_holds: bool) -> Iterator[str]:
-    segment, t = found.segment, np.array([found.duration] if found.count else [])
+def _notes(found: SurveyedSegment, held: HeldLaws, *, attitude_holds: bool) -> Iterator[str]:
+    segment = found.segment
     if found.first is not None and found.first > segment.first_sample and found.begins_late:
         late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
-    turn = found.longest_span * held.tolerance.fastest
+    turn = found.longest_span * held.fastest
     if turn > LONGEST_TURN:
         yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
-    expected = float(held.tolerance.attitude_uncapped(t).max(initial=0.0))
-    if expected > ATTITUDE_CAP and not attitude_holds:
+    if held.motion_error > ATTITUDE_CAP and not attitude_holds:
         yield (
-            f"the declared stepper errs by up to {expected:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} at most: "
-            "record with motion closed_form, a higher order or a smaller max_step"
+            f"the declared stepper errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
+            "at most: record with motion closed_form, a higher order or a smaller max_step"
         )
 
 

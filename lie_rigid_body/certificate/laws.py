@@ -63,6 +63,25 @@ class Comparison:
     follows: bool
 
 
+@dataclass(frozen=True)
+class HeldLaws:
+    """The laws of a segment, after all its samples.
+
+    Parameters
+    ----------
+    results : tuple of LawResult
+        How near each law came to its limit.
+    fastest : float
+        Bound of the body rate, rad/s.
+    motion_error : float
+        How far the declared motion may err until the last sample, rad, before any cap.
+    """
+
+    results: tuple[LawResult, ...]
+    fastest: float
+    motion_error: float
+
+
 class SegmentLaws:
     """The laws of one segment, to which its samples are added in order.
 
@@ -78,7 +97,7 @@ class SegmentLaws:
         self._found, self._watch, scenario = found, watch, found.segment.scenario
         self._body, self._start = scenario.body(), scenario.start()
         self._motion = scenario.exact_motion()
-        self.tolerance = tolerance(scenario, found.duration)
+        self._tolerance = tolerance(scenario, found.duration)
         self._motion.expect(found.count)
         WORK.compiled_for(found.count)
         self._judgements: dict[str, Judgement] = {}
@@ -105,14 +124,14 @@ class SegmentLaws:
     def _compared(self, block: Block) -> Comparison:
         elapsed = block.stamps_ns - self._found.segment.start_ns
         spans = np.diff(block.stamps_ns) * 1e-9
-        fastest = self.tolerance.fastest
+        fastest = self._tolerance.fastest
         resolved = spans * fastest <= LONGEST_TURN
         followed = np.where(resolved, spans, 0.0)
         exact = self._motion.at(elapsed)
         return Comparison(
             self._body,
             self._start,
-            self.tolerance,
+            self._tolerance,
             np.asarray(elapsed * 1e-9, dtype=np.float64),
             spans,
             resolved,
@@ -120,9 +139,12 @@ class SegmentLaws:
             self._before is not None,
         )
 
-    def results(self) -> tuple[LawResult, ...]:
-        """How near each law came to its limit."""
-        return tuple(judgement.result() for judgement in self._judgements.values())
+    def held(self) -> HeldLaws:
+        """What came of it."""
+        t = np.array([self._found.duration] if self._found.count else [])
+        expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
+        results = tuple(judgement.result() for judgement in self._judgements.values())
+        return HeldLaws(results, self._tolerance.fastest, expected)
 
 
 def _all_laws(compared: Comparison) -> Iterator[_Law]:

@@ -81,8 +81,9 @@ class Expected:
         allowed = np.where(recorded > value, high - value, value - low)
         if self.converter.resolution:
             allowed = np.where((recorded == value) | (read(recorded) == recorded), allowed, 0.0)
-        axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)[:, np.newaxis]
-        return np.take_along_axis(distance, axis, 1)[:, 0], np.take_along_axis(allowed, axis, 1)[:, 0]
+        axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)
+        at = axis + np.arange(0, distance.size, distance.shape[1])
+        return distance.take(at), allowed.take(at)
 
 
 def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:

@@ -1,27 +1,23 @@
-"""A bag cut at its resets into segments, the samples of each numbered, and pose and twist paired."""
+"""A bag cut at its resets into segments, with all their samples or so many as can be drawn."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.pairing import Block, Pairing, stamped_values
-from lie_rigid_body.certificate.stamps import number_samples
-from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSegment, segment_parts, tally_pairs
-from lie_rigid_body.errors import BagError, InputError, ParameterError
+from lie_rigid_body.certificate.pairing import Block
+from lie_rigid_body.certificate.survey import numbered_blocks, survey
+from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, Bag, PoseTrack, Recording, TakeReadings, TwistTrack
-from lie_rigid_body.simulation import SOFTWARE, Segment
+from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import short_repr
 
-_RECORDER: Final = "libmcap "
-"""How the library name of a file by `ros2 bag record` begins."""
 _ALL_OF: Final = 20_000
 """Samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
 _BUCKETS: Final = 2000
@@ -61,173 +57,6 @@ class RecordedSegment:
     close: int
 
     __repr__ = short_repr
-
-
-def declared_segments(scenario_texts: Iterable[str]) -> dict[str, Segment]:
-    """The segments by the texts that declare them, in the order of their starts; repeats of a text count once.
-
-    Raises
-    ------
-    BagError
-        If a scenario message cannot be read.
-    ParameterError
-        If one declares what cannot be, such as an impossible inertia.
-    """
-    texts = dict.fromkeys(scenario_texts)
-    if len(texts) > MOST_SEGMENTS:
-        raise BagError(f"the bag declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
-    try:
-        segments = {text: Segment.from_json(text) for text in texts}
-    except ParameterError:
-        raise
-    except InputError as error:
-        raise BagError(f"the bag does not explain itself: {error}: record it anew") from None
-    return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
-
-
-def as_written(recording: Bag | Recording) -> bool:
-    """Whether the bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
-
-    It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.
-    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received.
-    """
-    if recording.library.startswith(f"{SOFTWARE} ") or recording.expected_samples is not None:
-        return True
-    log_time, text = recording.scenario_texts[0]
-    return log_time == Segment.from_json(text).start_ns and not recording.library.startswith(_RECORDER)
-
-
-@dataclass(frozen=True)
-class Survey:
-    """What a first pass through a bag finds.
-
-    Parameters
-    ----------
-    segments : tuple of SurveyedSegment
-        Segments without a sample, which a reset followed at once, are left out.
-    declared : tuple of Segment
-        All that the bag declares, in the order of their starts.
-    as_written : bool
-        See `as_written`.
-    poses, twists : int
-        Messages.
-    world_frames, body_frames : frozenset of str
-        Frames that poses and twists name.
-    moved : int
-        Components of position and linear velocity that are not 0.
-    logged_otherwise : int
-        Messages that were not logged at their stamps, scenarios at their starts.
-    """
-
-    segments: tuple[SurveyedSegment, ...]
-    declared: tuple[Segment, ...]
-    as_written: bool
-    poses: int
-    twists: int
-    world_frames: frozenset[str]
-    body_frames: frozenset[str]
-    moved: int
-    logged_otherwise: int
-
-
-def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Survey:
-    """Read a bag once, and find its segments, at least one of which has a sample with pose and twist.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    inertia : sequence of float, optional
-        To be used in place of the declared one, kg m².
-
-    Raises
-    ------
-    BagError
-        If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
-    ParameterError
-        If a declared scenario or the given inertia is impossible.
-    """
-    declared = declared_segments(text for _, text in bag.scenario_texts)
-    segments = [_with_inertia(segment, inertia) for segment in declared.values()]
-    facts, own = _Facts(), as_written(bag)
-    cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
-    facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
-    tallies = [SegmentTally(segment) for segment in segments]
-    pairing = Pairing()
-    for topics in stamped_values(facts.counted(bag.batches()), segments[0].clock(), logged_at_stamps=own):
-        for name, topic in zip(tallies[0].stamps, topics, strict=True):
-            for i, rows in segment_parts(segments, topic.stamps_ns):
-                tallies[i].stamps[name].add(topic.stamps_ns[rows])
-        tally_pairs(tallies, pairing.add(*topics).stamps_ns, pairing.alone)
-    tally_pairs(tallies, pairing.finish().stamps_ns, pairing.alone)
-    if facts.first_ns < segments[0].start_ns:
-        raise BagError(
-            f"a sample is stamped {facts.first_ns} ns, before the first scenario message's start at "
-            f"{segments[0].start_ns} ns: record the scenario topic from the start"
-        )
-    found: list[SurveyedSegment] = []
-    for i, tally in enumerate(tallies):
-        following = segments[i + 1].start_ns if i + 1 < len(segments) else None
-        if not tally.is_empty or _should_have_samples(tally.segment, following, own or found):
-            found.append(tally.result(following, late_start=not own and not found, open_end=not own, cut_off=cut_off))
-    if not any(segment.count for segment in found):
-        raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
-    return facts.survey(found, segments, as_written=own)
-
-
-class _Facts:
-    """What is counted of all messages as they pass."""
-
-    def __init__(self) -> None:
-        self.first_ns = int(np.iinfo(np.int64).max)
-        self._counts = [0, 0]
-        self._frames: tuple[set[str], set[str]] = set(), set()
-        self._moved = self.logged_otherwise = 0
-
-    def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """The same batches, counted."""
-        for poses, twists in batches:
-            tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
-            for i, track in enumerate(tracks):
-                self._frames[i].update(track.frame_ids)
-                self._counts[i] += len(track.log_times_ns)
-                if track.stamps_ns is not None and len(track.stamps_ns):
-                    self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
-                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
-            self._moved += int(np.count_nonzero(poses.positions) + np.count_nonzero(twists.linear))
-            yield poses, twists
-
-    def survey(self, segments: list[SurveyedSegment], declared: list[Segment], *, as_written: bool) -> Survey:
-        """Together with these segments."""
-        (poses, twists), (worlds, bodies) = self._counts, map(frozenset, self._frames)
-        return Survey(
-            tuple(segments),
-            tuple(declared),
-            as_written,
-            poses,
-            twists,
-            worlds,
-            bodies,
-            self._moved,
-            self.logged_otherwise,
-        )
-
-
-def numbered_blocks(
-    bag: Bag | Recording,
-    segments: Sequence[Segment],
-    sensors: Collection[str] = (),
-    take: TakeReadings = lambda readings: None,
-) -> Iterator[tuple[int, Block]]:
-    """The samples that have both pose and twist, in the order of their stamps, each block with its segment's place.
-
-    Sensors' messages are read with them, and taken as in `Bag.batches`.
-    """
-    pairing = Pairing()
-    topics = stamped_values(bag.batches(sensors, take), segments[0].clock(), logged_at_stamps=as_written(bag))
-    for block in itertools.chain((pairing.add(*values) for values in topics), (pairing.finish() for _ in range(1))):
-        for i, rows in segment_parts(segments, block.stamps_ns):
-            part = block[rows]
-            yield i, replace(part, samples=number_samples(segments[i].clock(), part.stamps_ns))
 
 
 def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
@@ -293,19 +122,6 @@ def _recorded(found: SurveyedSegment, block: Block, close: int) -> RecordedSegme
     return RecordedSegment(
         found.segment, block.samples, block.stamps_ns, block.states, found.stamps, found.count, close
     )
-
-
-def _should_have_samples(segment: Segment, following: int | None, begun: object) -> bool:
-    """Whether a segment without a sample lacks some: where recording had begun, and the next did not follow at once."""
-    return bool(begun) and following is not None and following > segment.start_ns
-
-
-def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
-    """The segment with the body of another inertia, kg m², if one is given."""
-    if inertia is None:
-        return segment
-    parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
-    return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

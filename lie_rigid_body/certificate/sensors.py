@@ -10,9 +10,9 @@ from typing import Final
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import Survey
 from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.surveyed_segment import segment_parts
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -9,8 +10,8 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_law
-from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_law, stamp_result
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
 from lie_rigid_body.simulation import Segment
 
 
@@ -54,6 +55,34 @@ class SurveyedSegment:
     def duration(self) -> float:
         """Time of the last sample since the segment's start, s."""
         return 0.0 if self.last_ns is None else (self.last_ns - self.segment.start_ns) * 1e-9
+
+    @classmethod
+    def whole(cls, segment: Segment, count: int) -> SurveyedSegment:
+        """A segment that has its first samples, so many, and no other."""
+        clock, first = segment.clock(), segment.first_sample
+        span = (count > 1) * math.ceil(clock.period_ns) * 1e-9
+        followed = span if span * segment.scenario.rate_bound() <= LONGEST_TURN else 0.0
+        stamps = stamp_result("stamps", clock, [], 2 * count)
+        last_ns = clock.stamp_ns(first + count - 1)
+        return cls(
+            segment,
+            count,
+            first,
+            last_ns,
+            stamps,
+            begins_late=False,
+            unpaired=0,
+            longest_span=span,
+            followed_span=followed,
+        )
+
+    def is_held_as(self, other: SurveyedSegment) -> bool:
+        """Whether laws of its samples have the same limits, and follow their flow in the same steps, as of another."""
+        return self.segment is other.segment and self.last_ns == other.last_ns and self._flow == other._flow
+
+    @property
+    def _flow(self) -> tuple[int, int]:
+        return substeps_and_terms(self.segment.scenario.rate_bound() * self.followed_span)
 
 
 class SegmentTally:

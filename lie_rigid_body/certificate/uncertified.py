@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lie_rigid_body.certificate.segments import Survey
 from lie_rigid_body.certificate.sensors import SensorFindings
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 

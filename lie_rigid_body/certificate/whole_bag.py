@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.segments import Survey
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 

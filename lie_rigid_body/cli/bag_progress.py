@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 PASSES: Final = 3
-"""How often a bag is read to be certified or drawn: to open it, to find its segments, and to take its samples."""
+"""How often a bag is read to be certified or drawn: to open it, to find its segments, and to take its samples. The
+last two are one where the bag is whole."""
 
 
 def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:

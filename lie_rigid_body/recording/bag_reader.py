@@ -21,7 +21,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import TopicReader, chunks, may_read_again, pieces_again
+from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, pieces_again
 from lie_rigid_body.recording.sensor_reader import (
     VALUES,
     FaultMessages,
@@ -160,6 +160,16 @@ class Recording:
         return self.twists.topic
 
     @property
+    def pose_count(self) -> int:
+        """Number of poses."""
+        return len(self.poses.log_times_ns)
+
+    @property
+    def twist_count(self) -> int:
+        """Number of twists."""
+        return len(self.twists.log_times_ns)
+
+    @property
     def stamped(self) -> bool:
         """Whether twists have stamps of their own."""
         return self.twists.stamps_ns is not None
@@ -195,6 +205,8 @@ class Bag:
     sensors
         As in `Recording`.
     pose_topic, twist_topic : str
+    pose_count, twist_count : int
+        Messages of each.
     stamped : bool
         Whether twists have stamps of their own.
 
@@ -241,7 +253,7 @@ class Bag:
         pose, twist, scenario = own
         self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
-        self._outlines, self._count = contents.outlines, pose.count + twist.count
+        self._outlines, self.pose_count, self.twist_count = contents.outlines, pose.count, twist.count
         self.library = contents.library
         self.scenario_texts = _scenarios(self._texts((scenario.topic, scenario.message_type)))
         self.expected_samples = _expected_samples(self._path, contents)
@@ -290,7 +302,9 @@ class Bag:
             yield self._kept
             return
         keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
-        if may_read_again(self._outlines, self._count + sum(self.sensors[name].count for name in sensors)):
+        if may_read_again(
+            self._outlines, self.pose_count + self.twist_count + sum(self.sensors[name].count for name in sensors)
+        ):
             found = self._batches_again(self._pose, self._twist, *keys.values())
         else:
             found = self._batches(self._pose, self._twist, *keys.values())
@@ -315,13 +329,12 @@ class Bag:
                 contents.kept = 0
 
     def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
-        readers = [TopicReader(self._path, key, *self._layout(key)) for key in keys]
+        reader = TopicsReader(self._path, [Topic(key, *self._layout(key)) for key in keys])
         for outline, data in chunks(self._outlines, self._files.progress):
-            for reader in readers:
-                reader.add(data, outline.channels.get(reader.key, ()))
-            if sum(reader.count for reader in readers) >= _BATCH:
-                yield [reader.taken() for reader in readers]
-        yield [reader.taken() for reader in readers]
+            reader.add(data, outline.channels)
+            if reader.count >= _BATCH:
+                yield reader.taken()
+        yield reader.taken()
 
     def messages_of(self, wanted: Wanted) -> McapContents:
         """All messages that are wanted, undecoded, in memory; nothing is read if there are none, or texts alone."""

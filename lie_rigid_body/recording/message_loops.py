@@ -86,62 +86,59 @@ def find_messages(data: Any, place: Any, table: Any) -> None:
 
 
 def take_messages(
-    data: Any,
-    channel: int,
-    size: int,
-    stamped: int,
-    alike: Any,
-    places: Any,
-    place: Any,
-    log_times: Any,
-    stamps: Any,
-    words: Any,
+    data: Any, layouts: Any, alike: Any, places: Any, taken: Any, log_times: Any, stamps: Any, words: Any
 ) -> None:
-    """Decode the messages of a channel, as long as they are laid out as one that is known.
+    """Decode the messages of some topics, as long as each is laid out as one of its topic that is known.
 
     Parameters
     ----------
     data : ndarray of uint8
         The records of a chunk, which are sound.
-    channel : int
-    size : int
-        Of each payload, bytes.
-    stamped : int
-        Whether a header with a stamp comes first.
+    layouts : ndarray of int64, shape (topics, 9)
+        Of each topic its channel, or -1 if none is to be taken; size of each payload, bytes; whether a header with a
+        stamp comes first; its first row of ``alike`` and the one behind its last; the same of ``places``; and where
+        its times and its words begin.
     alike : ndarray of int64, shape (K, 3)
         Eight bytes each that are the same in all messages: where they begin in a payload, the bits, and which of them.
     places : ndarray of int64, shape (numbers,)
         Where in a payload the numbers begin that are wanted.
-    place : ndarray of int64, shape (2,)
-        The number of messages taken, and 1 if all are laid out so.
+    taken : ndarray of int64, shape (topics, 2)
+        How many messages were taken before, moved on; and 1, set to 0 if one is laid out otherwise.
     log_times, stamps : ndarray of int64, shape (N,)
-    words : ndarray of int64, shape (N, numbers)
+    words : ndarray of int64, shape (M,)
         The bits of their numbers.
     """
-    at, taken, length, sound = np.int64(0), 0, np.int64(len(data)), 1
-    while sound == 1 and at + _RECORD_HEAD <= length:
+    at, length = np.int64(0), np.int64(len(data))
+    while at + _RECORD_HEAD <= length:
         here = np.uint64(at)
         end = at + _RECORD_HEAD + word(data, here + _U[1])
-        if data[here] == _MESSAGE and channel_at(data, here) == channel:
-            payload = here + _U[31]
-            if end - at - HEAD != size:
-                sound = 0
+        channel = channel_at(data, here) if data[here] == _MESSAGE else np.int64(-2)
+        for k in range(len(layouts)):
+            topic = np.uint64(k)
+            if layouts[topic, 0] != channel or taken[topic, 1] == 0:
+                continue
+            payload, different = here + _U[31], np.int64(0)
+            if end - at - HEAD != layouts[topic, 1]:
+                taken[topic, 1] = 0
                 break
-            different = np.int64(0)
-            for k in range(len(alike)):
-                different |= (word(data, payload + np.uint64(alike[k, 0])) ^ alike[k, 1]) & alike[k, 2]
+            for n in range(np.uint64(layouts[topic, 3]), np.uint64(layouts[topic, 4])):
+                different |= (word(data, payload + np.uint64(alike[n, 0])) ^ alike[n, 1]) & alike[n, 2]
             seconds, nanoseconds = half_word(data, payload + _U[4]), half_word(data, payload + _U[8])
-            if different != 0 or (stamped > 0 and nanoseconds >= _SECOND):
-                sound = 0
+            if different != 0 or (layouts[topic, 2] > 0 and nanoseconds >= _SECOND):
+                taken[topic, 1] = 0
                 break
-            log_times[taken] = word(data, here + _U[15])
+            begin, behind = np.uint64(layouts[topic, 5]), np.uint64(layouts[topic, 6])
+            row, row_words = np.uint64(taken[topic, 0]), np.uint64(layouts[topic, 8])
+            row_words += row * (behind - begin) - begin
+            row += np.uint64(layouts[topic, 7])
+            log_times[row] = word(data, here + _U[15])
             # the seconds have a sign
-            stamps[taken] = (np.int64(seconds << _U[32]) >> 32) * 1_000_000_000 + np.int64(nanoseconds)
-            for k in range(len(places)):
-                words[taken, k] = word(data, payload + np.uint64(places[k]))
-            taken += 1
+            stamps[row] = (np.int64(seconds << _U[32]) >> 32) * 1_000_000_000 + np.int64(nanoseconds)
+            for n in range(begin, behind):
+                words[row_words + n] = word(data, payload + np.uint64(places[n]))
+            taken[topic, 0] += 1
+            break
         at = end
-    place[0], place[1] = taken, sound
 
 
 _BYTES: Final = "Array(uint8, 1, 'C', True)"
@@ -149,7 +146,7 @@ FIND: Final = Work(find_messages, f"void({_BYTES}, int64[::1], int64[:,::1])", _
 """`find_messages`, compiled as soon as that pays."""
 TAKE: Final = Work(
     take_messages,
-    f"void({_BYTES}, int64, int64, int64, int64[:,::1], int64[::1], int64[::1], int64[::1], int64[::1], int64[:,::1])",
+    f"void({_BYTES}, int64[:,::1], int64[:,::1], int64[::1], int64[:,::1], int64[::1], int64[::1], int64[::1])",
     _ENOUGH,
     _ENOUGH_TO_LOAD,
 )

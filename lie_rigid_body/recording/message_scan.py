@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.messages.layout import FRAME
 from lie_rigid_body.recording.inventory import MessageTable
 from lie_rigid_body.recording.message_loops import HEAD
@@ -46,8 +46,6 @@ class Layout:
 
     Parameters
     ----------
-    take : callable
-        `take_messages` compiled.
     payload : bytes
         Of a message that can be decoded, in little-endian order.
     start : int
@@ -56,43 +54,21 @@ class Layout:
         Where the frame name of its header ends; 0: it has no header.
     varying : ndarray of bool, shape (numbers,)
         Which of its numbers are wanted; the others are the same in all messages that are laid out so.
+
+    Attributes
+    ----------
+    size, stamped : int
+    alike, places : ndarray of int64
+        As `take_messages` wants them.
     """
 
-    def __init__(self, take: Any, payload: bytes, start: int, frame_end: int, varying: Booleans) -> None:
-        self._take, self._size, self._stamped = take, len(payload), int(frame_end > 0)
+    def __init__(self, payload: bytes, start: int, frame_end: int, varying: Booleans) -> None:
+        self.size, self.stamped = len(payload), int(frame_end > 0)
         alike = np.zeros(len(payload), dtype=np.uint8)
         alike[:2] = alike[FRAME - 4 : frame_end] = 255
         alike[start : start + 8 * len(varying)] = np.repeat(np.where(varying, 0, 255), 8)
-        self._alike = _words(np.frombuffer(payload, dtype=np.uint8), alike)
-        self._places = start + 8 * np.flatnonzero(varying)
-
-    def most_in(self, data: bytes) -> int:
-        """How many messages of the topic a chunk may hold."""
-        return len(data) // (HEAD + self._size) + 1
-
-    def take(self, data: bytes, channel: int, log_times: Integers, stamps: Integers, values: Array) -> int | None:
-        """Decode a channel's messages in a chunk; None if one is laid out otherwise.
-
-        Parameters
-        ----------
-        data : bytes
-        channel : int
-        log_times, stamps : ndarray of int64, shape (`most_in`,) or longer
-            Filled with times, ns.
-        values : ndarray, shape (`most_in`, wanted numbers) or longer
-            Filled with the numbers.
-
-        Returns
-        -------
-        int or None
-            How many there are.
-        """
-        place = np.zeros(2, dtype=np.int64)
-        content, words = np.frombuffer(data, dtype=np.uint8), values.view(np.int64)
-        layout = self._size, self._stamped, self._alike, self._places
-        self._take(content, channel, *layout, place, log_times, stamps, words)
-        taken, sound = place.tolist()
-        return int(taken) if sound else None
+        self.alike = _words(np.frombuffer(payload, dtype=np.uint8), alike)
+        self.places = start + 8 * np.flatnonzero(varying)
 
 
 def _words(payload: NDArray[np.uint8], which: NDArray[np.uint8]) -> Integers:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import struct
 from array import array
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Chunk
 
-from lie_rigid_body.arrays import Booleans
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.layout import FRAME, numbers_after
@@ -24,7 +24,7 @@ from lie_rigid_body.recording.inflation import inflated_unverified
 from lie_rigid_body.recording.inventory import MessageTable
 from lie_rigid_body.recording.mcap_contents import McapContents, Outline, RawMessages
 from lie_rigid_body.recording.mcap_reader import opened, state_of
-from lie_rigid_body.recording.message_loops import FIND, TAKE, are_compiled, expect
+from lie_rigid_body.recording.message_loops import FIND, HEAD, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
@@ -34,97 +34,177 @@ _PAYLOAD: Final = 31
 """Byte of a message record where its payload begins."""
 
 
-class TopicReader:
-    """The messages of a topic, chunk by chunk.
+@dataclass
+class Topic:
+    """A topic whose messages are read.
 
     Parameters
     ----------
-    path : Path
-        Of the bag, for errors.
     key : tuple of (str, str)
         Topic and message type.
     varying : ndarray of bool, shape (numbers,)
         Which of the float64 fields of a message are its values; the others are part of its kind.
     stamped : bool
         Whether a std_msgs/Header comes first.
+    layout : Layout or None
+        How its messages are laid out, as soon as one was read.
+    kind_of_layout : Kind
+        Of messages that are laid out so.
+    kinds : dict of Kind to int
+        Those of the messages not yet taken, numbered.
+    before : int
+        Messages that were taken.
     """
 
-    def __init__(self, path: Path, key: tuple[str, str], varying: Booleans, stamped: bool) -> None:
-        self.key = key
-        self._path, self._varying, self._stamped = path, varying, stamped
-        self._layout: Layout | None = None
-        self._kind_of_layout: Kind = ("", b"")
-        self._before = 0
-        self._begin(0)
+    key: tuple[str, str]
+    varying: Booleans
+    stamped: bool
+    layout: Layout | None = None
+    kind_of_layout: Kind = ("", b"")
+    kinds: dict[Kind, int] = field(default_factory=dict)
+    before: int = 0
 
-    def _begin(self, rows: int) -> None:
-        """Begin with none, and place for so many."""
-        self.count, self._kinds = 0, dict[Kind, int]()
-        self._log_times, self._stamps, self._kind = (np.empty(rows, dtype=np.int64) for _ in range(3))
-        self._values = np.empty((rows, np.count_nonzero(self._varying)))
+    def number_of(self, kind: Kind) -> int:
+        """The number of a kind, which is new if there was none like it."""
+        return self.kinds.setdefault(kind, len(self.kinds))
 
-    def add(self, data: bytes, channels: Sequence[int]) -> None:
-        """Take the messages of channels in a chunk."""
+    def learn(self, payload: bytes, kind: Kind) -> None:
+        """Take a message for how all are laid out."""
+        if TAKE.compiled_for(0) is None or byte_order(payload, 0) != "<":
+            return
+        frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self.stamped else 0
+        start = numbers_after(frame_end) if self.stamped else 4
+        self.layout, self.kind_of_layout = Layout(payload, start, frame_end, self.varying), kind
+
+
+class TopicsReader:
+    """The messages of some topics, chunk by chunk.
+
+    Parameters
+    ----------
+    path : Path
+        Of the bag, for errors.
+    topics : sequence of Topic
+    """
+
+    def __init__(self, path: Path, topics: Sequence[Topic]) -> None:
+        self._path, self._topics = path, topics
+        self._widths = np.array([np.count_nonzero(topic.varying) for topic in topics], dtype=np.int64)
+        self._begin(np.zeros(len(topics), dtype=np.int64))
+
+    def _begin(self, rows: Integers) -> None:
+        """Begin with no message, and place for so many of each topic."""
+        self._rows = rows
+        self._taken = np.zeros((len(self._topics), 2), dtype=np.int64)
+        self._times_at, self._words_at = (np.append(0, np.cumsum(sizes)) for sizes in (rows, rows * self._widths))
+        self._log_times, self._stamps, self._kind = (np.empty(self._times_at[-1], dtype=np.int64) for _ in range(3))
+        self._words = np.empty(self._words_at[-1], dtype=np.int64)
+        self._channels: Mapping[tuple[str, str], Sequence[int]] | None = None
+
+    @property
+    def count(self) -> int:
+        """Messages that were added since the last were taken."""
+        return int(self._taken[:, 0].sum())
+
+    def _values(self, i: int) -> Array:
+        """Place for the values of a topic, shape (rows, width)."""
+        words = self._words[self._words_at[i] : self._words_at[i + 1]]
+        return words.view(np.float64).reshape(-1, self._widths[i])
+
+    def add(self, data: bytes, channels: Mapping[tuple[str, str], Sequence[int]]) -> None:
+        """Take the messages in a chunk of a file, in which topics have these channels."""
+        before = self._taken[:, 0].tolist()
+        if channels is not self._channels:
+            self._lay_out(channels)
+        if self._take is not None:
+            self._make_room(self._taken[:, 0] + self._is_laid_out * (len(data) // self._sizes + 1))
+            self._taken[:, 1] = self._is_laid_out
+            arrays = self._layouts, self._alike, self._places, self._taken, self._log_times, self._stamps, self._words
+            self._take(np.frombuffer(data, dtype=np.uint8), *arrays)
+        # of a topic that is laid out otherwise nothing counts that the loop took
+        for i, (topic, (count, sound)) in enumerate(zip(self._topics, self._taken.tolist(), strict=True)):
+            if not sound:
+                self._taken[i, 0] = before[i]
+                self._add_one_by_one(i, data, channels.get(topic.key, ()))
+            elif count > before[i]:
+                self._kind[self._places_of(i, before[i], count - before[i])] = topic.number_of(topic.kind_of_layout)
+
+    def _lay_out(self, channels: Mapping[tuple[str, str], Sequence[int]]) -> None:
+        """Have those topics taken by the compiled loop whose layout is known."""
+        self._channels = channels
+        self._take: Any = TAKE.compiled_for(0)
+        own = [(topic.layout, channels.get(topic.key, ())) for topic in self._topics]
+        known = [layout if self._take is not None and len(numbers) == 1 else None for layout, numbers in own]
+        self._is_laid_out = np.array([layout is not None for layout in known])
+        alike, places = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+        table = []
+        for i, layout in enumerate(known):
+            if layout is None:
+                table.append([-1, *[0] * 8])
+                continue
+            begins = sum(map(len, alike)), sum(map(len, places))
+            alike.append(layout.alike)
+            places.append(layout.places)
+            spans = begins[0], begins[0] + len(layout.alike), begins[1], begins[1] + len(layout.places)
+            table.append(
+                [own[i][1][0], layout.size, layout.stamped, *spans, int(self._times_at[i]), int(self._words_at[i])]
+            )
+        self._layouts = np.array(table, dtype=np.int64)
+        self._alike, self._places = np.concatenate(alike), np.concatenate(places)
+        self._sizes = np.array([HEAD + (0 if layout is None else layout.size) for layout in known])
+
+    def _make_room(self, rows: Integers) -> None:
+        if (rows <= self._rows).all():
+            return
+        old = [self._of_topic(i) for i in range(len(self._topics))]
+        channels, taken = self._channels, self._taken
+        self._begin(np.where(rows > self._rows, np.maximum(2 * self._rows, rows), self._rows))
+        self._taken = taken
+        for i, columns in enumerate(old):
+            self._fill(i, 0, *columns)
+        if channels is not None:
+            self._lay_out(channels)
+
+    def _of_topic(self, i: int) -> tuple[Integers, Integers, Array, Integers]:
+        """Log times, stamps, values and kinds of the messages of a topic."""
+        rows = self._places_of(i, 0, int(self._taken[i, 0]))
+        return self._log_times[rows], self._stamps[rows], self._values(i)[: self._taken[i, 0]], self._kind[rows]
+
+    def _places_of(self, i: int, first: int, count: int) -> slice:
+        begin = int(self._times_at[i]) + first
+        return slice(begin, begin + count)
+
+    def _fill(self, i: int, first: int, log_times: Integers, stamps: Integers, values: Array, kind: Integers) -> None:
+        rows = self._places_of(i, first, len(stamps))
+        self._log_times[rows], self._stamps[rows], self._kind[rows] = log_times, stamps, kind
+        self._values(i)[first : first + len(stamps)] = values
+
+    def _add_one_by_one(self, i: int, data: bytes, channels: Sequence[int]) -> None:
+        """In the general way, from which the layout of those that follow is learned."""
         if not channels:
             return
-        if len(channels) == 1 and self._layout is not None:
-            self._make_room(self._layout.most_in(data))
-            rest = slice(self.count, None)
-            arrays = self._log_times[rest], self._stamps[rest], self._values[rest]
-            taken = self._layout.take(data, channels[0], *arrays)
-            if taken is not None:
-                if taken:
-                    self._kind[self.count : self.count + taken] = self._number_of(self._kind_of_layout)
-                self.count += taken
-                return
-        self._add_one_by_one(data, channels)
-
-    def _number_of(self, kind: Kind) -> int:
-        return self._kinds.setdefault(kind, len(self._kinds))
-
-    def _make_room(self, rows: int) -> None:
-        if self.count + rows > len(self._stamps):
-            size = max(2 * len(self._stamps), self.count + rows)
-            for name in ("_log_times", "_stamps", "_values", "_kind"):
-                old = getattr(self, name)[: self.count]
-                new = np.empty((size, *old.shape[1:]), dtype=old.dtype)
-                new[: len(old)] = old
-                setattr(self, name, new)
-
-    def _add_one_by_one(self, data: bytes, channels: Sequence[int]) -> None:
-        """In the general way, from which the layout of those that follow is learned."""
+        topic, first = self._topics[i], int(self._taken[i, 0])
         piece = _piece(data, channels)
-        first = self._before + self.count
-        found = topic_messages(self._path, self.key[0], [piece], self._varying, self._stamped, first)
+        found = topic_messages(self._path, topic.key[0], [piece], topic.varying, topic.stamped, topic.before + first)
         if len(found) and len(found.kinds) == 1:
-            self._learn(piece.data[piece.starts[0] : piece.ends[0]], found.kinds[0])
-        self._make_room(len(found))
-        rows = slice(self.count, self.count + len(found))
-        self._log_times[rows], self._stamps[rows], self._values[rows] = (
-            found.log_times_ns,
-            found.stamps_ns,
-            found.values,
-        )
-        self._kind[rows] = np.array([self._number_of(kind) for kind in found.kinds], dtype=np.int64)[found.kind]
-        self.count = rows.stop
+            topic.learn(piece.data[piece.starts[0] : piece.ends[0]], found.kinds[0])
+            self._channels = None  # it is laid out anew
+        rows = self._taken[:, 0].copy()
+        rows[i] += len(found)
+        self._make_room(rows)
+        numbers = np.array([topic.number_of(kind) for kind in found.kinds], dtype=np.int64)
+        self._fill(i, first, found.log_times_ns, found.stamps_ns, found.values, numbers[found.kind])
+        self._taken[i, 0] = rows[i]
 
-    def taken(self) -> TopicMessages:
-        """The messages that were added, with which it begins anew."""
-        rows = slice(0, self.count)
-        columns = self._log_times[rows], self._stamps[rows], self._values[rows]
-        found = TopicMessages(*columns, tuple(self._kinds), self._kind[rows])
-        self._before += self.count
-        self._begin(len(self._stamps))
+    def taken(self) -> list[TopicMessages]:
+        """The messages of each topic that were added, with which it begins anew."""
+        found = []
+        for i, topic in enumerate(self._topics):
+            log_times, stamps, values, kind = self._of_topic(i)
+            found.append(TopicMessages(log_times, stamps, values, tuple(topic.kinds), kind))
+            topic.before, topic.kinds = topic.before + len(stamps), {}
+        self._begin(self._rows)
         return found
-
-    def _learn(self, payload: bytes, kind: Kind) -> None:
-        take = TAKE.compiled_for(0)
-        if take is None or byte_order(payload, 0) != "<":
-            return
-        frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self._stamped else 0
-        start = numbers_after(frame_end) if self._stamped else 4
-        self._layout = Layout(take, payload, start, frame_end, self._varying)
-        self._kind_of_layout = kind
 
 
 def may_read_again(outlines: Sequence[Outline], count: int) -> bool:

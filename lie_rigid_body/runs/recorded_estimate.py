@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.segments import declared_segments
+from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given

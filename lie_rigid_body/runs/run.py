@@ -102,7 +102,8 @@ class Run:
         ParameterError
             If it declares a scenario that cannot be.
         """
-        from lie_rigid_body.certificate.segments import as_written, recorded_segments
+        from lie_rigid_body.certificate.segments import recorded_segments
+        from lie_rigid_body.certificate.survey import as_written
         from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SUN
         from lie_rigid_body.recording.bag_reader import Bag
         from lie_rigid_body.recording.sensor_reader import is_of_sensor, recorded_faults, sensor_track

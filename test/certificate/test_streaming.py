@@ -57,6 +57,28 @@ def test_batches_change_no_number(honest, tmp_path, monkeypatch, change):
     assert certify(Bag(path)) == whole
 
 
+FORESEEN = {
+    **CHANGES,
+    "gap of both": lambda ms: CHANGES["gap"](on("/twist", lambda own: [*own[:300], *own[317:]])(ms)),
+    "long gap": lambda ms: [m for m in ms if not 2 * 10**9 <= m.log_time - 10**18 < 6 * 10**9],
+    "cut of both": lambda ms: CHANGES["cut"](on("/pose", lambda own: own[:-9])(ms)),
+    "beginning lost": lambda ms: [m for m in ms if m.log_time >= 10**18 + 10**9 or "scenario" in m.topic],
+}
+
+
+@pytest.mark.parametrize("change", FORESEEN)
+def test_a_foreseen_survey_changes_no_number(honest, tmp_path, change):
+    path = tamper(honest, tmp_path / "changed.mcap", FORESEEN[change])
+    assert certify(Bag(path)) == certify(Bag(path), watch=lambda *_: None)  # which is surveyed before
+
+
+@pytest.mark.parametrize(("change", "passes"), [("honest", 2), ("gap", 3), ("gap of both", 3)])
+def test_a_whole_bag_is_read_once_after_it_is_opened(honest, tmp_path, change, passes):
+    path, told = tamper(honest, tmp_path / "changed.mcap", FORESEEN[change], 10_000), list[int]()
+    certify(Bag(path, told.append))
+    assert round(sum(told) / path.stat().st_size) == passes
+
+
 def test_memory_does_not_grow_with_the_bag(honest, monkeypatch):
     monkeypatch.setattr(bag_reader, "_BATCH", 100)
     sizes = [len(poses.stamps_ns) for poses, _ in Bag(honest).batches()]

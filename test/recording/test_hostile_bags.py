@@ -18,7 +18,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
 
-from lie_rigid_body.certificate.segments import declared_segments
+from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import mcap_contents
