@@ -11,6 +11,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
+from lie_rigid_body.recording.bag_folders import whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.wording import listed, short_repr, suggestion
 
@@ -142,10 +143,16 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None) -> Ra
     if not found:
         wanted = f"topic .../{name} ({' or '.join(TYPES[name])}{_WHY.get(name, '')})"
         there = listed([topic for topic, _ in contents.tracks]) or "no topic at all"
-        raise BagError(f"{path} has no {wanted}: record it; there are {there}")
+        raise BagError(f"{path} has no {wanted}: {_remedy(path, 'record it')}; there are {there}")
     if len(found) > 1:
         raise _several(path, name, found)
     return found[0]
+
+
+def _remedy(path: Path, otherwise: str) -> str:
+    """What to do where a topic is missing: it may be in another file of a bag that was split."""
+    whole = whole_of(path)
+    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
@@ -186,7 +193,8 @@ def _body(
 ) -> Body:
     for track in tracks.values():
         if not track.count:
-            raise BagError(f"{path} has no message on {track.topic}: record it while the body is published")
+            how = _remedy(path, "record it while the body is published")
+            raise BagError(f"{path} has no message on {track.topic}: {how}")
     namespace = tracks[POSE].topic.rpartition("/")[0]
     sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
