@@ -321,6 +321,39 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
 
 
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    """Signals are handled afterwards as before: a process that was asked to end ignores them."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_while_the_cluster_starts_lets_it_start_and_closes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    """Half of a cluster cannot be closed. This one is of threads, which start at once."""
+    import distributed
+
+    started, make = [], distributed.LocalCluster
+
+    def interrupted(**options: Any) -> Any:
+        os.kill(os.getpid(), number)
+        started.append(make(**{**options, "processes": False}))
+        return started[0]
+
+    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--workers", "1"]) == 130
+    said = capsys.readouterr()
+    assert said.out == ""
+    [line] = said.err.splitlines()
+    assert "interrupted after 0 of 6 runs, which are kept; the same command does the rest" in line
+    assert [cluster.status for cluster in started] == [distributed.Status.closed]
+
+
 @pytest.mark.slow
 def test_a_kill_costs_the_runs_at_work_and_nothing_is_done_twice(slow: tuple[subprocess.Popen[str], Path]) -> None:
     process, out = slow
