@@ -256,5 +256,12 @@ def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *
     own = _track(contents, name, f"{beside}/{last}")
     poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
     alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
-    elsewhere = [track for track in alike if f"{track.topic.removesuffix(last)}{POSE}" not in poses]
+    private = last != name  # of the node, one name below its namespace
+    elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]
     return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)
+
+
+def _home(prefix: str, *, private: bool) -> str:
+    """The namespace of the node whose topic begins so."""
+    above = prefix.rstrip("/")
+    return above.rpartition("/")[0] if private else above
