@@ -26,9 +26,14 @@ _Closable = TypeVar("_Closable", bound="Client | LocalCluster")
 RUNS_AHEAD: Final = 4
 """Runs that wait at each worker, so that none is idle, and few are done in vain at an interruption."""
 
+MOST_FAILURES: Final = 20
+"""Runs that may fail one after another, besides those at work together: the rest would as well, as on a full disk."""
+
 LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
 """More than the 9 s in which Dask asks a worker to end, and then kills it."""
+
+_DEAD: Final = "every process that tried it died"
 
 _QUIET: Final = {
     "distributed.logging.distributed": "critical",
@@ -36,6 +41,8 @@ _QUIET: Final = {
     # nobody looks at what these collect, many times a second in every process
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.profile.enabled": False,
+    # a run whose process dies is tried again alone, not at the cost of others and of one process after another
+    "distributed.scheduler.allowed-failures": 0,
 }
 """Settings of Dask."""
 
@@ -164,11 +171,12 @@ def finished(
     Yields
     ------
     Row or BaseException
-        What a run failed of, where it has no row, such as the death of every worker that tried it.
+        What a run failed of, where it has no row, such as the death of every worker that tried it. No more are begun
+        after `MOST_FAILURES` in a row.
     """
     from distributed import KilledWorker, as_completed
 
-    waiting, numbers, killed = iter(runs), dict[str, int](), list[int]()
+    waiting, numbers, killed, in_a_row = iter(runs), dict[str, int](), list[int](), 0
     do: Any = (
         partial(carry_out_elsewhere, campaign, keep=bags)
         if elsewhere
@@ -188,17 +196,21 @@ def finished(
         if count % (at_once // 2) == 0:
             pool.update(submitted(at_once // 2))
         run, error = numbers.pop(future.key), result[1] if future.status == "error" else result
+        in_a_row = in_a_row + 1 if isinstance(error, BaseException) else 0
         if isinstance(error, KilledWorker):
             killed.append(run)
         else:
             yield error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
+        if in_a_row == MOST_FAILURES + at_once:
+            yield from [BagError(_DEAD)] * len(killed)
+            return
     for run in killed:  # alone: those that waited at a process for another run's end died with it
         future = client.submit(do, run, pure=False)
         try:
             yield _row(future.result(), folder)
         except KilledWorker:
-            yield BagError("every process that tried it died")
+            yield BagError(_DEAD)
         except Exception as error:  # as that of a run which failed at first
             yield error
 

@@ -5,6 +5,10 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+from array import array
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import chain, islice
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
@@ -14,16 +18,25 @@ from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.estimator import ERROR
 from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 JOURNAL: Final = "runs.jsonl"
 """The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
 TABLE: Final = "runs.parquet"
 """The table of all runs, written when the last is finished."""
+RESUMED: Final = "the same command does the rest"
+"""How a campaign goes on, for a line that ends with it."""
+_NONE: Final = -1
+"""The place of a row that is not there."""
+_ROWS_AT_ONCE: Final = 10_000
+"""Rows of the table that are in memory together."""
 
 
 class Journal:
     """The finished runs of a campaign in its folder. Use it as a context manager: only one process may hold it.
+
+    The rows stay in their file, and are read again when they are wanted: a million would take gigabytes.
 
     Parameters
     ----------
@@ -40,19 +53,28 @@ class Journal:
     """
 
     def __init__(self, campaign: Campaign, folder: Path) -> None:
-        self.folder = folder
-        self._heading = json.dumps({"campaign": json.loads(campaign.to_json()), "software": __version__})
-        self.rows: dict[int, Row] = {}
-        path = folder / JOURNAL
+        self.folder, self.path = folder, folder / JOURNAL
+        self._places = array("q", [_NONE]) * campaign.runs
+        self._count = 0
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
             (folder / BAGS).mkdir(exist_ok=True)
-            self._file = path.open("a+", encoding="utf-8")
+            self._file = self.path.open("a+b")
             self._lock()
-            self._read()
+            self._read(_heading(campaign))
         except OSError as error:
-            raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
+            raise BagError(f"{self.path} cannot be used: {error.strerror}: give another folder") from None
+
+    @classmethod
+    def is_begun(cls, campaign: Campaign, folder: Path) -> bool:
+        """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
+        try:
+            with (folder / JOURNAL).open("rb") as file:
+                heading = _heading(campaign)
+                return file.read(len(heading)) == heading
+        except OSError:
+            return False
 
     def _lock(self) -> None:
         try:
@@ -62,57 +84,106 @@ class Journal:
                 f"another process works on {self.folder}: wait for its end, or give another folder"
             ) from None
 
-    def _read(self) -> None:
+    def _read(self, heading: bytes) -> None:
         self._file.seek(0)
-        heading, *lines = self._file.read().split("\n")
-        if not heading:
-            self._write(self._heading)
+        first = self._file.readline()
+        if not first:
+            self._write(heading)
             return
-        if heading != self._heading:
+        if first != heading:
             raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
-        if lines and lines[-1]:  # a line that the end of the process cut off: that run is done anew
-            self._file.truncate(self._file.tell() - len(lines[-1].encode()))
-        for line in lines[:-1]:
+        place = len(first)
+        for line in self._file:
+            if not line.endswith(b"\n"):  # the end of the process cut it off: that run is done anew
+                self._file.truncate(place)
+                break
+            self._note(self._row(line, place).run, place)
+            place += len(line)
+
+    def _note(self, run: int, place: int) -> None:
+        self._count += self._places[run] == _NONE
+        self._places[run] = place
+
+    def _row(self, line: bytes, place: int) -> Row:
+        try:
             row = Row(**json.loads(line))
-            self.rows[row.run] = row
+            if 0 <= row.run < len(self._places):
+                return row
+        except (TypeError, ValueError):
+            pass
+        raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __contains__(self, run: int) -> bool:
+        return self._places[run] != _NONE
+
+    def rows(self) -> Iterator[Row]:
+        """The rows of the finished runs in the order of their numbers."""
+        for place in self._places:
+            if place != _NONE:
+                self._file.seek(place)
+                yield self._row(self._file.readline(), place)
 
     def add(self, row: Row) -> None:
-        """Keep the row of a run that is finished."""
-        self._write(json.dumps(row.to_dict()))
-        self.rows[row.run] = row
+        """Keep the row of a run that is finished.
 
-    def _write(self, line: str) -> None:
-        self._file.write(line + "\n")
+        Raises
+        ------
+        BagError
+            If the file cannot be written, or is no longer there.
+        """
+        self.require_intact()
+        place = self._file.seek(0, os.SEEK_END)
+        try:
+            self._write(f"{json.dumps(row.to_dict())}\n".encode())
+        except OSError as error:
+            raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
+        self._note(row.run, place)
+
+    def _write(self, line: bytes) -> None:
+        self._file.write(line)
         self._file.flush()
 
+    def require_intact(self) -> None:
+        """Check that the file is still there under its name: else rows and bags are kept for nobody.
+
+        Raises
+        ------
+        BagError
+        """
+        try:
+            same = os.path.samestat(self.path.stat(), os.fstat(self._file.fileno()))
+        except OSError:
+            same = False
+        if not same:
+            raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
+
     def write_table(self) -> Path:
-        """Write the table of all rows, in the order of their numbers, and return its path."""
-        import pyarrow
+        """Write the table of all rows, in the order of their numbers, and return its path.
+
+        Raises
+        ------
+        BagError
+            If it cannot be written.
+        """
         import pyarrow.parquet
 
-        rows = [self.rows[run] for run in sorted(self.rows)]
-        kinds: dict[str, Any] = {
-            "double": pyarrow.float64(),
-            "double_array": pyarrow.list_(pyarrow.float64()),
-            "int": pyarrow.int64(),
-            "string": pyarrow.string(),
-            "bool": pyarrow.bool_(),
-        }
-        of_parameters = {parameter.name: kinds[parameter.kind] for parameter in PARAMETERS}
-        columns = {"run": pyarrow.array([row.run for row in rows], pyarrow.int64())}
-        for name in rows[0].parameters:
-            columns[name] = pyarrow.array([row.parameters[name] for row in rows], of_parameters[name])
-        columns["certified"] = pyarrow.array([row.certified for row in rows])
-        accuracy = [row.attitude_accuracy_rad for row in rows]
-        columns["attitude_accuracy_rad"] = pyarrow.array(accuracy, pyarrow.float64())
-        columns["bag"] = pyarrow.array([row.bag for row in rows], pyarrow.string())
-        for name in rows[0].scores:
-            kind = kinds["string" if name == ERROR else "double"]
-            columns[name] = pyarrow.array([row.scores[name] for row in rows], kind)
         path = self.folder / TABLE
-        whole = path.with_suffix(".part")
-        pyarrow.parquet.write_table(pyarrow.table(columns), whole)
-        os.replace(whole, path)
+        whole, rows = path.with_suffix(".part"), self.rows()
+        first = next(rows)
+        schema = _schema(first)
+        try:
+            with pyarrow.parquet.ParquetWriter(whole, schema) as writer:
+                rows = chain([first], rows)
+                while some := list(islice(rows, _ROWS_AT_ONCE)):
+                    writer.write_table(pyarrow.Table.from_pylist([_cells(row) for row in some], schema))
+            os.replace(whole, path)
+        except OSError as error:
+            with suppress(OSError):
+                whole.unlink()
+            raise BagError(f"{path} cannot be written: {reason(error)}: make room, and {RESUMED}") from None
         return path
 
     def __enter__(self) -> Journal:
@@ -121,7 +192,41 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._file.close()
+        with suppress(OSError):  # what could not be written cannot be now
+            self._file.close()
+
+
+def _heading(campaign: Campaign) -> bytes:
+    content = {"campaign": json.loads(campaign.to_json()), "software": __version__}
+    return f"{json.dumps(content)}\n".encode()
+
+
+def _schema(row: Row) -> Any:
+    """The columns of the table, which are those of any row."""
+    import pyarrow
+
+    kinds: dict[str, Any] = {
+        "double": pyarrow.float64(),
+        "double_array": pyarrow.list_(pyarrow.float64()),
+        "int": pyarrow.int64(),
+        "string": pyarrow.string(),
+        "bool": pyarrow.bool_(),
+    }
+    of_parameters = {parameter.name: parameter.kind for parameter in PARAMETERS}
+    columns = {
+        "run": "int",
+        **{name: of_parameters[name] for name in row.parameters},
+        "certified": "bool",
+        "attitude_accuracy_rad": "double",
+        "bag": "string",
+        **{name: "string" if name == ERROR else "double" for name in row.scores},
+    }
+    return pyarrow.schema([(name, kinds[kind]) for name, kind in columns.items()])
+
+
+def _cells(row: Row) -> dict[str, Any]:
+    own = {name: getattr(row, name) for name in ("run", "certified", "attitude_accuracy_rad", "bag")}
+    return {**own, **row.parameters, **row.scores}
 
 
 def _require_own(folder: Path) -> None:

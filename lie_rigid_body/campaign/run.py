@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.estimator import Scores, scores
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, expect_messages, write_run
 from lie_rigid_body.simulation import Simulation
@@ -95,9 +97,14 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     expect_messages(scenario, campaign.duration * campaign.runs)
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
-    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
-        for _ in write_run(bag, simulation, last_ns):
-            pass
+    try:
+        with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
+            for _ in write_run(bag, simulation, last_ns):
+                pass
+    except BagError:
+        with suppress(OSError):  # part of it is of no use, as the run is done again
+            path.unlink()
+        raise
     certificate = certify(read_bag(path) if path.stat().st_size <= LARGEST_IN_MEMORY else Bag(path))
     return Row(
         run,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -17,8 +19,11 @@ from lie_rigid_body.wording import counted, shortened, shown
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.campaign.journal import Journal
+    from lie_rigid_body.campaign.run import Row
 
 NOT_CERTIFIED: Final = 1
+MOST_TRIED: Final = 1000
+"""Runs whose parameters are tried before the first is begun: each takes some milliseconds."""
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
 
 
@@ -33,14 +38,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.campaign.estimator import estimator
-    from lie_rigid_body.campaign.journal import Journal
+    from lie_rigid_body.campaign.journal import RESUMED, Journal
 
     if given.report is not None:
         from lie_rigid_body.report import html_page
 
         html_page.require_room(given.report, overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)
-    _require_scenarios(campaign, given.campaign)
+    if not Journal.is_begun(campaign, Path(given.out)):
+        _require_scenarios(campaign, given.campaign)
     if given.scheduler is not None:
         from lie_rigid_body.campaign.cluster import require_address
 
@@ -52,10 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             with interruption.allowed():
                 failed = _carry_out(campaign, journal, given, interruption)
         except KeyboardInterrupt:
-            done = len(journal.rows)
             console.complain(
                 console.program("campaign"),
-                f"interrupted after {done} of {campaign.runs} runs, which are kept; the same command does the rest",
+                f"interrupted after {len(journal)} of {campaign.runs} runs, which are kept; {RESUMED}",
             )
             return console.INTERRUPTED
         return _report(campaign, journal, failed, given)
@@ -97,9 +102,12 @@ def _workers(text: str) -> int:
 
 
 def _require_scenarios(campaign: Campaign, path: str) -> None:
-    """Refuse what no run can be before the first is begun."""
+    """Refuse what no run can be before the first is begun; of very many runs those that come later are their own."""
+    from tqdm import tqdm
+
+    first = range(min(campaign.runs, MOST_TRIED))
     try:
-        for run in range(campaign.runs):
+        for run in tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False):
             campaign.scenario_of(run)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -113,19 +121,20 @@ def _carry_out(
 
     from lie_rigid_body.campaign.cluster import client_of, finished
 
-    runs = [run for run in range(campaign.runs) if run not in journal.rows]
     failed: list[BaseException] = []
-    if not runs:
+    if len(journal) == campaign.runs:
         return failed
+    runs = (run for run in range(campaign.runs) if run not in journal)
     # disable=None: shown on a terminal only
     with (
+        tqdm(total=campaign.runs, initial=len(journal), unit=" runs", file=sys.stderr, disable=None) as bar,
         client_of(given.workers, given.scheduler, interruption.put_off) as client,
-        tqdm(total=campaign.runs, initial=len(journal.rows), unit=" runs", file=sys.stderr, disable=None) as bar,
     ):
         elsewhere = given.scheduler is not None
         for row in finished(client, campaign, runs, journal.folder, bags=not given.no_bags, elsewhere=elsewhere):
             if isinstance(row, BaseException):
                 failed.append(row)
+                journal.require_intact()
             else:
                 journal.add(row)
             bar.update()
@@ -133,45 +142,73 @@ def _carry_out(
 
 
 def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], given: argparse.Namespace) -> int:
-    from lie_rigid_body.campaign.estimator import ERROR
+    from lie_rigid_body.campaign.journal import RESUMED
 
     if failed:
         first = failed[0]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
+        reason = reason.partition("; ")[0]  # without the rescue of its bag, as the run is done again
         raise BagError(
             f"{len(failed)} of {campaign.runs} runs failed, the first of: {shortened(reason, 90)}; "
-            "the others are kept: mend that, and the same command does the rest"
+            f"{len(journal)} are kept: mend that, and {RESUMED}"
         )
-    table = journal.write_table()
-    rows = [journal.rows[run] for run in sorted(journal.rows)]
-    broken = sorted(row.run for row in rows if not row.certified)
-    worst = max(row.attitude_accuracy_rad for row in rows)
-    count, certified = counted(len(rows), "run"), len(rows) - len(broken)
-    lines = [f"{count}, {certified} certified, attitudes within {worst:.2g} rad, in {table}"]
+    table, tally = journal.write_table(), _Tally.of(journal.rows())
+    broken, certified = tally.broken, tally.count - len(tally.broken)
+    lines = [
+        f"{counted(tally.count, 'run')}, {certified} certified, attitudes within {tally.worst:.2g} rad, in {table}"
+    ]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
     if campaign.estimator is not None:
-        lines.append(_of_scores(journal))
+        lines.append(tally.of_scores())
     if given.report is not None:
         from lie_rigid_body.cli.campaign_page import page
         from lie_rigid_body.recording.output_file import write_file
 
-        write_file(given.report, page(f"Campaign {given.campaign}", campaign, rows), overwrite=given.force)
+        content = page(f"Campaign {given.campaign}", campaign, [*journal.rows()])
+        write_file(given.report, content, overwrite=given.force)
         lines.append(f"wrote {given.report}")
     console.say("\n".join(lines), done=f"{table} is written")
     if broken:
         return NOT_CERTIFIED
-    if campaign.estimator is not None and all(row.scores[ERROR] is not None for row in rows):
+    if campaign.estimator is not None and not tally.totals_deg:
         raise InputError(f"estimator {campaign.estimator} gave no score in any run: mend it, and give a new folder")
     return console.SUCCESS
 
 
-def _of_scores(journal: Journal) -> str:
-    """The scores in a line."""
-    from lie_rigid_body.campaign.estimator import ERROR
+@dataclass
+class _Tally:
+    """What is told of all runs, without their rows."""
 
-    rows = [journal.rows[run] for run in sorted(journal.rows)]
-    failed = [row for row in rows if row.scores[ERROR] is not None]
-    totals = sorted(float(row.scores["total_rms_deg"] or 0.0) for row in rows if row.scores[ERROR] is None)
-    said = f"{len(totals)} scored" + (f", median {totals[len(totals) // 2]:.3g}° rms" if totals else "")
-    return f"{said}; run {failed[0].run} is not: {failed[0].scores[ERROR]}" if failed else said
+    count: int = 0
+    worst: float = 0.0
+    broken: list[int] = field(default_factory=list)
+    totals_deg: array[float] = field(default_factory=lambda: array("d"))
+    unscored: str = ""
+
+    @classmethod
+    def of(cls, rows: Iterable[Row]) -> _Tally:
+        """The tally of rows in the order of their numbers."""
+        from lie_rigid_body.campaign.estimator import ERROR
+
+        tally = cls()
+        for row in rows:
+            tally.count += 1
+            tally.worst = max(tally.worst, row.attitude_accuracy_rad)
+            if not row.certified:
+                tally.broken.append(row.run)
+            error = row.scores.get(ERROR)
+            if error is None and row.scores:
+                tally.totals_deg.append(float(row.scores["total_rms_deg"] or 0.0))
+            elif error is not None:
+                tally.unscored = tally.unscored or f"; run {row.run} is not: {error}"
+        return tally
+
+    def of_scores(self) -> str:
+        """The scores in a line."""
+        ordered = sorted(self.totals_deg)
+        return (
+            f"{len(ordered)} scored"
+            + (f", median {ordered[len(ordered) // 2]:.3g}° rms" if ordered else "")
+            + self.unscored
+        )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import os
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,32 +21,59 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
 
-    from lie_rigid_body.recording.recovery import recover
+    from lie_rigid_body.recording.folder_recovery import recover_folder
+    from lie_rigid_body.recording.recovery import Recovery, recover
 
-    recovery = recover(Path(given.broken), Path(given.out), overwrite=given.force)
-    first, last = map(console.seconds, recovery.log_times_ns)
-    size = console.size(os.path.getsize(given.out))
+    broken, out = Path(given.broken), Path(given.out)
+    if broken.is_dir():
+        found = recover_folder(broken, out)
+        wrong = [str(each) for each in found.values() if not isinstance(each, Recovery)]
+    else:
+        found, wrong = {broken: recover(broken, out, overwrite=given.force)}, []
+    parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
+    wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))] + wrong
     console.say(
-        f"{counted(recovery.messages, 'message')} on {counted(recovery.topics, 'topic')}, stamps {first} to {last} s, "
-        f"in {given.out} ({size})\n"
-        f"{_what_was_wrong(given.broken, recovery)}\n"
-        f"{console.how_to_certify(given.out)}",
+        "\n".join([_how_much(given.out, [*parts.values()]), *(wrong or [f"{broken} was whole"]), *_what_next(given)]),
         done=f"{given.out} is written and whole",
     )
     return console.SUCCESS
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("recover", "Write every whole message of an MCAP file that was cut off into a new one.")
+    parser = console.Parser("recover", "Write every whole message of a bag that was cut off into a new one.")
     parser.add_argument(
-        "broken", metavar="BROKEN", type=console.path, help="the file that was cut off; it is only read"
+        "broken",
+        metavar="BROKEN",
+        type=console.path,
+        help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
     )
-    parser.add_argument("-o", "--out", metavar="FIXED", type=console.path, required=True, help="the file to write")
-    parser.add_argument("--force", action="store_true", help="replace FIXED if it exists, when the new one is whole")
+    parser.add_argument(
+        "-o",
+        "--out",
+        metavar="FIXED",
+        type=console.path,
+        required=True,
+        help="the file to write, or the folder to make",
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
+    )
     return parser
 
 
-def _what_was_wrong(broken: str, recovery: Recovery) -> str:
+def _how_much(out: str, parts: Sequence[Recovery]) -> str:
+    path = Path(out)
+    files = [path] if path.is_file() else [*path.iterdir()]
+    times_ns = [time for part in parts for time in part.log_times_ns]
+    first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
+    messages = counted(sum(part.messages for part in parts), "message")
+    topics = counted(max(part.topics for part in parts), "topic")
+    where = f"{out} ({console.size(sum(map(os.path.getsize, files)))})"
+    return f"{messages} on {topics}, stamps {first} to {last} s, in {where}"
+
+
+def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
+    """What was wrong with a file; empty if it was whole."""
     found = []
     if recovery.broken_at is not None:
         gave = counted(recovery.of_the_last, "message")
@@ -52,4 +81,18 @@ def _what_was_wrong(broken: str, recovery: Recovery) -> str:
     if recovery.damaged:
         damaged = counted(len(recovery.damaged), "damaged record")
         found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")
-    return f"{broken} {' and '.join(found) or 'was whole'}"
+    return f"{broken} {' and '.join(found)}" if found else ""
+
+
+def _what_next(given: argparse.Namespace) -> list[str]:
+    from lie_rigid_body.recording.bag_folders import whole_of
+
+    if os.path.isdir(given.broken):
+        return [
+            console.how_to_certify(given.out),
+            f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {shlex.quote(given.out)}",
+        ]
+    whole = whole_of(Path(given.broken))
+    if whole is not None:
+        return [f"it is one file of a bag that was split; recover all with: recover {shlex.quote(str(whole))} -o FIXED"]
+    return [console.how_to_certify(given.out)]

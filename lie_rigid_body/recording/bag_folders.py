@@ -28,6 +28,13 @@ def is_one_bag(folder: Path) -> bool:
     return False
 
 
+def whole_of(file: Path) -> Path | None:
+    """The folder of the bag that was split into several files, of which this is one; None if it is not."""
+    folder = file.parent
+    parts = [*folder.glob(f"*{file.suffix}")] if file.suffix in SUFFIXES and file.is_file() else []
+    return folder if len(parts) > 1 and is_one_bag(folder) else None
+
+
 def bags_in(folder: Path) -> list[Path]:
     """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
 

@@ -6,6 +6,7 @@ import itertools
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias, TypeVar
@@ -18,7 +19,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
-from lie_rigid_body.recording.bodies import Body, bodies, the_body
+from lie_rigid_body.recording.bodies import Body, bodies, other_bodies, tells_of_body, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
 from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, pieces_again
@@ -226,7 +227,8 @@ class Bag:
     ) -> None:
         files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
         contents = files.contents(of_types((*_OF_THE_TRUTH, *VALUES)) if in_memory else nothing)
-        self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
+        body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
+        self._take(files, contents, body, in_memory=in_memory)
 
     @classmethod
     def all_of(
@@ -235,11 +237,15 @@ class Bag:
         """A bag for each body of a file or folder, which is read once to find them."""
         files = BagFiles(path, progress)
         contents = files.contents(nothing)
-        bags, found = [], bodies(files.path, contents, topics)
+        is_ours = partial(_is_ours, files.path, contents)
+        found = bodies(files.path, contents, topics, is_ours)
+        others = other_bodies(files.path, contents, found, is_ours) if topics else []
+        known = [track for body in (*found, *others) for track in (*body.tracks, *body.sensors.values())]
+        bags = []
         for body in found:
             bag = cls.__new__(cls)
             bag._take(files, contents, body)
-            bag.others = _others(contents, [t for each in found for t in (*each.tracks, *each.sensors.values())])
+            bag.others = (*(_not_chosen(other) for other in others), *_others(contents, known))
             bags.append(bag)
         return tuple(bags)
 
@@ -452,6 +458,15 @@ def _is_scenario(text: str) -> bool:
     except InputError:
         return False
     return True
+
+
+def _is_ours(path: Path, contents: McapContents, track: RawTrack) -> bool:
+    pieces = pieces_again(path, contents.outlines, (track.topic, track.message_type))
+    return tells_of_body(path, track.topic, pieces)
+
+
+def _not_chosen(body: Body) -> str:
+    return f"body {body.name or '/'} ({body.pose.topic} and what goes with it), which was not asked for"
 
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.bag_folders import whole_of
+from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.wording import listed, short_repr, suggestion
 
 SCENARIO: Final = "scenario"
@@ -22,6 +25,8 @@ TYPES: Final[dict[str, tuple[str, ...]]] = {
     **{name: (kind,) for name, kind in SENSOR_TOPICS.items()},
 }
 """The topics of a body by their relative names, and the message types that each may have."""
+OfScenario: TypeAlias = Callable[[RawTrack], bool]
+"""Whether a topic of texts is one of scenarios."""
 _WHY: Final = {SCENARIO: ", which tells body, motion and frames, whatever --inertia says"}
 
 
@@ -52,7 +57,13 @@ class Body:
         return self.pose, self.twist, self.scenario
 
 
-def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:
+def _any_text(track: RawTrack) -> bool:
+    return True
+
+
+def bodies(
+    path: Path, contents: McapContents, topics: Mapping[str, str], is_ours: OfScenario = _any_text
+) -> list[Body]:
     """The bodies of a bag: one for each scenario topic with a pose and a twist in its namespace.
 
     Where there is none, the only topics of the right types are taken, or those with the right last name.
@@ -65,6 +76,9 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     topics : mapping of str to str
         Topics that are called otherwise, by their relative names (the keys of `TYPES`). With one of the first three
         there is one body, that to which it belongs.
+    is_ours : callable, optional
+        Whether a topic of texts is one of scenarios, or another node's of that name. It is asked where two are in one
+        namespace, or pose or twist is missing beside one.
 
     Raises
     ------
@@ -73,14 +87,35 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     """
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     own = [name for name in (POSE, TWIST, SCENARIO) if name in given]
-    found = [tracks for tracks in _complete(path, contents, given) if all(tracks[name] is given[name] for name in own)]
-    found = found or [_single(path, contents, given)]
+    complete = _complete(path, contents, given, is_ours)
+    found = [tracks for tracks in complete if all(tracks[name] is given[name] for name in own)]
+    found = found or [_single(path, contents, given, is_ours)]
     return [_body(path, contents, tracks, given, alone=len(found) == 1) for tracks in found]
 
 
-def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
+def tells_of_body(path: Path, topic: str, pieces: Iterable[RawMessages]) -> bool:
+    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node."""
+    try:
+        return any('"inertia"' in text for _, text in islice(texts(path, topic, pieces), 1))
+    except BagError:
+        return True
+
+
+def other_bodies(
+    path: Path, contents: McapContents, own: Sequence[Body], is_ours: OfScenario = _any_text
+) -> list[Body]:
+    """The bodies of a bag besides those that a user chose."""
+    try:
+        found = bodies(path, contents, {}, is_ours)
+    except BagError:  # what is beside the chosen one need not be whole
+        return []
+    poses = [body.pose.topic for body in own]
+    return [body for body in found if body.pose.topic not in poses]
+
+
+def the_body(path: Path, contents: McapContents, topics: Mapping[str, str], is_ours: OfScenario = _any_text) -> Body:
     """The body of a bag that has one. See `bodies`."""
-    found = bodies(path, contents, topics)
+    found = bodies(path, contents, topics, is_ours)
     if len(found) > 1:
         names = listed([body.name or "/" for body in found])
         raise BagError(
@@ -89,7 +124,9 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
     return found[0]
 
 
-def _complete(path: Path, contents: McapContents, given: Mapping[str, RawTrack]) -> list[dict[str, RawTrack]]:
+def _complete(
+    path: Path, contents: McapContents, given: Mapping[str, RawTrack], is_ours: OfScenario
+) -> list[dict[str, RawTrack]]:
     """The tracks of each body that has its topics in one namespace, in the order of their names."""
     found: dict[str, dict[str, RawTrack]] = {}
     lacking = []
@@ -101,17 +138,25 @@ def _complete(path: Path, contents: McapContents, given: Mapping[str, RawTrack])
             own = {name: track for name in (POSE, TWIST) if (track := _track(contents, name, f"{namespace}/{name}"))}
             if not own:
                 continue
-            if len(own) == 1:
+            if len(own) == 1 and is_ours(scenario):
                 lacking.append((scenario, namespace, next(name for name in (POSE, TWIST) if name not in own)))
-            elif namespace in found:
-                raise _several(path, SCENARIO, [found[namespace][SCENARIO], scenario])
-            else:
+            elif len(own) == 2 and namespace in found:
+                found[namespace][SCENARIO] = _ours(path, [found[namespace][SCENARIO], scenario], is_ours)
+            elif len(own) == 2:
                 found[namespace] = {**own, SCENARIO: scenario}
             break
     if found and lacking and not given:
         scenario, namespace, name = lacking[0]
         raise BagError(f"{path} has {scenario.topic} and no topic {namespace}/{name}: record it as well")
     return [found[namespace] for namespace in sorted(found)]
+
+
+def _ours(path: Path, scenarios: list[RawTrack], is_ours: OfScenario) -> RawTrack:
+    """The one of several topics of texts that is of scenarios."""
+    own = [track for track in scenarios if track.count and is_ours(track)]
+    if len(own) != 1:
+        raise _several(path, SCENARIO, own or scenarios)
+    return own[0]
 
 
 def _above(topic: str) -> Iterator[str]:
@@ -121,16 +166,18 @@ def _above(topic: str) -> Iterator[str]:
         yield topic
 
 
-def _single(path: Path, contents: McapContents, given: Mapping[str, RawTrack]) -> dict[str, RawTrack]:
+def _single(
+    path: Path, contents: McapContents, given: Mapping[str, RawTrack], is_ours: OfScenario
+) -> dict[str, RawTrack]:
     """The tracks of the one body of a bag whose topics are not in one namespace."""
     near = [track.topic.rpartition("/")[0] for name, track in given.items() if name in (POSE, TWIST)]
     return {
-        name: given.get(name) or _find(path, contents, name, near[0] if near else None)
+        name: given.get(name) or _find(path, contents, name, near[0] if near else None, is_ours)
         for name in (POSE, TWIST, SCENARIO)
     }
 
 
-def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
+def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ours: OfScenario) -> RawTrack:
     """The track with the right last name, of several that in the namespace; or else the only one of its types."""
     alike = _of_types(contents, name)
     found = [track for track in alike if _last(track.topic) == name]
@@ -142,10 +189,18 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None) -> Ra
     if not found:
         wanted = f"topic .../{name} ({' or '.join(TYPES[name])}{_WHY.get(name, '')})"
         there = listed([topic for topic, _ in contents.tracks]) or "no topic at all"
-        raise BagError(f"{path} has no {wanted}: record it; there are {there}")
+        raise BagError(f"{path} has no {wanted}: {_remedy(path, 'record it')}; there are {there}")
+    if len(found) > 1 and name == SCENARIO:
+        return _ours(path, found, is_ours)
     if len(found) > 1:
         raise _several(path, name, found)
     return found[0]
+
+
+def _remedy(path: Path, otherwise: str) -> str:
+    """What to do where a topic is missing: it may be in another file of a bag that was split."""
+    whole = whole_of(path)
+    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
@@ -186,7 +241,8 @@ def _body(
 ) -> Body:
     for track in tracks.values():
         if not track.count:
-            raise BagError(f"{path} has no message on {track.topic}: record it while the body is published")
+            how = _remedy(path, "record it while the body is published")
+            raise BagError(f"{path} has no message on {track.topic}: {how}")
     namespace = tracks[POSE].topic.rpartition("/")[0]
     sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
@@ -200,5 +256,12 @@ def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *
     own = _track(contents, name, f"{beside}/{last}")
     poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
     alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
-    elsewhere = [track for track in alike if f"{track.topic.removesuffix(last)}{POSE}" not in poses]
+    private = last != name  # of the node, one name below its namespace
+    elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]
     return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)
+
+
+def _home(prefix: str, *, private: bool) -> str:
+    """The namespace of the node whose topic begins so."""
+    above = prefix.rstrip("/")
+    return above.rpartition("/")[0] if private else above

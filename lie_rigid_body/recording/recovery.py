@@ -52,6 +52,10 @@ _DAMAGE: Final = (
 """What the parsers and decompressors raise on damaged bytes."""
 
 
+class NothingWholeError(BagError):
+    """There is no whole message in a file."""
+
+
 @dataclass(frozen=True)
 class Recovery:
     """What was recovered of a file.
@@ -96,8 +100,10 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
 
     Raises
     ------
+    NothingWholeError
+        If the file holds no whole message.
     BagError
-        If the file cannot be read or holds no whole message, or the new one cannot be written.
+        If it cannot be read, or the new one cannot be written.
     """
     try:
         with open_file(broken) as stream:
@@ -110,14 +116,14 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     except FileNotFoundError:
         raise BagError(f"{broken} does not exist: give the path of an MCAP file") from None
     except IsADirectoryError:
-        raise BagError(f"{broken} is a folder: recover the MCAP files in it one by one") from None
+        raise BagError(f"{broken} is a folder: give an MCAP file in it") from None
     except OSError as error:
         raise BagError(f"{broken} cannot be recovered: {reason(error)}: look after the disk, and try again") from None
 
 
 def _require_mcap(path: Path, stream: BinaryIO) -> None:
     if stream.read(len(MAGIC)) != MAGIC:
-        raise BagError(f"{path} does not begin as an MCAP file: it holds nothing that can be recovered")
+        raise NothingWholeError(f"{path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
 def _written(broken: Path, stream: BinaryIO, out: OutputFile) -> Recovery:
@@ -125,7 +131,7 @@ def _written(broken: Path, stream: BinaryIO, out: OutputFile) -> Recovery:
         salvage = _Salvage(stream, out.stream)
         recovery = salvage.run()
         if recovery is None:
-            raise BagError(f"{broken} holds no whole message: record it again")
+            raise NothingWholeError(f"{broken} holds no whole message: record it again")
         out.commit()
     except BaseException:
         out.discard()

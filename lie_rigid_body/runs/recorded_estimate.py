@@ -19,7 +19,7 @@ from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bodies import SCENARIO, given_track
+from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
@@ -160,7 +160,11 @@ def _true_motion(
         raise InputError(f"--topic {estimate_topic}: that is the estimate: name the topic of the truth")
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     near = next(iter(topics.values()), near)
-    candidates = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
+    candidates = [
+        track
+        for track in contents.tracks.values()
+        if track.count and track.topic != estimate_topic and not _is_of_others(path, track)
+    ]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
@@ -175,6 +179,11 @@ def _true_motion(
             "its topic by --topic pose:=/NAME"
         )
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
+
+
+def _is_of_others(path: Path, track: RawTrack) -> bool:
+    """Whether a topic of texts is that of another node, which calls something else a scenario."""
+    return track.message_type == STRING and not tells_of_body(path, track.topic, track.pieces)
 
 
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -19,11 +20,15 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.campaign import Campaign, run
+from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row, carry_out
+from lie_rigid_body.cli import campaign as campaign_verb
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.runs import simulate
 
 # not loaded here: the process that only collects these tests does without
 pytestmark = pytest.mark.skipif(
@@ -100,12 +105,15 @@ def test_the_table_has_a_row_for_each_run(out: Path) -> None:
 
 
 def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
+    campaign = Campaign.from_file(written(tmp_path))
     for row in table_of(out).to_pylist():
         given = {name: row[name] for name in list(row)[1:7]} | {"rate": 100.0, "imu_rate": 100.0}
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
         again = tmp_path / "again.mcap"
         options = ["--scenario", "tumbling_cubesat", "--duration", "0.25", "--force", "--quiet"]
         assert record([str(again), *options, *assignments]) == 0
+        assert again.read_bytes() == (out / row["bag"]).read_bytes()
+        simulate(campaign.scenario_of(row["run"]), duration=campaign.duration).to_bag(again, overwrite=True)
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
 
 
@@ -143,11 +151,82 @@ def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> No
     (copy / "runs.jsonl").write_text(whole[:-9])
     campaign, rows = Campaign.from_file(written(tmp_path)), list[Row]()
     with Journal(campaign, out) as journal:
-        rows += journal.rows.values()
+        rows += journal.rows()
     with Journal(campaign, copy) as journal:
-        assert list(journal.rows.values()) == rows[:-1]
+        assert list(journal.rows()) == rows[:-1]
         journal.add(rows[-1])
     assert (copy / "runs.jsonl").read_text() == whole
+
+
+@pytest.fixture
+def journal(out: Path, tmp_path: Path) -> Iterator[Journal]:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    with Journal(Campaign.from_file(written(tmp_path)), copy) as journal:
+        yield journal
+
+
+def test_a_row_that_does_not_fit_on_the_disk_is_told_and_done_anew(journal: Journal, tmp_path: Path) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    whole, rows = journal.path.read_text(), list(journal.rows())
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(whole) + 20, before[1]))
+    try:
+        with pytest.raises(BagError, match=r"runs\.jsonl cannot be written: File too large: make room, and the same"):
+            journal.add(rows[0])
+        journal.__exit__(None, None, None)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert len(journal.path.read_text()) == len(whole) + 20
+    with Journal(Campaign.from_file(written(tmp_path)), journal.folder) as again:
+        assert list(again.rows()) == rows
+    assert journal.path.read_text() == whole
+
+
+@pytest.mark.parametrize("put", ["nothing", "another file"])
+def test_a_folder_that_is_taken_away_is_told(journal: Journal, put: str) -> None:
+    """Else all further rows would go where nobody finds them."""
+    [first, *_] = journal.rows()
+    journal.path.unlink()
+    if put != "nothing":
+        journal.path.write_text("other")
+    with pytest.raises(BagError, match=r"runs\.jsonl was deleted or moved meanwhile: keep others away"):
+        journal.add(first)
+
+
+@pytest.mark.parametrize("line", ["nonsense", "3", '{"run": 6}', '{"run": 1, "speed": 2}'])
+def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    place = (copy / "runs.jsonl").stat().st_size
+    with (copy / "runs.jsonl").open("a") as file:
+        file.write(f"{line}\n")
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
+    assert f"runs.jsonl is damaged: byte {place} begins no row of this campaign" in capsys.readouterr().err
+
+
+def test_runs_that_fail_one_after_another_end_a_campaign(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a million too, as where the disk is full: here of what no run can be, found as late as that."""
+    monkeypatch.setattr(campaign_verb, "MOST_TRIED", 0)
+    path = written(tmp_path, "runs: 1000000\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}")
+    given = [str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    most = MOST_FAILURES + RUNS_AHEAD
+    assert f"{most} of 1000000 runs failed, the first of: run 0: rate: -3 is outside" in line
+    assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
+    assert not finished(tmp_path / "out")
+
+
+def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:
+    campaign, before = Campaign(runs=1, seed=1, duration=1.0), resource.getrlimit(resource.RLIMIT_FSIZE)
+    (tmp_path / "bags").mkdir()
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
+    try:
+        with pytest.raises(BagError, match=r"000000\.mcap cannot be written: File too large"):
+            carry_out(campaign, 0, str(tmp_path))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list((tmp_path / "bags").iterdir())
 
 
 def test_an_estimator_without_any_score_is_an_error(
@@ -155,7 +234,7 @@ def test_an_estimator_without_any_score_is_an_error(
 ) -> None:
     copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
     with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
-        rows = [replace(row, scores={**scores, "estimator_error": "it is lost"}) for row in journal.rows.values()]
+        rows = [replace(row, scores={**scores, "estimator_error": "it is lost"}) for row in journal.rows()]
     heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
     (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
@@ -242,6 +321,39 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
 
 
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    """Signals are handled afterwards as before: a process that was asked to end ignores them."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_while_the_cluster_starts_lets_it_start_and_closes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    """Half of a cluster cannot be closed. This one is of threads, which start at once."""
+    import distributed
+
+    started, make = [], distributed.LocalCluster
+
+    def interrupted(**options: Any) -> Any:
+        os.kill(os.getpid(), number)
+        started.append(make(**{**options, "processes": False}))
+        return started[0]
+
+    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--workers", "1"]) == 130
+    said = capsys.readouterr()
+    assert said.out == ""
+    [line] = said.err.splitlines()
+    assert "interrupted after 0 of 6 runs, which are kept; the same command does the rest" in line
+    assert [cluster.status for cluster in started] == [distributed.Status.closed]
+
+
 @pytest.mark.slow
 def test_a_kill_costs_the_runs_at_work_and_nothing_is_done_twice(slow: tuple[subprocess.Popen[str], Path]) -> None:
     process, out = slow
@@ -295,7 +407,7 @@ def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path
     broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (broken.returncode, broken.stdout) == (2, "")
     [line] = broken.stderr.splitlines()
-    assert "1 of 6 runs failed, the first of: every process that tried it died; the others are kept" in line
+    assert "1 of 6 runs failed, the first of: every process that tried it died; 5 are kept" in line
     assert sorted(finished(out)) == others
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
     (tmp_path / "mended").touch()

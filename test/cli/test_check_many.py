@@ -139,7 +139,9 @@ def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
     assert not any("pose" in text and "messages" in text for text in content["bags"][0]["not_certified"])
     status, out, _ = answer(capsys, two_bodies, "--topic", "pose:=/a/pose")
     assert (status, out[0]) == (0, str(two_bodies))
-    assert "/b/pose (50 messages)" in " ".join(" ".join(out).split())
+    said = " ".join(" ".join(out).split())
+    assert "body /b (/b/pose and what goes with it), which was not asked for" in said
+    assert "/b/pose (50 messages)" not in said
 
 
 def test_plot_draws_one_body(two_bodies, tmp_path, capsys):

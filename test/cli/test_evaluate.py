@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -301,6 +302,20 @@ def test_two_bodies_are_refused(own, stamps, noisy, tmp_path, capsys):
     truths = [(POSE, HOW[POSE], f"/{name}/pose", stamps, noisy) for name in "ab"]
     two = beside(own, tmp_path / "two.mcap", *truths, without="/lie_rigid_body/scenario /pose")
     assert "several topics .../pose: /a/pose, /b/pose" in refused(capsys, own, "--estimate", "/pose", "--truth", two)
+
+
+def test_texts_that_another_node_calls_scenario_tell_no_truth(own, stamps, noisy, tmp_path, capsys):
+    text = (
+        "std_msgs/msg/String",
+        lambda stamp, q: SimpleNamespace(data="highway 7"),
+        "/x/scenario",
+        stamps[:1],
+        noisy[:1],
+    )
+    estimate = (POSE, HOW[POSE], "/estimate", stamps, noisy)
+    with_text = scored(capsys, beside(own, tmp_path / "text.mcap", text, estimate), "--estimate", "/estimate")
+    without = scored(capsys, beside(own, tmp_path / "plain.mcap", estimate), "--estimate", "/estimate")
+    assert with_text["total_deg"] == without["total_deg"]
 
 
 def test_other_estimates_are_not_taken_for_the_truth(own, stamps, noisy, tmp_path, capsys):

@@ -10,6 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
@@ -62,7 +64,8 @@ def test_the_input_is_never_replaced(broken: Path, capsys: pytest.CaptureFixture
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        (".", "is a folder"),
+        (".", "is not the folder of one bag: recover the MCAP files in it one by one"),
+        ("nothing", "is a folder without MCAP files"),
         ("none.mcap", "does not exist"),
         ("text", "does not begin as an MCAP file"),
         ("empty", "does not begin as an MCAP file"),
@@ -73,6 +76,7 @@ def test_what_holds_nothing_is_refused_in_one_line(
     broken: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
 ) -> None:
     folder = broken.parent
+    (folder / "nothing").mkdir()
     (folder / "text").write_text("hello")
     (folder / "empty").touch()
     (folder / "head").write_bytes(broken.read_bytes()[:60])
@@ -81,6 +85,89 @@ def test_what_holds_nothing_is_refused_in_one_line(
     assert said in line
     assert line.count("\n") == 1
     assert not (folder / "fixed.mcap").exists()
+
+
+@pytest.fixture
+def split(broken: Path) -> Path:
+    """A rosbag2 folder whose recorder was killed: no metadata, the second file lacks its end, the third is empty."""
+    whole, folder = broken.with_name("whole.mcap"), broken.with_name("my run")
+    assert record([str(whole), "--duration", "2", "-p", "motion:=closed_form", "--quiet"]) == 0
+    folder.mkdir()
+    with whole.open("rb") as stream:
+        messages = list(make_reader(stream).iter_messages(log_time_order=False))
+    for i, some in enumerate((messages[:201], messages[201:])):
+        with (folder / f"my run_{i}.mcap").open("wb") as stream:
+            writer = Writer(stream, chunk_size=4000)
+            writer.start("ros2", "rosbag2")
+            channels = {}
+            for schema, channel in {c.id: (s, c) for s, c, _ in messages}.values():
+                assert schema is not None
+                number = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, number)
+            for _, channel, m in some:
+                writer.add_message(channels[channel.id], m.log_time, m.data, m.publish_time, m.sequence)
+            writer.finish()
+    os.truncate(folder / "my run_1.mcap", (folder / "my run_1.mcap").stat().st_size // 2)
+    (folder / "my run_2.mcap").touch()
+    return folder
+
+
+def test_a_folder_of_a_split_bag_makes_a_folder_that_is_certified(
+    split: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, fixed = {path: path.read_bytes() for path in split.iterdir()}, split.with_name("my fixed")
+    assert recover([str(split), "-o", str(fixed)]) == 0
+    much, cut, empty, remedy, metadata = capsys.readouterr().out.splitlines()
+    count = int(much.partition(" ")[0])
+    assert 201 < count < 401
+    assert f"{count} messages on 3 topics, stamps 0.000000000 to {(count - 2) // 2 * 0.01:.2f}0000000 s" in much
+    assert cut.startswith(f"{split / 'my run_1.mcap'} breaks off in the record at byte ")
+    assert empty.startswith(f"{split / 'my run_2.mcap'} does not begin as an MCAP file")
+    assert remedy == f"certify them with: lie-rigid-body check '{fixed}'"
+    assert metadata.endswith(f"ros2 bag reindex '{fixed}'")
+    assert sorted(path.name for path in fixed.iterdir()) == ["my fixed_0.mcap", "my fixed_1.mcap"]
+    assert check([str(fixed)]) == 0
+    assert {path: path.read_bytes() for path in split.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("there", "exists and is kept: give the name of a new folder"),
+        ("fixed.mcap", "is to be one: give a name that does not end in .mcap"),
+        ("my run/fixed", "is in the broken folder itself"),
+        ("none/fixed", "cannot be created: No such file or directory"),
+    ],
+)
+def test_a_folder_is_made_only_where_none_is(
+    split: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
+) -> None:
+    split.with_name("there").mkdir()
+    before = sorted(split.parent.rglob("*"))
+    assert recover([str(split), "-o", str(split.parent / name), "--force"]) == 2
+    assert said in capsys.readouterr().err
+    assert sorted(split.parent.rglob("*")) == before
+
+
+def test_a_folder_without_any_whole_message_makes_none(split: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for path in split.iterdir():
+        os.truncate(path, 0)
+    assert recover([str(split), "-o", str(split.with_name("fixed"))]) == 2
+    assert "holds no whole message: record it again" in capsys.readouterr().err
+    assert not split.with_name("fixed").exists()
+
+
+def test_who_gives_one_file_of_a_split_bag_is_told_to_give_the_folder(
+    split: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part, fixed = split / "my run_1.mcap", split.with_name("part.mcap")
+    assert recover([str(part), "-o", str(fixed)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith(f"recover all with: recover '{split}' -o FIXED")
+    fixed.replace(part)
+    assert check([str(part)]) == 2
+    line = capsys.readouterr().err
+    assert "/lie_rigid_body/scenario: it is one file of a bag that was split: give the folder " in line
+    assert line.endswith("/my run\n")
 
 
 def test_a_killed_recording_is_recovered_and_certified(tmp_path: Path) -> None:

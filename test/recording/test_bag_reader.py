@@ -196,6 +196,17 @@ def test_topics_of_several_bodies_are_refused(make_bag: MakeBag, tmp_path: Path)
         read_bag(bag)
 
 
+@pytest.mark.parametrize("other", ["/x/scenario", "/scenario"])
+def test_texts_that_another_node_calls_scenario_are_none(make_bag: MakeBag, tmp_path: Path, other: str) -> None:
+    own, bag, text = make_bag(count=3), folder(tmp_path, "a.mcap", "b.mcap"), b"\0\1\0\0\x0a\0\0\0highway 7\0"
+    rewrite(own, bag / "a.mcap")
+    rename = {"/lie_rigid_body/scenario": other}.get
+    rewrite(own, bag / "b.mcap", rename, change=lambda number, topic, data: text)
+    found = read_bag(bag)
+    assert len(found.scenario_texts) == 1
+    assert f"topic {other} (1 messages), which no scenario determines" in found.others
+
+
 def test_remapped_topics_are_found_by_their_types(make_bag: MakeBag, tmp_path: Path) -> None:
     own = make_bag()
     names = {"/pose": "/truth", "/twist": "/truth_rate"}

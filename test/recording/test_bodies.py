@@ -80,6 +80,10 @@ def test_sensors_belong_to_the_body_of_their_namespace() -> None:
     assert [sensors(body) for body in two] == [{"imu/data_raw": "/a/imu/data_raw"}, {}]
     one = found({**BODY, "/front/imu/data_raw": IMU})
     assert sensors(one[0]) == {"imu/data_raw": "/front/imu/data_raw"}
+    faults = {**inside(""), **inside("/b"), "/lie_rigid_body/faults": TEXT}
+    assert [sensors(body) for body in found(faults, pose="/b/pose")] == [{}]
+    assert [sensors(body) for body in found(faults, pose="/pose")] == [{"~/faults": "/lie_rigid_body/faults"}]
+    assert sensors(found({**BODY, "/sensors/sim/faults": TEXT})[0]) == {"~/faults": "/sensors/sim/faults"}
     named = found({**BODY, "/front/imu/data_raw": IMU, "/imu2": IMU}, imu__data_raw="/imu2")
     assert sensors(named[0]) == {"imu/data_raw": "/imu2"}
 
@@ -107,3 +111,22 @@ def test_a_renamed_bag_is_read_by_the_names_that_are_given(make_bag: MakeBag, tm
     bag = Bag(path, topics={"pose": "/truth/attitude"})
     assert (bag.pose_topic, bag.twist_topic) == ("/truth/attitude", "/twist")
     assert sum(len(poses.stamps_ns) for poses, _ in bag.batches()) == 5
+
+
+def test_texts_of_another_node_that_are_called_scenario_are_none() -> None:
+    """Where it would matter; of a damaged scenario alone it is still told that it is damaged."""
+
+    def is_ours(track: RawTrack) -> bool:
+        return track.topic.startswith(("/lie", "/a/lie", "/b/lie"))
+
+    for other in ("/x/scenario", "/scenario", "/m/n/scenario"):
+        for topics in ({other: TEXT, **BODY}, {**BODY, other: TEXT}):
+            assert [names(body) for body in bodies(HERE, contents(topics), {}, is_ours)] == [tuple(BODY)]
+    apart = {"/truth/pose": POSE, "/rates": RATE, "/lie_rigid_body/scenario": TEXT, "/x/scenario": TEXT}
+    assert names(bodies(HERE, contents(apart), {}, is_ours)[0]) == tuple(apart)[:3]
+    beside = {**inside("/a"), "/c/pose": POSE, "/c/scenario": TEXT}
+    assert [body.name for body in bodies(HERE, contents(beside), {}, is_ours)] == ["/a"]
+    with pytest.raises(BagError, match="several topics"):
+        bodies(HERE, contents({**BODY, "/lie2/scenario": TEXT}), {}, is_ours)
+    alone = {"/pose": POSE, "/twist": RATE, "/scenario": TEXT}
+    assert [names(body) for body in bodies(HERE, contents(alone), {}, is_ours)] == [tuple(alone)]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from mcap.reader import make_reader
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.runs import simulate
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 
@@ -73,3 +76,19 @@ def test_without_the_library_it_says_what_to_install(folder: Path, monkeypatch: 
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
     with pytest.raises(BagError, match=r"pip install 'lie-rigid-body\[sqlite\]'"):
         Bag(folder)
+
+
+def test_its_sensors_are_held_against_the_scenario(tmp_path: Path) -> None:
+    run = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, magnetometer_rate=10.0, gyro_noise_density=1e-4)
+    run.to_bag(tmp_path / "run.mcap")
+    folder = converted(tmp_path / "run.mcap", tmp_path / "walk")
+    certificate = certify(Bag(folder))
+    assert certificate.passed
+    assert not any("imu" in text for text in certificate.not_certified)
+    with closing(sqlite3.connect(next(folder.glob("*.db3")))) as database, database:
+        of_topic = "select min(m.id), m.data from messages m join topics t on m.topic_id = t.id where t.name = ?"
+        number, data = database.execute(of_topic, ["/imu/data_raw"]).fetchone()
+        changed = bytearray(data)
+        changed[-192 + 5] ^= 1  # of the angular velocity about x; two triads and two covariances end the message
+        database.execute("update messages set data = ? where id = ?", [bytes(changed), number])
+    assert not certify(Bag(folder)).passed
