@@ -228,7 +228,8 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
     The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
     circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
     counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
-    those of a heading, or to those of the body, as biases do: the larger value counts.
+    those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
+    tell nothing: errors that are independent are counted as well. The largest value counts.
 
     Parameters
     ----------
@@ -247,7 +248,8 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
     psi = weights[:, np.newaxis] * residual
     predicted = misalignment.predict(truth)
     on_world = [quaternion.rotate(predicted, vectors) for vectors in (G, psi)]
-    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world))
+    independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
+    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world), independent)
 
 
 def _rms_over_shifts(weights: Array, errors: Array) -> float:

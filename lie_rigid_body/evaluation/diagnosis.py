@@ -30,7 +30,7 @@ from lie_rigid_body.evaluation.alignment import (
     lag_standard_error,
     separable,
 )
-from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, spread, written
+from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, from_mean, spread, written
 from lie_rigid_body.wording import short_repr
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -38,6 +38,15 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 
 LARGEST_LEFT: Final = float(np.radians(20.0))
 """Conventions and constant rotations that leave a larger median, rad, are not the cause; a lag may leave more."""
+
+SHARE_OF_EACH: Final = 0.25
+"""Several causes that leave a larger share of the median than this to the power of their number are not the cause."""
+
+UNLIKE: Final = 0.5
+"""Nor is what leaves a larger share of the median that an attitude leaves which does not follow the body."""
+
+UNLIKE_MOUNTED: Final = 0.25
+"""The same for causes with a mounting, whose three constants fit any attitudes that change little."""
 
 FEWEST_SAMPLES: Final = 12
 """Smallest number of samples from which a cause is named or a lag given."""
@@ -207,15 +216,25 @@ def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: floa
     """The first of those tried, the simplest last, whose constants are constant and that leaves little enough."""
     unconstant: list[Explanation] = []
     beyond = abs(tried[0].misalignment.lag_s) >= limit_s
+    plain = next(e for e in tried if not e.causes)
+    turned = float(np.median(from_mean(comparison.true_states(0.0)[0])))
     for e in tried:
         at_limit = abs(e.misalignment.lag_s) >= limit_s or (beyond and e.free)
-        unexplained = e.median > LARGEST_LEFT and set(e.causes) - {LAG}
-        if at_limit or unexplained or any(_is_worse(e, other) for other in unconstant):
+        if at_limit or any(_is_worse(e, other) for other in unconstant):
             continue
-        if _is_constant(comparison, e, tried):
+        if e is plain or (_explains(e, plain.median, turned) and _is_constant(comparison, e, tried)):
             return e
         unconstant.append(e)
-    return next(e for e in tried if not e.causes)
+    return plain
+
+
+def _explains(explanation: Explanation, error: float, turned: float) -> bool:
+    """Whether little is left of an error, and of what the body turns."""
+    share = UNLIKE_MOUNTED if MOUNTING in explanation.free else UNLIKE
+    causes = len(explanation.causes)
+    largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT
+    most = min(largest, share * turned, error * SHARE_OF_EACH**causes if causes > 1 else np.inf)
+    return explanation.median <= max(most, NEGLIGIBLE)
 
 
 def _is_worse(explanation: Explanation, other: Explanation) -> bool:

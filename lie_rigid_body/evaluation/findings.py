@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
+from lie_rigid_body.evaluation.clock import Clock, by_clock
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
 from lie_rigid_body.evaluation.search import spread, written
 from lie_rigid_body.evaluation.statistics import rms
@@ -31,7 +32,7 @@ class Finding:
     ----------
     code : str
         ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
-        ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
+        ``clock_rate``, ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
     message : str
         One sentence with numbers, and what to do.
     rms_deg_after : float
@@ -72,6 +73,32 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
         found.append(Finding(_code(cause, fitted), f"{sentence} ({_gain(before, after)}){doubt}.", rms(after)))
         before = after
     return tuple(found)
+
+
+def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
+    """Another clock as a finding.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of all samples, also those outside of the truth's times.
+    clock : Clock
+    """
+    before = np.degrees(comparison.angles(Misalignment()))
+    after = np.degrees(by_clock(comparison, clock).angles(Misalignment()))
+    if clock.rate == 1.0:
+        code, sentence = ("lagging" if clock.lag_s > 0.0 else "leading"), _lag(comparison, clock.lag_s)
+    else:
+        code, sentence = "clock_rate", _rate(clock)
+    return Finding(code, f"{sentence} ({_gain(before, after)}).", rms(after))
+
+
+def _rate(clock: Clock) -> str:
+    times = f"{max(clock.rate, 1.0 / clock.rate):.5g} times as {'slow' if clock.rate > 1.0 else 'fast'}"
+    return (
+        f"The clock of the estimate's stamps runs {times} as that of the truth: stamp it with the time of the readings "
+        "it is made of, in their unit and with their period, not by another clock beside a replay"
+    )
 
 
 def _gain(before: Array, after: Array) -> str:

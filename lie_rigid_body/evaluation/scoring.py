@@ -10,14 +10,15 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.alignment import LAG, Comparison
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, Comparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
+from lie_rigid_body.evaluation.clock import clock_lag, other_clock
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
-from lie_rigid_body.evaluation.findings import Finding, findings
+from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
@@ -208,7 +209,7 @@ def evaluate(
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
     (lag_s, lag_standard_error_s), found = (
-        _diagnosis(estimate, truth, longest_lag_s) if diagnosed else ((None, None), ())
+        _diagnosis(estimate, whole, truth, longest_lag_s, statistics) if diagnosed else ((None, None), ())
     )
     unlike = diagnosed and not found and statistics.median > UNLIKE_DEG
     remarks = (
@@ -247,9 +248,9 @@ def seconds(stamps_ns: Integers) -> Array:
 
 
 def _diagnosis(
-    estimate: Estimate, truth: Truth, longest_lag_s: float | None
+    estimate: Estimate, whole: Estimate, truth: Truth, longest_lag_s: float | None, total_deg: Statistics
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...]]:
-    """The lag with its standard error, s, and what is found."""
+    """The lag with its standard error, s, and what is found; `whole` has the estimates outside of the truth as well."""
     stamps = estimate.stamps_ns
     quarter = float(stamps[-1] - stamps[0]) / 4e9
     longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
@@ -258,9 +259,19 @@ def _diagnosis(
         wider, other = _within(estimate, truth, quarter)
         if other is not None and LAG in other.explanation.free:
             comparison, diagnosis = wider, other
+    if longest_lag_s is None and total_deg.median > UNLIKE_DEG and not (diagnosis and _is_simple(diagnosis)):
+        everything = Comparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
+        clock = other_clock(everything, float(np.radians(total_deg.median)))
+        if clock is not None and (diagnosis is None or clock.cost < diagnosis.explanation.cost):
+            return clock_lag(everything, clock), (clock_finding(everything, clock),)
     if diagnosis is None:
         return (None, None), ()
     return (diagnosis.lag_s, diagnosis.lag_standard_error_s), findings(comparison, diagnosis)
+
+
+def _is_simple(diagnosis: Diagnosis) -> bool:
+    """Whether one cause was found that no other clock feigns."""
+    return len(diagnosis.explanation.causes) == 1 and not diagnosis.explanation.free - {HEADING}
 
 
 def _within(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[Comparison, Diagnosis | None]:

@@ -101,6 +101,12 @@ def written(comparison: Comparison, convention: Convention) -> Comparison:
     return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))
 
 
+def from_mean(attitude_xyzw: Array) -> Array:
+    """Angles from the attitude that is nearest to all of shape (N, 4), rad: what one leaves that does not follow."""
+    cosine = np.abs(attitude_xyzw @ _mean(attitude_xyzw))
+    return np.asarray(2.0 * np.arccos(np.minimum(cosine, 1.0)))
+
+
 def _mean(quaternions: Array) -> Array:
-    outer = np.einsum("lhna,lhnb->lhab", quaternions, quaternions)
+    outer = np.einsum("...na,...nb->...ab", quaternions, quaternions)
     return np.asarray(np.linalg.eigh(outer)[1][..., -1])

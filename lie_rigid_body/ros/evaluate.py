@@ -69,7 +69,7 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
             node = rclpy.create_node(NODE_NAME, start_parameter_services=False)
         _override(given, _parameters(node))
         limits = Limits.parse(given.max_rms, tuple(given.max_after))
-        following = Following(node, limits)
+        following = Following(node, limits, given.duration)
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
         node.destroy_node()
@@ -128,7 +128,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
-        if given.duration and live is not None and live.span_s >= given.duration:
+        if live is not None and live.complete:
             return True
         if given.wait and now - compared_at > given.wait:
             return True

@@ -113,9 +113,13 @@ class LiveEstimate:
     limits : Limits
     most : int, optional
         Samples of each that are kept.
+    duration_s : float, optional
+        Estimates that are stamped longer after the first are left out, whenever they are read.
 
     Attributes
     ----------
+    complete : bool
+        Whether an estimate came that is stamped by the duration after the first, or later.
     messages : int
         How many messages of the estimate came.
     unusable : int
@@ -126,7 +130,9 @@ class LiveEstimate:
         Stamps of the first estimate and the last.
     """
 
-    def __init__(self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT) -> None:
+    def __init__(
+        self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT, duration_s: float | None = None
+    ) -> None:
         self._heard = Heard(topic, message_type, [])
         self._limits, self.tally = limits, Tally(limits)
         self._segments: dict[str, Segment] = {}
@@ -137,6 +143,8 @@ class LiveEstimate:
         self._pairs: dict[Frames, None] = {}
         self._given_up = self.messages = self.unusable = 0
         self._first_unusable_ns = 0
+        self._duration_ns = None if duration_s is None else round(duration_s * NS)
+        self.complete = False
         self._template: AttitudeTrack | None = None
         self._pose_template: AttitudeTrack | None = None
         self.first_ns: int | None = None
@@ -343,24 +351,29 @@ class LiveEstimate:
         numbers = track.attitude_xyzw
         if track.covariance is not None:
             numbers = np.concatenate([numbers, track.covariance.reshape(-1, 9)], axis=1)
-        usable = self._usable(track.stamps_ns, track.attitude_xyzw)
-        if not usable.any():
-            return []
-        stamps, numbers = self._kept.add(track.stamps_ns[usable], numbers[usable])
+        stamps, usable = track.stamps_ns, _usable(track.attitude_xyzw)
+        if self.first_ns is None and usable.any():
+            self.first_ns = int(stamps[usable][0])
+        inside = self._within_duration(stamps)
+        self._count_unusable(stamps[inside & ~usable])
+        stamps, numbers = self._kept.add(stamps[inside & usable], numbers[inside & usable])
         if not len(stamps):
             return []
-        self.first_ns = int(stamps[0]) if self.first_ns is None else self.first_ns
         self.last_ns = int(stamps[-1])
         return [(stamps, numbers)]
 
-    def _usable(self, stamps: Integers, attitude_xyzw: Array) -> Booleans:
-        """Which attitudes are finite and not zero; the others are counted."""
-        finite = np.isfinite(attitude_xyzw).all(axis=1)
-        usable = finite & (quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0)) >= SMALLEST_NORM)
-        if not usable.all():
-            self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(stamps[~usable][0])
-            self.unusable += int(np.count_nonzero(~usable))
-        return np.asarray(usable)
+    def _within_duration(self, stamps: Integers) -> Booleans:
+        """Which stamps are no later after the first estimate than the duration."""
+        if self._duration_ns is None or self.first_ns is None:
+            return np.ones(len(stamps), dtype=np.bool_)
+        since = stamps - self.first_ns
+        self.complete = self.complete or bool(np.any(since >= self._duration_ns))
+        return np.asarray(since <= self._duration_ns)
+
+    def _count_unusable(self, stamps: Integers) -> None:
+        if len(stamps):
+            self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(stamps[0])
+            self.unusable += len(stamps)
 
     def _chosen(self, found: dict[Frames, AttitudeTrack]) -> Frames:
         """The frames of the estimate: of transforms those of the scenario, else those of all messages."""
@@ -371,6 +384,12 @@ class LiveEstimate:
             pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
             raise InputError(f"topic {self._heard.topic} is of the frames {pairs}: let one node publish one body")
         return next(iter(self._pairs), ("", ""))
+
+
+def _usable(attitude_xyzw: Array) -> Booleans:
+    """Which attitudes are finite and not zero."""
+    finite = np.isfinite(attitude_xyzw).all(axis=1)
+    return np.asarray(finite & (quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0)) >= SMALLEST_NORM))
 
 
 def _track(template: AttitudeTrack, stamps: Integers, numbers: Array) -> AttitudeTrack:

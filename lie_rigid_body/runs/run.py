@@ -18,7 +18,6 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
-from lie_rigid_body.evaluation.scoring import LONGEST_LAG_S
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
@@ -201,7 +200,7 @@ class Run:
         covariance: ArrayLike | None = None,
         covariance_axes: str = "world",
         converged_deg: float | None = None,
-        longest_lag_s: float = LONGEST_LAG_S,
+        longest_lag_s: float | None = None,
         diagnosed: bool = True,
     ) -> Score:
         """Score an attitude estimate of this run.

@@ -227,6 +227,25 @@ def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, t
     assert followed(alone, POSE_STAMPED).fault() == ""
 
 
+def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps, noisy, tmp_path):
+    """As on a loaded machine, which reads the messages of many seconds at once; what comes later cannot spoil it."""
+    spoilt = noisy.copy()
+    spoilt[[0, 80]] = np.nan
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
+    heard = list(of(bag))
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=2.0)
+    live.hear_scenario(next(payload for topic, payload in heard if topic.endswith("/scenario")))
+    estimates = [payload for topic, payload in heard if topic == "/estimate"]
+    live.hear_estimates(estimates[:40])
+    live.judge()
+    assert not live.complete
+    live.hear_estimates(estimates[40:])
+    live.judge()
+    assert live.complete
+    score = live.score()[1]
+    assert (score.t_s[-1], score.samples, live.unusable) == (2.0, 51, 1)
+
+
 def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
     with pytest.raises(InputError, match="149 of 149 attitudes are not finite"):

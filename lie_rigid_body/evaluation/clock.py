@@ -1,0 +1,282 @@
+"""Another clock: stamps of an estimate that run faster or slower than those of the truth, or are off by far.
+
+The true time of a sample is anchor + rate · (stamp − anchor) − lag. One grid has all lags at the rate 1, others all
+rates with the clocks alike at the first estimate, the first truth, or 0, as where a unit is mistaken. The best point
+is refined by the lags of both halves. Conventions and misalignments are none: with them, another motion would do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.evaluation.alignment import LAG, Comparison, Misalignment, fit, lag_standard_error
+from lie_rigid_body.evaluation.diagnosis import LAG_SAMPLES, NEGLIGIBLE
+from lie_rigid_body.evaluation.estimate import FARTHEST_NS
+from lie_rigid_body.evaluation.search import from_mean, spread
+from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.wording import short_repr
+
+LARGEST_LEFT: Final = float(np.radians(5.0))
+"""What leaves a larger median, rad, is not the clock."""
+LARGEST_SHARE: Final = 0.25
+"""Nor what leaves a larger share of the error, or of what an attitude leaves that does not follow the body."""
+LEAST_COVERED: Final = 0.25
+"""Nor what leaves a smaller share of the samples within the truth's times; with another rate `MOSTLY_COVERED`."""
+MOSTLY_COVERED: Final = 0.9
+FEWEST_SAMPLES: Final = 20
+UNEVEN: Final = 3.0
+"""Largest ratio of the median in a quarter of the run, from the second on, to that of all."""
+
+TABLE_TURN: Final = 0.1
+"""Turn of the body between points of the table of the truth, rad."""
+GRID_STEP: Final = 2.0
+"""Points of the table between points of a grid."""
+MOST_POINTS: Final = 20_000
+"""Points of the table of the truth; of a longer run its begin tells the clock."""
+MOST_CLOCKS: Final = 50_000
+"""A grid with more points is not looked at."""
+LEAST_TURN: Final = 0.1
+"""A body that turns by less in all, rad, tells no clock."""
+MOST_REFINED: Final = 5
+"""Largest number of points of a grid that are refined."""
+GRID_SAMPLES: Final = 80
+"""Samples by which a point of a grid is judged."""
+FIT_SAMPLES: Final = 200
+"""Largest number of samples by which a clock is refined."""
+ROUNDS: Final = 12
+"""Largest number of times that it is."""
+SPIN: Final = 0.98
+"""Square of the mean of a body's axes of rotation from which on it turns about one axis."""
+FAR: Final = 1.5
+"""Ratio of two rates above which they are far from each other."""
+MOSTLY_SPANNED: Final = 0.8
+ONLY_LAG: Final = frozenset({LAG})
+FINE: Final = 1e-8
+"""A lag below this, s, needs no further round."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The clock of an estimate, beside that of the truth.
+
+    Attributes
+    ----------
+    rate : float
+        Seconds of the truth in a second of the estimate's stamps.
+    anchor_ns : int
+    lag_s : float
+        The true time of a stamp is anchor + rate · (stamp − anchor) − lag.
+    median : float
+        Of the angles that are left, rad; infinite if it is not known, or the clock explains nothing.
+    """
+
+    rate: float
+    anchor_ns: int
+    lag_s: float = 0.0
+    median: float = np.inf
+
+    __repr__ = short_repr
+
+    def true_stamps(self, stamps_ns: Integers) -> Integers:
+        """The true times of stamps, ns."""
+        since = self.rate * (stamps_ns - self.anchor_ns) - 1e9 * self.lag_s
+        return np.asarray(self.anchor_ns + np.clip(np.round(since), -FARTHEST_NS, FARTHEST_NS).astype(np.int64))
+
+    @property
+    def cost(self) -> float:
+        """As that of an `Explanation`: one cause, less simple than a heading, and another rate less than a lag."""
+        return 1.06 + 0.25 * (self.rate != 1.0) + float(np.log2(max(self.median, NEGLIGIBLE)))
+
+    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> Clock:
+        """With lags, s, at two true times, s after the anchor, taken away."""
+        (t, lag), (later, other) = early, late
+        drift = (other - lag) / (later - t) if later != t else 0.0
+        return Clock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
+
+
+def other_clock(comparison: Comparison, error: float) -> Clock | None:
+    """The clock by which an estimate follows the truth, if it is another one.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of all samples, also those outside of the truth's times.
+    error : float
+        Median error by the stamps as they are, rad.
+
+    Returns
+    -------
+    Clock or None
+    """
+    table = _Table.of(comparison.truth)
+    if table is None or len(comparison.stamps_ns) < FEWEST_SAMPLES:
+        return None
+    found = []
+    for grid in _grids(comparison, table):
+        for k in _lowest(table.costs(grid, comparison)):
+            clock = _refined(grid.clock(k), comparison, table.step_ns / 1e9)
+            found.append(replace(clock, median=_left(clock, comparison)))
+    best = min(found, key=lambda clock: clock.cost, default=None)
+    return best if best and best.median <= min(LARGEST_LEFT, LARGEST_SHARE * error) else None
+
+
+def _lowest(costs: Array) -> list[int]:
+    """The lowest of the minima, which are as low as the grid can tell."""
+    padded = np.concatenate([[np.inf], costs, [np.inf]])
+    minima = np.flatnonzero(np.isfinite(costs) & (costs <= padded[:-2]) & (costs <= padded[2:]))
+    near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + TABLE_TURN / 2.0]
+    return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
+
+
+def by_clock(comparison: Comparison, clock: Clock) -> Comparison:
+    """The samples that are within the truth's times by a clock, at their true times."""
+    true = clock.true_stamps(comparison.stamps_ns)
+    return replace(comparison, stamps_ns=true).part(np.flatnonzero(comparison.truth.covers(true)))
+
+
+def clock_lag(comparison: Comparison, clock: Clock) -> tuple[float, float] | tuple[None, None]:
+    """The lag by a clock and its standard error, s; by another rate there is none."""
+    if clock.rate != 1.0:
+        return None, None
+    true = by_clock(comparison, clock)
+    some = true.part(spread(len(true.stamps_ns), LAG_SAMPLES))
+    return clock.lag_s, lag_standard_error(some, ONLY_LAG, Misalignment())
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Clocks with an anchor in common."""
+
+    anchor_ns: int
+    rates: Array
+    lags_s: Array
+
+    def clock(self, k: int) -> Clock:
+        return Clock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
+
+    @property
+    def least_covered(self) -> float:
+        return LEAST_COVERED if np.all(self.rates == 1.0) else MOSTLY_COVERED
+
+
+def _grids(comparison: Comparison, table: _Table) -> Iterator[_Grid]:
+    """All lags, and all rates by which the last sample is within the truth's times."""
+    truth, step = comparison.truth, GRID_STEP * table.step_ns
+    first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
+    lags = np.arange(np.ceil((first - table.last_ns) / step), (last - truth.first_ns) / step) * step / 1e9
+    if len(lags) <= MOST_CLOCKS:
+        yield _Grid(first, np.ones(len(lags)), lags)
+    for anchor in {first, truth.first_ns, 0}:
+        count = int((truth.last_ns - anchor) / step) + 1
+        if truth.first_ns <= anchor < last and 0 < count <= MOST_CLOCKS:
+            rates = np.arange(1, count + 1) * step / (last - anchor)
+            yield _Grid(anchor, rates, np.zeros(count))
+
+
+@dataclass(frozen=True)
+class _Table:
+    """The truth at even times, the share that they are of all, and where it is known."""
+
+    first_ns: int
+    step_ns: float
+    share: float
+    attitude_xyzw: Array
+    known: Booleans
+
+    @classmethod
+    def of(cls, truth: Truth) -> _Table | None:
+        """As fine as the motion asks for; None if the body hardly turns."""
+        some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
+        some = some[truth.covers(some)]
+        rate = truth.states(some)[1] if some.size else np.zeros((1, 3))
+        fastest = float(np.sqrt(np.max(np.sum(rate**2, axis=-1))))
+        duration = truth.last_ns - truth.first_ns
+        if fastest * duration < 1e9 * LEAST_TURN:
+            return None
+        step = 1e9 * TABLE_TURN / fastest
+        count = min(int(duration / step) + 1, MOST_POINTS)
+        stamps = truth.first_ns + np.round(step * np.arange(count)).astype(np.int64)
+        return cls(truth.first_ns, step, step * (count - 1) / duration, truth.at(stamps), truth.covers(stamps))
+
+    @property
+    def last_ns(self) -> int:
+        return self.first_ns + round(self.step_ns * (len(self.known) - 1))
+
+    def costs(self, grid: _Grid, comparison: Comparison) -> Array:
+        """Mean sine of half of the angles by each clock; infinite where it leaves too few samples within the table."""
+        stamps, estimate = comparison.stamps_ns, comparison.estimate_xyzw
+        fewest = max(FEWEST_SAMPLES, grid.least_covered * self.share * len(stamps))
+        since = (stamps - grid.anchor_ns).astype(np.float64)
+        found = []
+        for part in np.array_split(np.arange(len(grid.rates)), len(grid.rates) // 1000 + 1):
+            rate, lag = grid.rates[part], 1e9 * grid.lags_s[part]
+            begin = np.searchsorted(since, (self.first_ns - grid.anchor_ns + lag) / rate)
+            end = np.searchsorted(since, (self.last_ns - grid.anchor_ns + lag) / rate, side="right")
+            fraction = np.linspace(0.0, 1.0, GRID_SAMPLES)
+            chosen = begin[:, np.newaxis] + (np.maximum(end - begin - 1, 0)[:, np.newaxis] * fraction).astype(np.int64)
+            chosen = np.minimum(chosen, len(stamps) - 1)
+            true = rate[:, np.newaxis] * since[chosen] - lag[:, np.newaxis] + (grid.anchor_ns - self.first_ns)
+            place = np.clip(np.round(true / self.step_ns), 0, len(self.known) - 1).astype(np.int64)
+            cosine = np.einsum("ijk,ijk->ij", self.attitude_xyzw[place], estimate[chosen])
+            sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
+            cost = np.sum(sine, axis=1, where=self.known[place]) / np.maximum(np.sum(self.known[place], axis=1), 1)
+            found.append(np.where(end - begin >= fewest, cost, np.inf))
+        return np.concatenate(found)
+
+
+def _refined(clock: Clock, comparison: Comparison, step_s: float) -> Clock:
+    """With the lag, and if it is another the rate, by which the estimate follows the truth best."""
+    for _ in range(ROUNDS):
+        true = by_clock(comparison, clock)
+        if len(true.stamps_ns) < FEWEST_SAMPLES:
+            return clock
+        few = replace(true, longest_lag_s=5.0 * step_s).part(spread(len(true.stamps_ns), FIT_SAMPLES))
+        whole = np.arange(len(few.stamps_ns))
+        parts = [few.part(part) for part in np.array_split(whole, 1 if clock.rate == 1.0 else 2)]
+        lags = [(float(np.mean(part.stamps_ns - clock.anchor_ns)) / 1e9, _lag(part)) for part in parts]
+        clock = clock.moved(lags[0], lags[-1])
+        if max(abs(lag) for _, lag in lags) < FINE:
+            break
+    return clock
+
+
+def _lag(comparison: Comparison) -> float:
+    return fit(comparison, ONLY_LAG, Misalignment(), steps=3, smallest_step=FINE).lag_s
+
+
+def _left(clock: Clock, comparison: Comparison) -> float:
+    """The median angle by a clock, rad; infinite if the estimate does not follow the body all along by it."""
+    true = by_clock(comparison, clock)
+    share = LEAST_COVERED if clock.rate == 1.0 else MOSTLY_COVERED
+    if len(true.stamps_ns) < max(FEWEST_SAMPLES, share * len(comparison.stamps_ns)):
+        return np.inf
+    angles, few = true.angles(Misalignment()), true.part(spread(len(true.stamps_ns), FIT_SAMPLES))
+    left, (attitude, rate) = float(np.median(angles)), few.true_states(0.0)
+    worst = max(float(np.median(quarter)) for quarter in np.array_split(angles, 4)[1:])
+    uneven = worst > UNEVEN * max(left, NEGLIGIBLE)
+    unlike = left > LARGEST_SHARE * float(np.median(from_mean(attitude)))
+    feigned = _is_spin(rate) and not (_spans(clock, true) if clock.rate != 1.0 else _is_within_half_a_turn(clock, rate))
+    return np.inf if uneven or unlike or feigned else left
+
+
+def _is_spin(rate: Array) -> bool:
+    """Whether a body turns about one axis, so that an error of the gyro's scale or bias turns the estimate alike."""
+    axes = rate / np.maximum(np.sqrt(np.sum(rate**2, axis=-1, keepdims=True)), 1e-300)
+    return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
+
+
+def _is_within_half_a_turn(clock: Clock, rate: Array) -> bool:
+    """Whether a lag is so short that the attitude is not that of a turn earlier or later as well."""
+    return abs(clock.lag_s) * float(np.sqrt(np.max(np.sum(rate**2, axis=-1)))) < np.pi
+
+
+def _spans(clock: Clock, true: Comparison) -> bool:
+    """Whether by a clock of a far other rate an estimate fills the truth's times, as no error of a gyro makes it."""
+    truth = true.truth
+    span = float(true.stamps_ns[-1] - true.stamps_ns[0])
+    return max(clock.rate, 1.0 / clock.rate) > FAR and span > MOSTLY_SPANNED * (truth.last_ns - truth.first_ns)

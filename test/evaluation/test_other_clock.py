@@ -1,0 +1,154 @@
+"""An estimate by another clock is told so, with the factor or the shift, and one by the same clock is not."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from motions import MOTIONS, turns
+
+from lie_rigid_body import ClosedForm, RigidBody, State, simulate
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
+from lie_rigid_body.evaluation.alignment import Convention, Misalignment
+from lie_rigid_body.evaluation.diagnosis import ALL_CONSTANTS, Explanation
+from lie_rigid_body.evaluation.findings import Finding
+from lie_rigid_body.lie import quaternion
+
+TEN = np.arange(201) * 50_000_000
+"""Ten seconds at 20 Hz."""
+
+
+def of_ten(motion: str) -> tuple[np.ndarray, SampledTruth]:
+    """An estimate with noise of a degree on each axis, and the truth."""
+    fine = np.arange(1001) * 10_000_000
+    truth = SampledTruth(fine, MOTIONS[motion].at(fine).attitude_xyzw)  # costs less than the motion itself
+    return quaternion.multiply(truth.at(TEN), turns(1.0, 5, len(TEN))), truth
+
+
+def told(score) -> dict[str, str]:
+    return {finding.code: finding.message for finding in score.findings if finding.code != "gaps"}
+
+
+@pytest.mark.parametrize(
+    ("motion", "times", "said"),
+    [
+        ("slow_tumble", 0.1, "10 times as slow"),
+        ("fast_tumble", 0.99, "1.0101 times as slow"),
+        pytest.param("dzhanibekov", 10.0, "10 times as fast", marks=pytest.mark.slow),
+        pytest.param("precession", 1.25, "1.25 times as fast", marks=pytest.mark.slow),
+        pytest.param("slow_tumble", 1000 / 1024, "1.024 times as slow", marks=pytest.mark.slow),
+        pytest.param("fast_tumble", 0.37, "2.7027 times as slow", marks=pytest.mark.slow),
+    ],
+)
+def test_a_clock_of_another_rate_is_told_with_the_factor(motion, times, said):
+    estimate, truth = of_ten(motion)
+    score = evaluate(np.round(times * TEN).astype(np.int64), estimate, truth)
+    [(code, message)] = told(score).items()
+    assert code == "clock_rate"
+    [(factor, word)] = re.findall(r"runs (\S+) times as (fast|slow) as", message)
+    assert word == said.split()[-1]
+    assert float(factor) == pytest.approx(float(said.split()[0]), rel=2e-3)
+    assert score.lag_s is None
+    assert score.findings[-1].rms_deg_after == pytest.approx(np.sqrt(3.0), rel=0.15)
+
+
+def test_a_unit_that_is_mistaken_begins_at_0_not_at_the_first_estimate():
+    estimate, truth = of_ten("slow_tumble")
+    message = told(evaluate(10 * TEN[10:], estimate[10:], truth))["clock_rate"]
+    assert float(message.split()[7]) == pytest.approx(10.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("rate", [10.0, pytest.param(2.0, marks=pytest.mark.slow)])
+def test_an_estimate_at_another_rate_than_the_truth_is_by_the_same_clock(rate):
+    run = simulate("dzhanibekov", duration=10.0, rate=100.0)
+    every = round(100.0 / rate)
+    assert run.score(run.truth.attitude_xyzw[::every], run.t_ns[::every]).findings == ()
+
+
+@pytest.mark.parametrize(
+    ("motion", "shift_s"),
+    [
+        ("fast_tumble", -5.0),
+        pytest.param("slow_tumble", 5.0, marks=pytest.mark.slow),
+        *(pytest.param(motion, shift_s, marks=pytest.mark.slow) for motion in MOTIONS for shift_s in (-7.0, 3.0)),
+    ],
+)
+def test_stamps_that_are_off_by_half_of_the_run_are_a_lag_and_nothing_else(motion, shift_s):
+    estimate, truth = of_ten(motion)
+    score = evaluate(TEN + round(shift_s * 1e9), estimate, truth)
+    assert list(told(score)) == ["lagging" if shift_s > 0.0 else "leading"]
+    assert score.lag_s == pytest.approx(shift_s, abs=0.02)
+    assert score.lag_s is not None
+    assert score.lag_standard_error_s is not None
+    assert abs(score.lag_s - shift_s) < 4.0 * score.lag_standard_error_s
+
+
+@pytest.mark.slow
+def test_a_slow_body_by_stamps_that_are_off_and_without_noise():
+    run = simulate("tumbling_cubesat", duration=10.0, rate=20.0)
+    score = run.score(run.truth.attitude_xyzw, run.t_ns + 5_000_000_000)
+    assert list(told(score)) == ["lagging"]
+    assert score.lag_s == pytest.approx(5.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("factor", [1.05, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_a_spin_does_not_tell_a_clock_from_the_scale_of_a_gyro(factor):
+    def spin(rate: float) -> ClosedForm:
+        return ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0, 0, rate]))
+
+    truth = ExactTruth(lambda t_ns: spin(1.0).at(t_ns).attitude_xyzw, 0, int(TEN[-1]))
+    found = told(evaluate(TEN, spin(factor).at(TEN).attitude_xyzw, truth))
+    assert set(found) <= {"turn_rate"}
+
+
+def smooth(rng: np.random.Generator) -> np.ndarray:
+    few = quaternion.normalize(rng.normal(size=(4, 4)))
+    weights = np.stack([np.interp(TEN, np.linspace(0, TEN[-1], 4), row) for row in np.eye(4)], axis=1)
+    return quaternion.normalize(weights @ few)
+
+
+WRONG = {
+    "smooth": smooth,
+    "constant": lambda rng: np.tile(quaternion.normalize(rng.normal(size=4)), (len(TEN), 1)),
+    "any": lambda rng: quaternion.normalize(rng.normal(size=(len(TEN), 4))),
+    "another body": lambda rng: (
+        ClosedForm(
+            RigidBody(np.sort(rng.uniform(1.0, 2.0, 3))),
+            State(quaternion.normalize(rng.normal(size=4)), rng.normal(size=3)),
+        )
+        .at(TEN)
+        .attitude_xyzw
+    ),
+}
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 30))])
+@pytest.mark.parametrize(
+    "kind", [pytest.param(k, marks=pytest.mark.slow if k != "another body" else ()) for k in WRONG]
+)
+def test_an_estimate_of_something_else_has_no_cause(kind, seed):
+    rng = np.random.default_rng(seed)
+    _, truth = of_ten(("slow_tumble", "fast_tumble")[seed % 2])
+    assert set(told(evaluate(TEN, WRONG[kind](rng), truth))) <= {"stuck"}
+
+
+def test_every_code_is_in_the_table_of_the_docs():
+    package = Path(__file__).parents[2] / "lie_rigid_body" / "evaluation"
+    source = "".join((package / f"{name}.py").read_text() for name in ("estimate", "findings", "scoring", "turning"))
+    codes = set(re.findall(r'Remark\(\s*"(\w+)"', source)) | {"clock_rate", "lagging", "leading"}
+    codes |= set(Explanation(Convention(True, True, True), ALL_CONSTANTS, Misalignment(), 0.0).causes)
+    documented = (package.parents[1] / "docs" / "estimators.md").read_text().split("| code | what is wrong |")[1]
+    table = documented.split("\n\n")[0].splitlines()
+    told = {code for line in table for code in re.findall(r"`(\w+)`", line[: line.find("|", 1)])}
+    assert told == codes - {"lag"}
+    assert set(re.findall(r"``(\w+)``", str(Finding.__doc__))) == told
+
+
+def test_a_body_that_turns_little_is_no_evidence_of_a_mounting():
+    """What a fixed attitude leaves beside a body that turns by 50° is small, and no mounting."""
+    slow = ClosedForm(RigidBody([1.0, 1.5, 2.0]), State([0, 0, 0, 1], [0.05, 0.06, 0.04]))
+    truth = ExactTruth(lambda t_ns: slow.at(t_ns).attitude_xyzw, 0, int(TEN[-1]))
+    fixed = np.tile(quaternion.exp([1.0, 1.0, -0.5]), (len(TEN), 1))
+    assert set(told(evaluate(TEN, fixed, truth))) <= {"stuck"}
