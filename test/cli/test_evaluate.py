@@ -234,7 +234,6 @@ BAD: dict[str, Any] = {
         lambda t, q: (t, np.where(np.arange(len(t))[:, None] == 7, 0.0, q)),
         "or fill in the orientation",
     ),
-    "out of order": (lambda t, q: (np.r_[t[125:], t[:125]], q), "out of order in 1 places"),
     "another clock": (lambda t, q: (t + 10**18, q), "none of its 250 stamps"),
     "empty": (lambda t, q: (t[:0], q[:0]), "has no topic /estimate|has no message on /estimate"),
 }
@@ -259,6 +258,20 @@ def test_flawed_estimates_are_scored_and_named(case, own, stamps, noisy, tmp_pat
     change, codes = NAMED[case]
     bag = beside(own, tmp_path / "flawed.mcap", (POSE, HOW[POSE], "/estimate", *change(stamps, noisy)))
     assert [f["code"] for f in scored(capsys, bag, "--estimate", "/estimate")["findings"]] == codes
+
+
+def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
+    order = np.r_[100:125, :125, 125:250]
+    bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    content = scored(capsys, bag, "--estimate", "/estimate")
+    [note] = content["notes"]
+    assert note.startswith("124 of 275 estimates were stamped before one that had come, and are left out")
+    kept = np.r_[100:125, 125:250]
+    expected = run.score(noisy[kept], stamps[kept], covariance=P).to_json()
+    assert content["total_deg"] == pytest.approx(expected["total_deg"])
+    assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "note: 124 of 275 estimates" in capsys.readouterr().out
 
 
 def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):

@@ -54,9 +54,9 @@ def noisy(own: Path, stamps: np.ndarray) -> np.ndarray:
     return quaternion.multiply(quaternion.exp(noise), Run.from_bag(own).attitude().at(stamps))
 
 
-def of(bag: Path) -> Iterator[tuple[str, bytes]]:
+def of(bag: Path, *, in_file_order: bool = False) -> Iterator[tuple[str, bytes]]:
     with bag.open("rb") as stream:
-        for _, channel, message in make_reader(stream).iter_messages():
+        for _, channel, message in make_reader(stream).iter_messages(log_time_order=not in_file_order):
             yield channel.topic, message.data
 
 
@@ -152,7 +152,21 @@ def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path
     live.hear_estimates([payload for topic, payload in of(bag) if topic == "/estimate"][:70])  # the bag in a loop
     read, score = live.score()
     assert score.total_deg == scored(bag).total_deg
-    assert read.notes[0].startswith("70 estimates were stamped before one that had come")
+    assert read.notes[0].startswith("70 of 219 estimates were stamped before one that had come")
+
+
+def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps, noisy, tmp_path):
+    """One message that is overtaken, a doubled stretch, and a covariance of its own for each."""
+    order = np.r_[:60, 61, 60, 62:100, 80:100, 100 : len(stamps)]
+    bag = beside(own, tmp_path / "bag.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    following = followed(bag, IMU, without=("/estimate",))
+    for topic, payload in of(bag, in_file_order=True):
+        following.hear_estimates([payload] if topic == "/estimate" else [])
+    live, recorded = following.score(), recorded_estimate(bag, "/estimate")
+    assert live[0].notes == recorded.notes
+    assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, and are left out")
+    np.testing.assert_array_equal(recorded.track.stamps_ns, live[0].track.stamps_ns)
+    assert live[1].to_json(series=True) == scored(bag, diagnosed=True).to_json(series=True)
 
 
 @pytest.mark.parametrize(
