@@ -34,6 +34,8 @@ class Following:
     node : Node
         It must not be spun: messages are taken by `take`, in bulk, which costs a fraction of a callback each.
     limits : Limits
+    covariance_axes : str, optional
+        ``"world"`` or ``"body"``.
 
     Attributes
     ----------
@@ -41,8 +43,8 @@ class Following:
         What was heard; None until the topic of the estimate is there.
     """
 
-    def __init__(self, node: Node, limits: Limits) -> None:
-        self._node, self._limits = node, limits
+    def __init__(self, node: Node, limits: Limits, covariance_axes: str = "world") -> None:
+        self._node, self._limits, self._covariance_axes = node, limits, covariance_axes
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
@@ -64,7 +66,7 @@ class Following:
                 return
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
             self._subscribe(self.estimate, kind)
-            self.live = LiveEstimate(self.estimate, kind, self._limits)
+            self.live = LiveEstimate(self.estimate, kind, self._limits, covariance_axes=self._covariance_axes)
         for topic, kind in self._true_topics(there):
             if topic not in self._subscriptions:
                 self._subscribe(topic, kind)

@@ -113,6 +113,8 @@ class LiveEstimate:
     limits : Limits
     most : int, optional
         Samples of each that are kept.
+    covariance_axes : str, optional
+        ``"world"`` or ``"body"``.
 
     Attributes
     ----------
@@ -126,7 +128,10 @@ class LiveEstimate:
         Stamps of the first estimate and the last.
     """
 
-    def __init__(self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT) -> None:
+    def __init__(
+        self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT, covariance_axes: str = "world"
+    ) -> None:
+        self._covariance_axes = covariance_axes
         self._heard = Heard(topic, message_type, [])
         self._limits, self.tally = limits, Tally(limits)
         self._segments: dict[str, Segment] = {}
@@ -232,6 +237,7 @@ class LiveEstimate:
             read.truth,
             limits=self._limits,
             covariance=read.covariance,
+            covariance_axes=self._covariance_axes,
             bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
         )
         thinned = self._kept.stride > 1 or most is not None

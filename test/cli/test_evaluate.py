@@ -352,6 +352,22 @@ def test_covariances_that_cannot_be_used(covariance, note, own, stamps, noisy, t
     assert [told.startswith(note) for told in content["notes"]] == ([True] if note else [])
 
 
+def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, run, stamps, tmp_path, capsys):
+    deviations = np.radians([0.05, 0.5, 2.0])
+    noise = np.random.default_rng(4).normal(size=(len(stamps), 3)) * deviations
+    estimate = quaternion.multiply(run.attitude().at(stamps), quaternion.exp(noise))
+    how = messages(np.diag(deviations**2))[IMU]
+    bag = beside(own, tmp_path / "body.mcap", (IMU, how, "/estimate", stamps, estimate))
+    found = scored(capsys, bag, "--estimate", "/estimate")["nees"]
+    assert found["verdict"] == "overconfident"
+    assert re.search(r"about the body's axes it would be [23]\.\d+: .* give covariance_axes body", found["remark"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "\nremark        about the body's axes" in capsys.readouterr().out
+    said = scored(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "body")["nees"]
+    assert (said["verdict"], said["remark"]) == ("consistent", "")
+    assert "invalid choice: 'map'" in refused(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "map")
+
+
 def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
     for kind in (TF, ODOMETRY):
         good = write(tmp_path / "good.mcap", kind, HOW[kind], "/estimate", stamps[:1], noisy[:1])

@@ -229,6 +229,7 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--ros-args -r estimate:=/pose -r truth:=/twist", "topic /twist is of TwistStamped"),
         ("--ros-args -p max_rmse:=1deg", "parameter max_rmse is unknown: did you mean max_rms"),
         ("--ros-args -p max_rms:=1", "'1' is not an angle such as 1deg"),
+        ("--ros-args -p covariance_axes:=map", "axes 'map' are unknown: give 'world' or 'body'"),
         ("--duration -1", "duration: -1.0 is not a time above 0"),
         ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),

@@ -77,10 +77,18 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
     return live
 
 
-def scored(bag: Path, diagnosed: bool = False) -> Score:
+def scored(bag: Path, diagnosed: bool = False, axes: str = "world") -> Score:
     read = recorded_estimate(bag, "/estimate")
     stamps_ns, attitude_xyzw, P = read.track.stamps_ns, read.track.attitude_xyzw, read.covariance
-    return evaluate(stamps_ns, attitude_xyzw, read.truth, limits=LIMITS, covariance=P, diagnosed=diagnosed)
+    return evaluate(
+        stamps_ns,
+        attitude_xyzw,
+        read.truth,
+        limits=LIMITS,
+        covariance=P,
+        covariance_axes=axes,
+        diagnosed=diagnosed,
+    )
 
 
 @pytest.mark.parametrize("kind", [POSE_STAMPED, IMU, ODOMETRY, TF_MESSAGE])
@@ -106,6 +114,19 @@ def test_scenario_or_poses_alone(without, source, own, stamps, noisy, tmp_path):
     read, score = followed(bag, POSE_STAMPED).score()
     assert read.source == source
     assert score.total_deg == scored(bag).total_deg
+
+
+def test_the_axes_of_the_covariance_are_those_that_are_said(own, stamps, noisy, tmp_path):
+    how = messages(np.diag([1.0, 2.0, 3.0]) * SIZE**2)[IMU]
+    bag = beside(own, tmp_path / "bag.mcap", (IMU, how, "/estimate", stamps, noisy))
+    means = []
+    for axes in ("world", "body"):
+        found, expected = followed(bag, IMU, covariance_axes=axes).score()[1].consistency, scored(bag, axes=axes)
+        assert found is not None
+        assert expected.consistency is not None
+        assert found.mean == expected.consistency.mean
+        means.append(found.mean)
+    assert means[0] != pytest.approx(means[1], rel=1e-3)
 
 
 def test_one_that_begins_late_is_not_reproached(own, stamps, noisy, tmp_path):
