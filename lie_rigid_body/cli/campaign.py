@@ -97,12 +97,13 @@ def _workers(text: str) -> int:
 
 
 def _require_scenarios(campaign: Campaign, path: str) -> None:
-    """Refuse what no run can be before the first is begun."""
+    """Refuse what no run can be before the first is begun, and warn of what has no effect in any."""
     try:
-        for run in range(campaign.runs):
-            campaign.scenario_of(run)
+        idle = [campaign.scenario_of(run).without_effect for run in range(campaign.runs)]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+    if all(idle):
+        console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
 
 
 def _carry_out(
