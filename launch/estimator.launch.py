@@ -31,6 +31,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from lie_rigid_body.evaluation import Limits
+from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 
@@ -68,6 +69,7 @@ OPTIONS = {
     "max_after": "largest error after a time, as in 10s:2deg; several with spaces between them",
     "duration": "end when the estimate spans so many seconds",
     "wait": "end when no estimate could be compared for so many seconds",
+    "covariance_axes": "what the estimate's covariance is about: world, or body",
     "report": "write score, findings and picture as one page into this file, .html",
     "plot": "draw the errors over time into this file, .png",
 }
@@ -90,6 +92,7 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in known}
     words = simulator_words(given)
     Limits.parse(given["max_rms"] or None, tuple(given["max_after"].split()))
+    require_axes(given["covariance_axes"] or "world")
     filter_node = estimator(given)
     launching.require_executables(
         (PACKAGE, "sim"), (PACKAGE, "evaluate"), (given["package"], executable(given["package"], given["executable"]))

@@ -118,10 +118,10 @@ def path(text: str) -> str:
     return text
 
 
-def complain(prog: str, message: str) -> None:
-    """Print an error as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
+def complain(prog: str, message: str, kind: str = "error") -> None:
+    """Print an error or warning as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
     try:
-        line = _printable(f"{prog}: error: {' '.join(message.splitlines())}", sys.stderr)
+        line = _printable(f"{prog}: {kind}: {' '.join(message.splitlines())}", sys.stderr)
         print(shortened(line), file=sys.stderr, flush=True)
     except OSError:
         silence(sys.stderr)

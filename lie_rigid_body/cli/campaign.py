@@ -102,15 +102,20 @@ def _workers(text: str) -> int:
 
 
 def _require_scenarios(campaign: Campaign, path: str) -> None:
-    """Refuse what no run can be before the first is begun; of very many runs those that come later are their own."""
+    """Refuse what no run can be before the first is begun, and warn of what has no effect in any.
+
+    Of very many runs those that come later are their own.
+    """
     from tqdm import tqdm
 
     first = range(min(campaign.runs, MOST_TRIED))
     try:
-        for run in tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False):
-            campaign.scenario_of(run)
+        bar = tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False)
+        idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+    if all(idle):
+        console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
 
 
 def _carry_out(

@@ -27,6 +27,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     track = read.track
     bound = bound_of(read.segments, read.truth, track.stamps_ns)
     score = evaluate(
-        track.stamps_ns, track.attitude_xyzw, read.truth, limits=limits, covariance=read.covariance, bound=bound
+        track.stamps_ns,
+        track.attitude_xyzw,
+        read.truth,
+        limits=limits,
+        covariance=read.covariance,
+        covariance_axes=given.covariance_axes,
+        bound=bound,
     )
     return answer(given, given.run, read, score)

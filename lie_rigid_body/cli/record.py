@@ -42,6 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.simulation import Simulation
 
     scenario = console.scenario(given)
+    if scenario.without_effect and not given.quiet:
+        console.complain(console.program("record"), scenario.without_effect, "warning")
     simulation = Simulation(scenario)
     count = simulation.clock.count_before(duration)
     last_ns = simulation.clock.last_ns_before(duration)

@@ -7,7 +7,8 @@ X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigatio
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,13 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import real_numbers
 from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
 from lie_rigid_body.wording import short_repr, shown
+
+AXES: Final = {"world": "body", "body": "world"}
+"""Axes that a covariance may be about, and the others."""
+TELLING: Final = np.log(1.5)
+"""Logarithm of the factor by which the mean NEES has to be off before other axes are asked."""
+BETTER: Final = 0.25
+"""Share of that logarithm that the other axes may leave, to be named: errors of a filter are correlated in time."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +46,8 @@ class Consistency:
     share_inside : float
         Share of samples between `bounds`.
     probability : float
+    remark : str
+        Where the mean is far off, and about the other axes, of world and body, it is not: a sentence that says so.
     """
 
     nees: Array
@@ -47,6 +57,7 @@ class Consistency:
     bounds: tuple[float, float]
     share_inside: float
     probability: float
+    remark: str = ""
 
     __repr__ = short_repr
 
@@ -57,7 +68,7 @@ class Consistency:
         return "overconfident" if self.mean > high else "conservative" if self.mean < low else "consistent"
 
     def to_json(self) -> dict[str, float | str | list[float]]:
-        """Mean, bounds, share inside and verdict by name."""
+        """Mean, bounds, share inside, verdict and remark by name."""
         return {
             "mean": self.mean,
             "expected": float(self.dimension),
@@ -66,6 +77,7 @@ class Consistency:
             "share_inside": self.share_inside,
             "probability": self.probability,
             "verdict": self.verdict,
+            "remark": self.remark,
         }
 
 
@@ -139,11 +151,30 @@ def attitude_nees(
         As `nees`; if a covariance is not given (first number −1) or unknown (all 0), as sensor_msgs/Imu says; or if
         `axes` is neither of the two.
     """
+    require_axes(axes)
     errors = {"world": world_error, "body": body_error}
-    if axes not in errors:
-        raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
     estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
-    return nees(errors[axes](estimate, truth), rotation_block(covariance), probability)
+    P, other = rotation_block(covariance), AXES[axes]
+    found = nees(errors[axes](estimate, truth), P, probability)
+    off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
+    if found.verdict == "consistent" or off < TELLING:
+        return found
+    mean = nees(errors[other](estimate, truth), P, probability).mean
+    if abs(np.log(mean / found.dimension)) > BETTER * off:
+        return found
+    told = f"about the {other}'s axes it would be {mean:.4g}"
+    return replace(found, remark=f"{told}: if the covariance is about them, give covariance_axes {other}")
+
+
+def require_axes(axes: str) -> None:
+    """Refuse axes that no covariance is about.
+
+    Raises
+    ------
+    InputError
+    """
+    if axes not in AXES:
+        raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
 
 
 def covariance_fault(covariance: Array) -> str:

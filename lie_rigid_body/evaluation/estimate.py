@@ -120,6 +120,12 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     return stamps
 
 
+def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
+    """Which stamps, ns, are before none of those that came earlier, and not before `after_ns`."""
+    first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
+    return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
+
+
 def period_ns(stamps_ns: Integers) -> int:
     """Median time between stamps, ns; 0 for a single one."""
     return int(np.median(np.diff(stamps_ns))) if len(stamps_ns) > 1 else 0

@@ -67,7 +67,8 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
             f"{consistency.mean:.4g} on average, expected {consistency.dimension} "
             f"({low:.3g} to {high:.3g} if errors were independent): {consistency.verdict}",
         )
-
+        if consistency.remark:
+            yield "remark", consistency.remark
     if score.best is not None and score.best.unobserved:
         yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
     if score.best is not None and score.best.beaten:

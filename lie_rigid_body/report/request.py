@@ -83,6 +83,12 @@ def _parser() -> console.Parser:
         default=[],
         help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
     )
+    parser.add_argument(
+        "--covariance-axes",
+        choices=("world", "body"),
+        default="world",
+        help="what the covariance of the estimate is about (default: %(default)s)",
+    )
     parser.add_argument("--force", action="store_true", help="replace OUT.png and OUT.html if they exist")
     parser.add_argument(
         "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"

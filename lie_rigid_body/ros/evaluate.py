@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.ros.following import Following
 
 NODE_NAME: Final = "evaluator"
-PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait")
+PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covariance_axes")
 """Parameters of the node: the options of the same names, over which they win."""
 TICK_S: Final = 0.05
 """Time between two looks at what has come, s."""
@@ -61,6 +61,7 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     import rclpy
 
     from lie_rigid_body.evaluation import Limits
+    from lie_rigid_body.evaluation.consistency import require_axes
     from lie_rigid_body.ros.following import Following
     from lie_rigid_body.ros.session import initialised, translated_errors
 
@@ -69,7 +70,8 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
             node = rclpy.create_node(NODE_NAME, start_parameter_services=False)
         _override(given, _parameters(node))
         limits = Limits.parse(given.max_rms, tuple(given.max_after))
-        following = Following(node, limits, given.duration)
+        require_axes(given.covariance_axes)
+        following = Following(node, limits, given.duration, given.covariance_axes)
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
         node.destroy_node()

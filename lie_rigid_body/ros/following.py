@@ -36,6 +36,8 @@ class Following:
     limits : Limits
     duration_s : float, optional
         By the stamps of the estimate, of what is scored.
+    covariance_axes : str, optional
+        ``"world"`` or ``"body"``.
 
     Attributes
     ----------
@@ -43,8 +45,10 @@ class Following:
         What was heard; None until the topic of the estimate is there.
     """
 
-    def __init__(self, node: Node, limits: Limits, duration_s: float | None = None) -> None:
-        self._node, self._limits, self._duration_s = node, limits, duration_s
+    def __init__(
+        self, node: Node, limits: Limits, duration_s: float | None = None, covariance_axes: str = "world"
+    ) -> None:
+        self._node, self._limits, self._duration_s, self._covariance_axes = node, limits, duration_s, covariance_axes
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
@@ -66,7 +70,9 @@ class Following:
                 return
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
             self._subscribe(self.estimate, kind)
-            self.live = LiveEstimate(self.estimate, kind, self._limits, duration_s=self._duration_s)
+            self.live = LiveEstimate(
+                self.estimate, kind, self._limits, duration_s=self._duration_s, covariance_axes=self._covariance_axes
+            )
         for topic, kind in self._true_topics(there):
             if topic not in self._subscriptions:
                 self._subscribe(topic, kind)

@@ -85,6 +85,8 @@ class SimulatorNode(Node):
         self._look = self.create_timer(LOOK_INTERVAL, self._look_for_namesakes, clock=steady)
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
+        if scenario.without_effect:
+            self.get_logger().warning(scenario.without_effect)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """As rclpy does, but what is refused is told as everywhere in the package: value, limit and remedy."""

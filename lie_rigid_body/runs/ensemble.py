@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from itertools import count, islice
 from pathlib import Path
@@ -84,6 +85,11 @@ def simulate(
     Run, or tuple of Run
         A tuple where seeds are given, in their order.
 
+    Warns
+    -----
+    UserWarning
+        If something is asked of a sensor that is off.
+
     Raises
     ------
     InputError
@@ -94,19 +100,40 @@ def simulate(
     if parameters.get("record_path"):
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
-    given = {**_parameters(scenario), **{name: _plain(value) for name, value in parameters.items()}}
     if seeds is None:
-        alone = Scenario.from_parameters(given)
+        alone = scenario_of(scenario, parameters)
+        _warn(alone)
         _require_memory(alone, length, 1, memory_limit)
         return _run(alone, length, motions_of)
     if "sensor_seed" in parameters:
         raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
     chosen = _chosen(seeds, most=max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1)
-    scenarios = [Scenario.from_parameters({**given, "sensor_seed": _plain(chosen[0])})]
+    scenarios = [scenario_of(scenario, {**parameters, "sensor_seed": chosen[0]})]
+    _warn(scenarios[0])
     _require_memory(scenarios[0], length, len(chosen), memory_limit)
+    given = _given(scenario, parameters)
     scenarios += [Scenario.from_parameters({**given, "sensor_seed": _plain(seed)}) for seed in chosen[1:]]
     shared = _SharedMotions()
     return tuple(_run(scenario, length, shared) for scenario in scenarios)
+
+
+def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> Scenario:
+    """The scenario of a name, a file or a scenario, with parameters over its own.
+
+    Raises
+    ------
+    InputError
+    """
+    return Scenario.from_parameters(_given(scenario, parameters))
+
+
+def _warn(scenario: Scenario) -> None:
+    if scenario.without_effect:
+        warnings.warn(scenario.without_effect, stacklevel=3)
+
+
+def _given(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> dict[str, object]:
+    return {**_parameters(scenario), **{name: _plain(value) for name, value in parameters.items()}}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:

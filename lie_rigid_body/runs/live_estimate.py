@@ -13,6 +13,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
+from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.evaluation.tally import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string
@@ -20,7 +21,7 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, disorder, held_against
 from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -72,10 +73,9 @@ class Kept:
 
     def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
         """Take rows, and return those of them that are in order."""
-        last = self._last[0][:1] if self._last else stamps_ns[:1]
-        ordered = np.flatnonzero(stamps_ns >= np.maximum.accumulate(np.concatenate([last, stamps_ns]))[:-1])
-        self.disordered += len(stamps_ns) - len(ordered)
+        ordered = in_order(stamps_ns, int(self._last[0][0]) if self._last else None)
         stamps, rows = stamps_ns[ordered], numbers[ordered]
+        self.disordered += len(stamps_ns) - len(stamps)
         if len(stamps):
             chosen = slice(-self.count % self.stride, None, self.stride)
             self._blocks.append((stamps[chosen], rows[chosen]))
@@ -115,6 +115,8 @@ class LiveEstimate:
         Samples of each that are kept.
     duration_s : float, optional
         Estimates that are stamped longer after the first are left out, whenever they are read.
+    covariance_axes : str, optional
+        ``"world"`` or ``"body"``.
 
     Attributes
     ----------
@@ -131,8 +133,15 @@ class LiveEstimate:
     """
 
     def __init__(
-        self, topic: str, message_type: str, limits: Limits, most: int = MOST_KEPT, duration_s: float | None = None
+        self,
+        topic: str,
+        message_type: str,
+        limits: Limits,
+        most: int = MOST_KEPT,
+        duration_s: float | None = None,
+        covariance_axes: str = "world",
     ) -> None:
+        self._covariance_axes = covariance_axes
         self._heard = Heard(topic, message_type, [])
         self._limits, self.tally = limits, Tally(limits)
         self._segments: dict[str, Segment] = {}
@@ -240,6 +249,7 @@ class LiveEstimate:
             read.truth,
             limits=self._limits,
             covariance=read.covariance,
+            covariance_axes=self._covariance_axes,
             bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
         )
         thinned = self._kept.stride > 1 or most is not None
@@ -285,10 +295,7 @@ class LiveEstimate:
     def _notes(self) -> Iterator[str]:
         kept = self._kept
         if kept.disordered:
-            yield (
-                f"{kept.disordered} estimates were stamped before one that had come, and are left out: is there one "
-                "publisher, and does time never jump back?"
-            )
+            yield disorder(kept.disordered, kept.count + kept.disordered)
         if self.unusable:
             yield f"{self.fault()}."
         if self._given_up:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -15,6 +15,7 @@ from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
+from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
@@ -68,6 +69,8 @@ def recorded_estimate(
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
 
+    Estimates that are stamped before an earlier one are left out, with a note.
+
     Parameters
     ----------
     bag : str or Path
@@ -100,7 +103,30 @@ def recorded_estimate(
         truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
         true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
     track = read_attitudes(path, contents, topic, true.frames)
-    return held_against(track, true, true.until(int(track.stamps_ns.max())))
+    ordered = _ordered(track)
+    read = held_against(ordered, true, true.until(int(ordered.stamps_ns.max())))
+    count = len(track.stamps_ns)
+    late = count - len(ordered.stamps_ns)
+    return replace(read, notes=(*read.notes, disorder(late, count))) if late else read
+
+
+def _ordered(track: AttitudeTrack) -> AttitudeTrack:
+    """A track without what is stamped before an earlier message."""
+    kept, P = in_order(track.stamps_ns), track.covariance
+    return replace(
+        track,
+        stamps_ns=track.stamps_ns[kept],
+        attitude_xyzw=track.attitude_xyzw[kept],
+        covariance=None if P is None else P[kept],
+    )
+
+
+def disorder(late: int, count: int) -> str:
+    """What a reader of a score should know of estimates out of order, which are left out: so many late of all."""
+    return (
+        f"{late} of {count} estimates were stamped before one that had come, and are left out: is there one publisher, "
+        "and does time never jump back?"
+    )
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:

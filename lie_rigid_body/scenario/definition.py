@@ -20,7 +20,7 @@ from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
-from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS, Sensors, without_effect
 from lie_rigid_body.wording import shortened, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
@@ -123,6 +123,11 @@ class Scenario:
     def has_sensors(self) -> bool:
         """Whether any sensor is on."""
         return bool(self.sensors.on)
+
+    @property
+    def without_effect(self) -> str:
+        """What is asked of sensors that are off, in a sentence without a full stop; empty if nothing."""
+        return without_effect(dict(self.sensor_parameters))
 
     @property
     def sensor_grade(self) -> str:

@@ -18,7 +18,7 @@ from lie_rigid_body.sensors.fault import Fault
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import Imu, ImuModel, ImuReadings
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
-from lie_rigid_body.sensors.parameters import QUIET, SENSOR_PARAMETERS, SensorModel, Sensors
+from lie_rigid_body.sensors.parameters import QUIET, SENSOR_PARAMETERS, SensorModel, Sensors, without_effect
 from lie_rigid_body.sensors.sun_sensor import SunSensor, SunSensorModel
 
 __all__ = [
@@ -41,4 +41,5 @@ __all__ = [
     "SunSensor",
     "SunSensorModel",
     "graded",
+    "without_effect",
 ]

@@ -15,7 +15,7 @@ from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
 from lie_rigid_body.sensors.sun_sensor import SunSensorModel
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import listed, short_repr
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate accepted, Hz."""
@@ -140,6 +140,37 @@ SENSOR_PARAMETERS: Final = (
     *_LATER,
 )
 """Every parameter of the sensors, in the order in which they are shown."""
+
+
+_OF_RATE: Final = {
+    "imu_rate": ("imu", "gyro", "accelerometer"),
+    "magnetometer_rate": ("magnetometer", "magnetic_disturbance"),
+    "attitude_sensor_rate": ("attitude_sensor",),
+    "sun_sensor_rate": ("sun_sensor",),
+}
+"""How the names of the parameters begin that only have an effect where a rate is above 0."""
+_SHARED: Final = ("imu_frame",)
+"""Names that begin so, and mean other sensors as well."""
+
+
+def without_effect(values: Mapping[str, Value]) -> str:
+    """What is asked of sensors that are off, in a sentence without a full stop; empty if nothing.
+
+    A grade asks for nothing: it is that of whichever sensors there are.
+
+    Parameters
+    ----------
+    values : mapping of str to value
+        Every one of ``SENSOR_PARAMETERS``.
+    """
+    usual = {**{p.name: p.default for p in SENSOR_PARAMETERS}, **GRADES[str(values[GRADE])], GRADE: values[GRADE]}
+    asked = [name for name, value in values.items() if value != usual[name] and name not in _SHARED]
+    sentences = []
+    for rate in (rate for rate in _OF_RATE if not values[rate]):
+        names = [name for name in asked if name.startswith(tuple(f"{begin}_" for begin in _OF_RATE[rate]))]
+        if names:
+            sentences.append(f"{listed(names)} {'have' if len(names) > 1 else 'has'} no effect, as {rate} is 0")
+    return f"{'; '.join(sentences)}: give the rate of the sensor" if sentences else ""
 
 
 SensorModel: TypeAlias = ImuModel | MagnetometerModel | AttitudeSensorModel | SunSensorModel

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
@@ -45,6 +45,9 @@ PARAMETERS: Final[dict[str, object]] = {
 }
 """Arguments of `lie_rigid_body.simulate` that a marker may override."""
 
+_OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
+"""Arguments of it that are none of the scenario's."""
+
 _runs: dict[str, Run] = {}
 """Runs that tests of this process have asked for, by their arguments."""
 
@@ -67,16 +70,41 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     from lie_rigid_body.sensors import GRADES
 
     marker = metafunc.definition.get_closest_marker(FIXTURE)
+    if marker is not None and marker.args:
+        _fail(f"{shown(marker.args[0])} has no name: give scenarios=, grades= or arguments of simulate by name")
     chosen = dict(marker.kwargs) if marker else {}
-    scenarios = _names(chosen.get("scenarios")) or list(scenario_files())
-    grades = _names(chosen.get("grades")) or list(GRADES)
+    scenarios = _names(chosen.pop("scenarios", None)) or list(scenario_files())
+    grades = _names(chosen.pop("grades", None)) or list(GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
+    if marker is not None:
+        for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
+            _require_scenario(scenario, _settings(grade, chosen))
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
 
 
 def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
     """What a marker chooses, of which a text is one name."""
     return [chosen] if isinstance(chosen, str) else chosen or []
+
+
+def _require_scenario(scenario: str, settings: dict[str, Any]) -> None:
+    """End the collection of a test whose marker makes no scenario."""
+    from lie_rigid_body.runs.ensemble import scenario_of
+
+    try:
+        scenario_of(scenario, {name: value for name, value in settings.items() if name not in _OF_SIMULATE})
+    except InputError as error:
+        _fail(str(error))
+
+
+def _fail(message: str) -> NoReturn:
+    """As ``parametrize`` refuses what it is given: one line without a traceback."""
+    pytest.fail(f"{FIXTURE}: {message}", pytrace=False)
+
+
+def _settings(grade: str, chosen: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `simulate` beside the scenario, for a grade and what a marker gives."""
+    return {**PARAMETERS, "sensor_grade": grade, **chosen}
 
 
 def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
@@ -96,10 +124,13 @@ def attitude_run(request: pytest.FixtureRequest) -> Run:
     scenario, grade = request.param
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
-    given: dict[str, Any] = {**PARAMETERS, "sensor_grade": grade, **chosen}
+    given = _settings(grade, chosen)
     key = json.dumps([str(scenario), given], sort_keys=True, default=repr)
-    if key not in _runs:
-        _runs[key] = simulate(scenario, **given)
+    try:
+        if key not in _runs:
+            _runs[key] = simulate(scenario, **given)
+    except InputError as error:
+        _fail(str(error))
     return _runs[key]
 
 

@@ -478,6 +478,16 @@ def test_bad_campaigns_are_refused_in_one_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_what_has_no_effect_in_any_run_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    noise = "gyro_noise_density: {distribution: uniform, low: 0.0, high: 0.1}"
+    rates = ("", ", imu_rate: {distribution: choice, values: [0.0, 9.0]}")
+    for i, rate in enumerate(rates):
+        text = f"runs: 20\nseed: 1\nduration: 1\nestimator: no:such\nvary: {{{noise}{rate}}}\n"
+        assert main([str(written(tmp_path, text)), "--out", str(tmp_path / "out")]) == 2
+        assert ("warning: " in (err := capsys.readouterr().err)) == (i == 0)
+        assert ("campaign.yaml: gyro_noise_density has no effect, as imu_rate is 0" in err) == (i == 0)
+
+
 @pytest.mark.parametrize(
     "address", ["nonsense", "", "http://127.0.0.1:1", "tcp://127.0.0.1", "tcp://:8786", "tcp://h:0", "tcp://h:65536"]
 )

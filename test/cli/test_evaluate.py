@@ -235,7 +235,6 @@ BAD: dict[str, Any] = {
         lambda t, q: (t, np.where(np.arange(len(t))[:, None] == 7, 0.0, q)),
         "or fill in the orientation",
     ),
-    "out of order": (lambda t, q: (np.r_[t[125:], t[:125]], q), "out of order in 1 places"),
     "another clock": (lambda t, q: (t + 10**18, q), "none of its 250 stamps"),
     "empty": (lambda t, q: (t[:0], q[:0]), "has no topic /estimate|has no message on /estimate"),
 }
@@ -260,6 +259,20 @@ def test_flawed_estimates_are_scored_and_named(case, own, stamps, noisy, tmp_pat
     change, codes = NAMED[case]
     bag = beside(own, tmp_path / "flawed.mcap", (POSE, HOW[POSE], "/estimate", *change(stamps, noisy)))
     assert [f["code"] for f in scored(capsys, bag, "--estimate", "/estimate")["findings"]] == codes
+
+
+def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
+    order = np.r_[100:125, :125, 125:250]
+    bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    content = scored(capsys, bag, "--estimate", "/estimate")
+    [note] = content["notes"]
+    assert note.startswith("124 of 275 estimates were stamped before one that had come, and are left out")
+    kept = np.r_[100:125, 125:250]
+    expected = run.score(noisy[kept], stamps[kept], covariance=P).to_json()
+    assert content["total_deg"] == pytest.approx(expected["total_deg"])
+    assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "note: 124 of 275 estimates" in capsys.readouterr().out
 
 
 def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):
@@ -352,6 +365,22 @@ def test_covariances_that_cannot_be_used(covariance, note, own, stamps, noisy, t
     content = scored(capsys, bag, "--estimate", "/estimate")
     assert content["nees"] is None
     assert [told.startswith(note) for told in content["notes"]] == ([True] if note else [])
+
+
+def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, run, stamps, tmp_path, capsys):
+    deviations = np.radians([0.05, 0.5, 2.0])
+    noise = np.random.default_rng(4).normal(size=(len(stamps), 3)) * deviations
+    estimate = quaternion.multiply(run.attitude().at(stamps), quaternion.exp(noise))
+    how = messages(np.diag(deviations**2))[IMU]
+    bag = beside(own, tmp_path / "body.mcap", (IMU, how, "/estimate", stamps, estimate))
+    found = scored(capsys, bag, "--estimate", "/estimate")["nees"]
+    assert found["verdict"] == "overconfident"
+    assert re.search(r"about the body's axes it would be [23]\.\d+: .* give covariance_axes body", found["remark"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "\nremark        about the body's axes" in capsys.readouterr().out
+    said = scored(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "body")["nees"]
+    assert (said["verdict"], said["remark"]) == ("consistent", "")
+    assert "invalid choice: 'map'" in refused(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "map")
 
 
 def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):

@@ -134,6 +134,15 @@ def test_compression_and_chunk_size_change_the_file_and_no_message(out: Path, na
     assert topics.count("/imu/data_raw") == topics.count("/imu/bias") == 150
 
 
+def test_a_fault_of_a_sensor_that_is_off_is_one_line_on_stderr(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = [str(out), *FAST, "--duration", "1", "-p", "gyro_spike_probability:=0.1"]
+    assert main(arguments) == 0
+    [line] = capsys.readouterr().err.splitlines()
+    assert "warning: gyro_spike_probability has no effect, as imu_rate is 0" in line
+    assert main([*arguments, "--force", "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_an_existing_file_is_kept_without_force(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out.write_text("precious")
     assert main([str(out), *FAST, "--duration", "1"]) == 2

@@ -61,8 +61,20 @@ def test_attitudes_are_judged_on_the_axes_of_the_covariance(axes):
     estimate, truth = attitudes(axes)
     assert attitude_nees(estimate, truth, P, axes).verdict == "consistent"
     assert attitude_nees(-estimate, truth, P, axes).verdict == "consistent"
+    assert attitude_nees(estimate, truth, P, axes).remark == ""
     other = {"world": "body", "body": "world"}[axes]
-    assert attitude_nees(estimate, truth, P, other).verdict == "overconfident"
+    mistaken = attitude_nees(estimate, truth, P, other)
+    assert mistaken.verdict == "overconfident"
+    assert f"if the covariance is about them, give covariance_axes {axes}" in mistaken.remark
+    assert mistaken.to_json()["remark"] == mistaken.remark
+
+
+@pytest.mark.parametrize("covariance", [0.1 * P, 30.0 * P, np.eye(3) * 1e-9])
+def test_other_axes_are_no_excuse_for_a_covariance_of_another_size(covariance):
+    for axes in ("world", "body"):
+        assert attitude_nees(*attitudes(axes), covariance, axes).remark == ""
+    exact = attitudes("world")[1]
+    assert attitude_nees(exact, exact, covariance).remark == ""
 
 
 def test_a_pose_gives_the_block_of_its_rotation():

@@ -30,7 +30,8 @@ ARGUMENTS = {
     "bodies.launch.py": {"bodies", "params_file", "spacing", "record", "rviz"} | NAMES - OF_ONE_NODE,
     "estimator.launch.py": {
         *("package", "executable", "parameters", "estimator_params_file", "remappings", "estimate"),
-        *("max_rms", "max_after", "duration", "wait", "report", "plot", "scenario", "params_file", "namespace"),
+        *("max_rms", "max_after", "duration", "wait", "covariance_axes", "report", "plot"),
+        *("scenario", "params_file", "namespace"),
         *NAMES,
     },
 }
@@ -230,6 +231,7 @@ def test_rviz_shows_every_body(launch: Launch) -> None:
         ("sim.launch.py", {"rte": "1.0"}, "rte:=1.0: sim.launch.py has no argument 'rte': did you mean rate"),
         (ESTIMATOR, {"package": "mine"}, "executable: that of mine is not known: give executable:=NAME"),
         (ESTIMATOR, {"max_rms": "1"}, "'1' is not an angle such as 1deg"),
+        (ESTIMATOR, {"covariance_axes": "map"}, "axes 'map' are unknown: give 'world' or 'body'"),
         (ESTIMATOR, {"max_after": "10s"}, "'10s' is not a time and an angle"),
         (ESTIMATOR, {"parameters": "gain=1"}, "gain=1"),
         (ESTIMATOR, {"remappings": "imu=data"}, "remappings: 'imu=data' is not FROM:=TO"),
@@ -309,7 +311,13 @@ def test_any_filter_gets_its_parameters_topics_and_limits(launch: Launch, tmp_pa
     file.write_text("/**: {ros__parameters: {imu_rate: 20.0, accelerometer_mode: free_fall}}")
     own = {"package": "mine", "executable": "filter", "parameters": "gain:=0.5 field:='[1.0, 2.0]'"}
     topics = {"remappings": "imu:=imu/data_raw", "estimate": "/mine/pose", "namespace": "a"}
-    limits = {"max_rms": "1deg", "max_after": "1s:3deg 10s:2deg", "duration": "60", "report": "a.html"}
+    limits = {
+        "max_rms": "1deg",
+        "max_after": "1s:3deg 10s:2deg",
+        "duration": "60",
+        "report": "a.html",
+        "covariance_axes": "body",
+    }
     sim, estimator, evaluator = launch(ESTIMATOR, params_file=str(file), **own, **topics, **limits)
     assert estimator["parameters"] == [{"gain": 0.5, "field": [1.0, 2.0]}]
     assert estimator["remappings"][0] == ("imu", "imu/data_raw")
@@ -318,11 +326,12 @@ def test_any_filter_gets_its_parameters_topics_and_limits(launch: Launch, tmp_pa
     assert sim["arguments"] == ["--scenario", "tumbling_cubesat", "--params-file", str(file)]  # it has an IMU
     assert evaluator["remappings"] == [("estimate", "/mine/pose")]
     asked = request.parse(evaluator["arguments"])
-    assert (asked.max_rms, asked.max_after, asked.duration, asked.report) == (
+    assert (asked.max_rms, asked.max_after, asked.duration, asked.report, asked.covariance_axes) == (
         "1deg",
         ["1s:3deg", "10s:2deg"],
         60.0,
         "a.html",
+        "body",
     )
 
 

@@ -18,7 +18,8 @@ import numpy as np
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess, assignments, eventually
 
-from lie_rigid_body import simulate
+from lie_rigid_body import attitude_error, simulate
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.ros.evaluate import main
 from lie_rigid_body.simulation import Segment
 from ros_domains import own_domain
@@ -197,12 +198,7 @@ def test_findings_come_go_and_are_replaced_while_a_filter_runs(domain: int) -> N
         def say(begin_s: int, end_s: int, how: Callable[[np.ndarray], np.ndarray], found: str) -> None:
             stamps = np.arange(begin_s * 25, end_s * 25) * 40_000_000
             for stamp, attitude in zip(stamps.tolist(), how(stamps).tolist(), strict=True):
-                pose = PoseStamped()
-                pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp, 10**9)
-                pose.header.frame_id = "world"
-                q = pose.pose.orientation
-                q.x, q.y, q.z, q.w = attitude
-                estimate.publish(pose)
+                estimate.publish(pose_of(stamp, attitude))
 
             def told() -> bool:
                 latest = of("renewed", reports)[-1:]
@@ -217,6 +213,66 @@ def test_findings_come_go_and_are_replaced_while_a_filter_runs(domain: int) -> N
         assert process.wait() == 0, process.complained
 
 
+@pytest.mark.ros
+def test_a_small_offset_is_found_twice_before_it_is_told() -> None:
+    """By samples of two times that do not overlap: a healthy filter errs slowly. A large one is told at once."""
+    from lie_rigid_body.ros.publishing.scores import Confirmed
+
+    run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], motion="closed_form")
+    scores = {
+        size: run.score(quaternion.multiply(quaternion.exp(np.radians([0.0, 0.0, size])), run.truth.attitude_xyzw))
+        for size in (0.0, 0.1, 5.0)
+    }
+    confirmed = Confirmed()
+    told = {
+        span: [finding.code for finding in confirmed.findings(scores[size], span)]
+        for span, size in {5: 0.1, 7: 0.1, 10: 0.1, 12: 5.0, 20: 0.0, 21: 0.1, 40: 0.1, 81: 0.1}.items()
+    }
+    assert [span for span, codes in told.items() if codes == ["heading_offset"]] == [10, 12, 21, 81]
+    assert [span for span, codes in told.items() if not codes] == [5, 7, 20, 40]
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int) -> None:
+    """``~/error`` is at the stamps of the estimate, rad; the truth is a remapped scenario, and no poses."""
+    run = simulate("tumbling_cubesat", duration=2.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
+    turns = np.radians([3.0, -4.0, -5.0]) * np.linspace(0.1, 1.0, 40)[:, np.newaxis]
+    attitudes = quaternion.multiply(quaternion.exp(turns), run.truth.attitude_xyzw)
+    truth = ("--ros-args", "-r", "truth:=/elsewhere/body/told", "--")
+    arguments = (*truth, "--json", "--series", "--max-rms", "90deg")
+    with Peer("teller", domain) as peer, evaluator(domain, "held", *arguments, estimate="/held/estimate") as process:
+        errors = peer.listen(Vector3Stamped, "/held/error")
+        peer.node.create_publisher(String, "/elsewhere/body/told", LATCHED).publish(
+            String(data=Segment(run.scenario, 0, 0).to_json())
+        )
+        estimate = peer.node.create_publisher(PoseStamped, "/held/estimate", 1000)
+        peer.spin_until(lambda: estimate.get_subscription_count() == 1, "the evaluator")
+        for stamp, attitude in zip(run.t_ns.tolist(), attitudes.tolist(), strict=True):
+            estimate.publish(pose_of(stamp, attitude))
+        peer.spin_until(lambda: len(errors) == 40, "every error")
+        process.process.send_signal(signal.SIGTERM)
+        assert process.wait() == 0, process.complained
+    content = json.loads("\n".join(process.said))
+    assert content["truth"] == "scenario"
+    assert [e.header.stamp.sec * 10**9 + e.header.stamp.nanosec for e in errors] == run.t_ns.tolist()
+    heard = np.array([[e.vector.x, e.vector.y, e.vector.z] for e in errors])
+    series = [content["series"][f"{name}_deg"] for name in ("total", "heading", "inclination")]
+    np.testing.assert_allclose(np.degrees(heard), np.transpose(series), rtol=1e-9)
+    np.testing.assert_allclose(heard, np.transpose(attitude_error(attitudes, run.truth.attitude_xyzw)), rtol=1e-9)
+    np.testing.assert_allclose(heard[:, 0], np.linalg.norm(turns, axis=1), rtol=1e-9)
+    assert content["total_deg"]["rms"] == pytest.approx(np.sqrt(np.mean(np.degrees(heard[:, 0]) ** 2)))
+
+
+def pose_of(stamp: int, attitude: list[float]) -> PoseStamped:
+    pose = PoseStamped()
+    pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp, 10**9)
+    pose.header.frame_id = "world"
+    q = pose.pose.orientation
+    q.x, q.y, q.z, q.w = attitude
+    return pose
+
+
 def of(name: str, arrays: list[Any]) -> list[Any]:
     return [status for array in arrays for status in array.status if status.name == f"/{name}: attitude error"]
 
@@ -229,6 +285,7 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--ros-args -r estimate:=/pose -r truth:=/twist", "topic /twist is of TwistStamped"),
         ("--ros-args -p max_rmse:=1deg", "parameter max_rmse is unknown: did you mean max_rms"),
         ("--ros-args -p max_rms:=1", "'1' is not an angle such as 1deg"),
+        ("--ros-args -p covariance_axes:=map", "axes 'map' are unknown: give 'world' or 'body'"),
         ("--duration -1", "duration: -1.0 is not a time above 0"),
         ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),

@@ -142,10 +142,10 @@ def test_what_every_node_has_can_be_set(peer: Peer) -> None:
     assert peer.set_together(use_sim_time=False).successful
 
 
-def test_a_second_node_of_one_name_is_warned_about() -> None:
+def test_a_second_node_of_one_name_and_what_has_no_effect_are_warned_about() -> None:
     twin = ["--ros-args", "-r", "__ns:=/twin"]
     soon = "import sys; from lie_rigid_body.ros import node, sim; node.LOOK_INTERVAL = 0.5; node.LOOKS = 200; "
-    command = (sys.executable, "-c", f"{soon} sys.exit(sim.main(sys.argv[1:]))", *twin)
+    command = (sys.executable, "-c", f"{soon} sys.exit(sim.main(sys.argv[1:]))", *twin, "-p", "gyro_range:=1.0")
     with (
         SimulatorProcess(*twin),
         subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as second,
@@ -154,7 +154,9 @@ def test_a_second_node_of_one_name_is_warned_about() -> None:
         patience.start()
         try:
             assert second.stderr
-            assert any("another node is called /twin/lie_rigid_body" in line for line in second.stderr)
+            warned = ("gyro_range has no effect, as imu_rate is 0", "another node is called /twin/lie_rigid_body")
+            for warning in warned:
+                assert any(warning in line for line in second.stderr), warning
             second.send_signal(signal.SIGINT)
             assert second.wait(DEADLINE) == 0
         finally:

@@ -54,9 +54,9 @@ def noisy(own: Path, stamps: np.ndarray) -> np.ndarray:
     return quaternion.multiply(quaternion.exp(noise), Run.from_bag(own).attitude().at(stamps))
 
 
-def of(bag: Path) -> Iterator[tuple[str, bytes]]:
+def of(bag: Path, *, in_file_order: bool = False) -> Iterator[tuple[str, bytes]]:
     with bag.open("rb") as stream:
-        for _, channel, message in make_reader(stream).iter_messages():
+        for _, channel, message in make_reader(stream).iter_messages(log_time_order=not in_file_order):
             yield channel.topic, message.data
 
 
@@ -77,10 +77,18 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
     return live
 
 
-def scored(bag: Path, diagnosed: bool = False) -> Score:
+def scored(bag: Path, diagnosed: bool = False, axes: str = "world") -> Score:
     read = recorded_estimate(bag, "/estimate")
     stamps_ns, attitude_xyzw, P = read.track.stamps_ns, read.track.attitude_xyzw, read.covariance
-    return evaluate(stamps_ns, attitude_xyzw, read.truth, limits=LIMITS, covariance=P, diagnosed=diagnosed)
+    return evaluate(
+        stamps_ns,
+        attitude_xyzw,
+        read.truth,
+        limits=LIMITS,
+        covariance=P,
+        covariance_axes=axes,
+        diagnosed=diagnosed,
+    )
 
 
 @pytest.mark.parametrize("kind", [POSE_STAMPED, IMU, ODOMETRY, TF_MESSAGE])
@@ -106,6 +114,19 @@ def test_scenario_or_poses_alone(without, source, own, stamps, noisy, tmp_path):
     read, score = followed(bag, POSE_STAMPED).score()
     assert read.source == source
     assert score.total_deg == scored(bag).total_deg
+
+
+def test_the_axes_of_the_covariance_are_those_that_are_said(own, stamps, noisy, tmp_path):
+    how = messages(np.diag([1.0, 2.0, 3.0]) * SIZE**2)[IMU]
+    bag = beside(own, tmp_path / "bag.mcap", (IMU, how, "/estimate", stamps, noisy))
+    means = []
+    for axes in ("world", "body"):
+        found, expected = followed(bag, IMU, covariance_axes=axes).score()[1].consistency, scored(bag, axes=axes)
+        assert found is not None
+        assert expected.consistency is not None
+        assert found.mean == expected.consistency.mean
+        means.append(found.mean)
+    assert means[0] != pytest.approx(means[1], rel=1e-3)
 
 
 def test_one_that_begins_late_is_not_reproached(own, stamps, noisy, tmp_path):
@@ -152,7 +173,21 @@ def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path
     live.hear_estimates([payload for topic, payload in of(bag) if topic == "/estimate"][:70])  # the bag in a loop
     read, score = live.score()
     assert score.total_deg == scored(bag).total_deg
-    assert read.notes[0].startswith("70 estimates were stamped before one that had come")
+    assert read.notes[0].startswith("70 of 219 estimates were stamped before one that had come")
+
+
+def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps, noisy, tmp_path):
+    """One message that is overtaken, a doubled stretch, and a covariance of its own for each."""
+    order = np.r_[:60, 61, 60, 62:100, 80:100, 100 : len(stamps)]
+    bag = beside(own, tmp_path / "bag.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    following = followed(bag, IMU, without=("/estimate",))
+    for topic, payload in of(bag, in_file_order=True):
+        following.hear_estimates([payload] if topic == "/estimate" else [])
+    live, recorded = following.score(), recorded_estimate(bag, "/estimate")
+    assert live[0].notes == recorded.notes
+    assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, and are left out")
+    np.testing.assert_array_equal(recorded.track.stamps_ns, live[0].track.stamps_ns)
+    assert live[1].to_json(series=True) == scored(bag, diagnosed=True).to_json(series=True)
 
 
 @pytest.mark.parametrize(

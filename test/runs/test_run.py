@@ -285,3 +285,10 @@ def test_the_error_of_an_estimated_bias(run):
     np.testing.assert_allclose(middle, 0.5 * (bias[1:] + bias[:-1]) - np.array([3e-3, 0.0, -4e-3]), rtol=0, atol=1e-15)
     with pytest.raises(InputError, match="does not tell the bias"):
         simulate(SCENARIO, duration=1.0).gyro_bias_at([0])
+
+
+@pytest.mark.parametrize("seeds", [None, [1, 2]])
+def test_noise_of_a_sensor_that_is_off_is_a_warning(seeds):
+    with pytest.warns(UserWarning, match="gyro_noise_density has no effect, as imu_rate is 0") as found:
+        simulate(SCENARIO, duration=0.1, seeds=seeds, gyro_noise_density=1e-3)
+    assert [warning.filename for warning in found] == [__file__]

@@ -8,7 +8,8 @@ import pytest
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import QUIET, SENSOR_PARAMETERS
+from lie_rigid_body.scenario.parameter_file import gather, scenario_files
+from lie_rigid_body.sensors import GRADES, QUIET, SENSOR_PARAMETERS
 from lie_rigid_body.simulation import Segment
 
 SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS} - QUIET
@@ -44,6 +45,36 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
     scenario = Scenario.from_parameters(given)
     assert QUIET.intersection(scenario.parameters()) == {"gyro_stuck_interval", "sun_direction"}
     assert Segment.from_json(Segment(scenario, 0, 0).to_json()).scenario == scenario
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"gyro_spike_probability": 0.1}, "gyro_spike_probability has no effect, as imu_rate is 0: give"),
+        (
+            {"imu_rate": 9.0, "magnetometer_hard_iron": [1e-6, 0.0, 0.0], "magnetic_disturbance_interval": 5.0},
+            "magnetometer_hard_iron, magnetic_disturbance_interval have no effect, as magnetometer_rate is 0: give",
+        ),
+        (
+            {"imu_latency": 0.1, "sun_sensor_noise": 0.1, "attitude_sensor_rate": 1.0},
+            "imu_latency has no effect, as imu_rate is 0; sun_sensor_noise has no effect, as sun_sensor_rate is 0",
+        ),
+        ({"sensor_grade": "mems", "gyro_range": 1.0}, "gyro_range has no effect, as imu_rate is 0: give"),
+        ({"sensor_grade": "mems"}, ""),
+        ({"gyro_spike_probability": 0.0, "imu_frame": "sensor", "gravity": 9.7, "sensor_seed": 3}, ""),
+        ({"imu_rate": 9.0, "gyro_spike_probability": 0.1, "sensor_grade": "mems"}, ""),
+    ],
+)
+def test_what_is_asked_of_sensors_that_are_off_is_told(given: dict[str, object], said: str) -> None:
+    told = Scenario.from_parameters(given).without_effect
+    assert told.startswith(said)
+    assert bool(told) == bool(said)
+
+
+@pytest.mark.parametrize("name", scenario_files())
+def test_no_shipped_scenario_asks_it(name: str) -> None:
+    for grade in GRADES:
+        assert Scenario.from_parameters({**gather(name, [], []), "sensor_grade": grade}).without_effect == ""
 
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:

@@ -171,6 +171,29 @@ def test_one(attitude_run):
     assert "test_one[tumbling_cubesat-mems]" in listed
 
 
+def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
+    """At a wrong name in ``parametrize`` it is one at set-up."""
+    wrong = {
+        'scenarios="tumbling_cubsat"': "scenario 'tumbling_cubsat' is unknown: did you mean tumbling_cubesat",
+        'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' is unknown: choose one of perfect, ",
+        'scenarios="flat_plate", imu_rat=5.0': "imu_rat: no such parameter: did you mean imu_rate",
+        '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
+    }
+    for i, marker in enumerate(wrong):
+        (tmp_path / f"test_{i}.py").write_text(
+            f"import pytest\n@pytest.mark.attitude_run({marker})\ndef test_it(attitude_run): pass\n"
+        )
+    (tmp_path / "test_parametrised.py").write_text(
+        "import pytest\n@pytest.mark.parametrize('attitude_run', [('flat_plat', 'mems')], indirect=True)\n"
+        "def test_it(attitude_run): pass\n"
+    )
+    done = run_pytest(tmp_path, "-q", "--continue-on-collection-errors")
+    listed = outcome(done, errors=5)
+    for said in (*wrong.values(), "scenario 'flat_plat' is unknown: did you mean flat_plate"):
+        assert f"\nattitude_run: {said}" in listed
+    assert "ensemble.py" not in listed
+
+
 def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
     late = run.attitude().at(np.maximum(stamps(run) - 20_000_000, 0))
     picture = tmp_path / "errors.png"

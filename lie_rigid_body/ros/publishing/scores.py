@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Final
 
@@ -15,7 +16,7 @@ from rclpy.qos import QoSProfile
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.evaluation import AttitudeError, Score
+from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout
 from lie_rigid_body.ros.publishing.diagnostics import TOPIC
 from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
@@ -28,6 +29,27 @@ FIRST_DIAGNOSIS_S: Final = 5.0
 """Shortest time, by the stamps of the estimate, of which a diagnosis is made, s."""
 DIAGNOSIS_SHARE: Final = 0.03
 """Largest share of the time that diagnoses take, beside one whenever the time of the estimate has doubled."""
+SLOW: Final = frozenset({"heading_offset", "body_mounting"})
+"""Findings that a slow error of a healthy filter looks like for some seconds."""
+PLAIN_DEG: Final = 1.0
+"""Median error from which on these are told at once, degrees."""
+
+
+class Confirmed:
+    """Findings on the way that are worth telling: small slow ones once samples of another time have shown them too."""
+
+    def __init__(self) -> None:
+        self._found: deque[tuple[float, frozenset[str]]] = deque()
+
+    def findings(self, score: Score, span_s: float) -> tuple[Finding, ...]:
+        """Those of a score of the second half of so many seconds; times never decrease."""
+        self._found.append((span_s, frozenset(finding.code for finding in score.findings)))
+        while len(self._found) > 1 and self._found[1][0] <= span_s / 2.0:
+            self._found.popleft()
+        earlier_s, earlier = self._found[0]
+        doubtful = SLOW if score.total_deg.median < PLAIN_DEG else frozenset()
+        doubtful -= earlier if earlier_s <= span_s / 2.0 else frozenset()
+        return tuple(finding for finding in score.findings if finding.code not in doubtful)
 
 
 class Scores:
@@ -46,6 +68,8 @@ class Scores:
         self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
         self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0
         self._score: Score | None = None
+        self._findings: tuple[Finding, ...] = ()
+        self._confirmed = Confirmed()
         self._fault = ""
 
     def errors(self, stamps_ns: Integers, error: AttitudeError) -> None:
@@ -80,8 +104,9 @@ class Scores:
         begin, self._diagnosed_s = time.monotonic(), live.span_s
         try:
             self._score, self._fault = live.score(INTERIM)[1], ""
+            self._findings = self._confirmed.findings(self._score, self._diagnosed_s)
         except LieRigidBodyError as error:
-            self._score, self._fault = None, str(error)
+            self._score, self._findings, self._fault = None, (), str(error)
         end = time.monotonic()
         self._diagnosis_due = end + max(INTERVAL_S, (end - begin) / DIAGNOSIS_SHARE)
 
@@ -98,10 +123,9 @@ class Scores:
             "inclination error, RMS (deg)": f"{inclination:.4g}",
             "total error, largest (deg)": f"{tally.largest_deg[0]:.4g}",
         }
-        findings = score.findings if score is not None else ()
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
-        values |= {f"finding {finding.code}": finding.message for finding in findings}
+        values |= {f"finding {finding.code}": finding.message for finding in self._findings}
         fault = self._fault or live.fault()
         if fault:
             return self._made(DiagnosticStatus.ERROR, fault, values)
@@ -109,7 +133,7 @@ class Scores:
         broken = [sentence for sentence in tally.broken() if "above the limit" in sentence]
         if broken:
             return self._made(DiagnosticStatus.ERROR, "; ".join(broken), values)
-        codes = ", ".join(dict.fromkeys(finding.code for finding in findings))
+        codes = ", ".join(dict.fromkeys(finding.code for finding in self._findings))
         level = DiagnosticStatus.WARN if codes else DiagnosticStatus.OK
         return self._made(level, f"{total:.4g}° RMS{f'; found: {codes}' if codes else ''}", values)
 
