@@ -119,6 +119,11 @@ class Journal:
     def __contains__(self, run: int) -> bool:
         return self._places[run] != _NONE
 
+    def forget(self, run: int) -> None:
+        """Count a finished run as one that is still to be done; its row stays in the file until there is another."""
+        self._count -= self._places[run] != _NONE
+        self._places[run] = _NONE
+
     def rows(self) -> Iterator[Row]:
         """The rows of the finished runs in the order of their numbers."""
         for place in self._places:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.wording import counted, shortened, shown
+from lie_rigid_body.wording import counted, listed, shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -56,6 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
+                _look_at_bags(journal, wanted=not given.no_bags)
                 failed = _carry_out(campaign, journal, given, interruption)
         except KeyboardInterrupt:
             console.complain(
@@ -111,6 +112,22 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
             campaign.scenario_of(run)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
+    """Have finished runs done again that lack their bags, where bags are wanted, and say what is done of bags."""
+    finished = len(journal)
+    if wanted:
+        lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
+        for run in lacking:
+            journal.forget(run)
+        if lacking:
+            console.say(
+                f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
+                f"or one of another size: {listed(lacking)}"
+            )
+    elif kept := sum(row.bag is not None for row in journal.rows()):
+        console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
 def _carry_out(

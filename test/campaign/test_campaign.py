@@ -145,16 +145,60 @@ def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: p
     assert "° rms; run 2 is not: RuntimeError: it is lost" in said
 
 
+def bags_cut(out: Path) -> None:
+    (out / "bags/000002.mcap").unlink()
+    os.truncate(out / "bags/000001.mcap", 5000)
+
+
+def of_before(out: Path) -> None:
+    """As journals were before they had sizes."""
+    (out / "bags/000002.mcap").unlink()
+    journal = out / "runs.jsonl"
+    journal.write_text(re.sub(r'"bag_bytes": \d+, ', "", journal.read_text()))
+
+
+def made_without(out: Path) -> None:
+    shutil.rmtree(out / "bags")
+    journal = out / "runs.jsonl"
+    journal.write_text(re.sub(r'"bag": ".*?", "bag_bytes": \d+', '"bag": null, "bag_bytes": null', journal.read_text()))
+
+
+@pytest.mark.parametrize(
+    ("happen", "runs"), [(bags_cut, "1, 2"), (of_before, "2"), (made_without, "0, 1, 2, 3, 4 and 1 more")]
+)
+def test_a_bag_that_is_missing_or_cut_is_made_again(
+    out: Path, scheduler: str, tmp_path: Path, happen: Any, runs: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    happen(copy)
+    assert main([str(written(tmp_path)), "--out", str(copy), "--scheduler", scheduler]) == 0
+    said = capsys.readouterr().out
+    assert f"of 6 finished runs, which had no bag, or one of another size: {runs}\n6 runs, 6 certified" in said
+    assert bytes_of(copy) == bytes_of(out)
+    assert table_of(copy).equals(table_of(out))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 0
+    assert "again" not in capsys.readouterr().out
+
+
+def test_bags_that_are_there_are_kept_where_none_are_wanted(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = bytes_of(out)
+    assert main([str(written(tmp_path)), "--out", str(out), "--no-bags"]) == 0
+    assert "--no-bags: the bags of 6 of 6 finished runs are kept, and not looked at\n6 runs" in capsys.readouterr().out
+    assert bytes_of(out) == before
+
+
 def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> None:
     copy = shutil.copytree(out, tmp_path / "copy")
     whole = (copy / "runs.jsonl").read_text()
     (copy / "runs.jsonl").write_text(whole[:-9])
-    campaign, rows = Campaign.from_file(written(tmp_path)), list[Row]()
+    campaign, rows, last = Campaign.from_file(written(tmp_path)), list[Row](), finished(out)[-1]
     with Journal(campaign, out) as journal:
         rows += journal.rows()
     with Journal(campaign, copy) as journal:
-        assert list(journal.rows()) == rows[:-1]
-        journal.add(rows[-1])
+        assert list(journal.rows()) == rows[:last] + rows[last + 1 :]
+        journal.add(rows[last])
     assert (copy / "runs.jsonl").read_text() == whole
 
 
