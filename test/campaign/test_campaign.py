@@ -21,12 +21,13 @@ import pytest
 
 from lie_rigid_body.campaign import Campaign, run
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
+from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign as campaign_verb
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.runs import simulate
 
@@ -105,7 +106,8 @@ def test_the_table_has_a_row_for_each_run(out: Path) -> None:
 
 
 def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
-    campaign = Campaign.from_file(written(tmp_path))
+    campaign = Campaign.from_table(shutil.copy(out / "runs.parquet", tmp_path))
+    assert campaign == Campaign.from_file(written(tmp_path))
     for row in table_of(out).to_pylist():
         given = {name: row[name] for name in list(row)[1:7]} | {"rate": 100.0, "imu_rate": 100.0}
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
@@ -115,6 +117,23 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
         simulate(campaign.scenario_of(row["run"]), duration=campaign.duration).to_bag(again, overwrite=True)
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
+
+
+def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    path = tmp_path / "runs.parquet"
+    whole = pyarrow.table({"run": [0]})
+    for said in ("", "3", "{}", '{"campaign": 3}', '{"campaign": {"runs": 1}}', "[" * 100_000):
+        parquet.write_table(whole.replace_schema_metadata({OF_TABLE: said}), path)
+        with pytest.raises(InputError, match=r"is no table of a campaign: give its runs\.parquet"):
+            Campaign.from_table(path)
+    parquet.write_table(whole, tmp_path / "other.parquet")
+    path.write_text("other")
+    for other in (path, tmp_path / "other.parquet", tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match="is no table of a campaign"):
+            Campaign.from_table(other)
 
 
 @pytest.fixture(scope="module")
