@@ -275,7 +275,7 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     assert main(given) == 2
     [line] = capsys.readouterr().err.splitlines()
     most = MOST_FAILURES + RUNS_AHEAD
-    assert f"{most} of 1000000 runs failed, the first of: run 0: rate: -3 is outside" in line
+    assert f"{most} of 1000000 runs failed, first: run 0: rate: -3 is outside" in line
     assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
     assert not finished(tmp_path / "out")
 
@@ -305,6 +305,19 @@ def test_an_estimator_without_any_score_is_an_error(
     assert "0 scored; run 0 is not: it is lost" in said.out
     assert "gave no score in any run" in said.err
     assert table_of(copy)["estimator_error"].to_pylist() == ["it is lost"] * 6
+
+
+def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "always_lost.py").write_text("def estimate(run): raise RuntimeError('it is lost')")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
+    assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"always_lost:estimate gave no score in {MOST_FAILURES} runs: RuntimeError: it is lost: mend it" in line
+    assert len(finished(tmp_path / "out")) == MOST_FAILURES
 
 
 def test_a_page_shows_the_runs_and_their_residuals(
@@ -470,7 +483,7 @@ def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path
     broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (broken.returncode, broken.stdout) == (2, "")
     [line] = broken.stderr.splitlines()
-    assert "1 of 6 runs failed, the first of: every process that tried it died; 5 are kept" in line
+    assert "1 of 6 runs failed (2), first: every process that tried it died; 5 are kept" in line
     assert sorted(finished(out)) == others
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
     (tmp_path / "mended").touch()
@@ -550,6 +563,16 @@ def test_what_is_no_address_is_refused_before_a_folder_is_made(
     assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert f"--scheduler '{address}' is not the address of a Dask scheduler: give protocol, host and port" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_workers_of_this_machine_and_a_scheduler_elsewhere_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2", "--scheduler", "tcp://h:1"]
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "argument --scheduler: not allowed with argument --workers" in line
     assert not (tmp_path / "out").exists()
 
 
