@@ -151,9 +151,16 @@ def cores() -> int:
 
 
 def finished(
-    client: Client, campaign: Campaign, runs: Iterable[int], folder: Path, *, bags: bool, elsewhere: bool
-) -> Iterator[Row | BaseException]:
-    """Carry out runs, and yield their rows as they are finished, in any order.
+    client: Client,
+    campaign: Campaign,
+    runs: Iterable[int],
+    folder: Path,
+    *,
+    bags: bool,
+    elsewhere: bool,
+    lost: Callable[[int], object],
+) -> Iterator[tuple[int, Row | BaseException]]:
+    """Carry out runs, and yield their numbers and rows as they are finished, in any order.
 
     Parameters
     ----------
@@ -167,12 +174,15 @@ def finished(
         Whether the bags are kept.
     elsewhere : bool
         Whether workers may be on machines that do not see the folder: then each bag comes over the network.
+    lost : callable
+        Is told how many runs were lost with a process that died, and are tried again at the end.
 
     Yields
     ------
+    int
     Row or BaseException
-        What a run failed of, where it has no row, such as the death of every worker that tried it. No more are begun
-        after `MOST_FAILURES` in a row.
+        The latter is what the run failed of, where it has no row, such as the death of every worker that tried it. No
+        more are begun after `MOST_FAILURES` in a row.
     """
     from distributed import KilledWorker, as_completed
 
@@ -199,20 +209,21 @@ def finished(
         in_a_row = in_a_row + 1 if isinstance(error, BaseException) else 0
         if isinstance(error, KilledWorker):
             killed.append(run)
+            lost(len(killed))
         else:
-            yield error if isinstance(error, BaseException) else _row(result, folder)
+            yield run, error if isinstance(error, BaseException) else _row(result, folder)
         future.release()
         if in_a_row == MOST_FAILURES + at_once:
-            yield from [BagError(_DEAD)] * len(killed)
+            yield from ((run, BagError(_DEAD)) for run in killed)
             return
     for run in killed:  # alone: those that waited at a process for another run's end died with it
         future = client.submit(do, run, pure=False)
         try:
-            yield _row(future.result(), folder)
+            yield run, _row(future.result(), folder)
         except KilledWorker:
-            yield BagError(_DEAD)
+            yield run, BagError(_DEAD)
         except Exception as error:  # as that of a run which failed at first
-            yield error
+            yield run, error
 
 
 def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:

@@ -22,6 +22,10 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
+TABLE: Final = "runs.parquet"
+"""The table of all runs, written when the last is finished."""
+OF_TABLE: Final = b"lie_rigid_body.campaign"
+"""The key in the table's metadata under which the campaign is, and the version that drew its runs, as JSON."""
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 _NAMES: Final = tuple(parameter.name for parameter in PARAMETERS)
@@ -113,6 +117,28 @@ class Campaign:
             return cls(**{key: value for key, value in content.items() if value is not None})
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+
+    @classmethod
+    def from_table(cls, path: str | Path) -> Campaign:
+        """The campaign that made a table of runs, with which each of them can be made again.
+
+        Parameters
+        ----------
+        path : str or Path
+            A ``runs.parquet``; no other file is needed.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or is no table of a campaign.
+        """
+        from pyarrow import parquet
+
+        try:
+            metadata = parquet.read_schema(path).metadata or {}
+            return cls(**json.loads(metadata[OF_TABLE])["campaign"])
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            raise InputError(f"{path} is no table of a campaign: give its {TABLE}") from None
 
     @cached_property
     def _draws(self) -> Mapping[str, Draw]:

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.campaign.definition import Campaign
+from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.estimator import ERROR
 from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
@@ -23,8 +23,6 @@ from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 JOURNAL: Final = "runs.jsonl"
 """The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
-TABLE: Final = "runs.parquet"
-"""The table of all runs, written when the last is finished."""
 RESUMED: Final = "the same command does the rest"
 """How a campaign goes on, for a line that ends with it."""
 _NONE: Final = -1
@@ -54,6 +52,7 @@ class Journal:
 
     def __init__(self, campaign: Campaign, folder: Path) -> None:
         self.folder, self.path = folder, folder / JOURNAL
+        self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
         self._count = 0
         try:
@@ -62,7 +61,7 @@ class Journal:
             (folder / BAGS).mkdir(exist_ok=True)
             self._file = self.path.open("a+b")
             self._lock()
-            self._read(_heading(campaign))
+            self._read()
         except OSError as error:
             raise BagError(f"{self.path} cannot be used: {error.strerror}: give another folder") from None
 
@@ -84,13 +83,13 @@ class Journal:
                 f"another process works on {self.folder}: wait for its end, or give another folder"
             ) from None
 
-    def _read(self, heading: bytes) -> None:
+    def _read(self) -> None:
         self._file.seek(0)
         first = self._file.readline()
         if not first:
-            self._write(heading)
+            self._write(self._heading)
             return
-        if first != heading:
+        if first != self._heading:
             raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
         place = len(first)
         for line in self._file:
@@ -118,6 +117,11 @@ class Journal:
 
     def __contains__(self, run: int) -> bool:
         return self._places[run] != _NONE
+
+    def forget(self, run: int) -> None:
+        """Count a finished run as one that is still to be done; its row stays in the file until there is another."""
+        self._count -= self._places[run] != _NONE
+        self._places[run] = _NONE
 
     def rows(self) -> Iterator[Row]:
         """The rows of the finished runs in the order of their numbers."""
@@ -173,7 +177,7 @@ class Journal:
         path = self.folder / TABLE
         whole, rows = path.with_suffix(".part"), self.rows()
         first = next(rows)
-        schema = _schema(first)
+        schema = _schema(first).with_metadata({OF_TABLE: self._heading.strip()})
         try:
             with pyarrow.parquet.ParquetWriter(whole, schema) as writer:
                 rows = chain([first], rows)

@@ -38,6 +38,8 @@ class Row:
         Bound of the error of its attitudes, rad.
     bag : str or None
         Path of its bag in the folder of the campaign.
+    bag_bytes : int or None
+        The size of that bag, bytes; None also in rows of before sizes were kept.
     residuals : dict of str to list of float
         The worst residual of each law, and its limit.
     scores : dict of str to float, str or None
@@ -49,8 +51,16 @@ class Row:
     certified: bool = False
     attitude_accuracy_rad: float = 0.0
     bag: str | None = None
+    bag_bytes: int | None = None
     residuals: dict[str, list[float]] = field(default_factory=dict)
     scores: Scores = field(default_factory=dict)
+
+    def has_bag(self, folder: Path) -> bool:
+        """Whether its bag is in the folder of the campaign, and has the size that it had when it was finished."""
+        try:
+            return self.bag is not None and self.bag_bytes in (None, (folder / self.bag).stat().st_size)
+        except OSError:
+            return False
 
     def to_dict(self) -> dict[str, Any]:
         """The row as plain values."""
@@ -105,13 +115,15 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         with suppress(OSError):  # part of it is of no use, as the run is done again
             path.unlink()
         raise
-    certificate = certify(read_bag(path) if path.stat().st_size <= LARGEST_IN_MEMORY else Bag(path))
+    size = path.stat().st_size
+    certificate = certify(read_bag(path) if size <= LARGEST_IN_MEMORY else Bag(path))
     return Row(
         run,
         campaign.varied(scenario),
         certificate.passed,
         certificate.attitude_accuracy,
         name,
+        None if name is None else size,
         {law: list(pair) for law, pair in certificate.residuals.items()},
         scores(campaign, scenario),
     )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.wording import counted, shortened, shown
+from lie_rigid_body.wording import MOST_NAMES, counted, listed, shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -56,6 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
+                _look_at_bags(journal, wanted=not given.no_bags)
                 failed = _carry_out(campaign, journal, given, interruption)
         except KeyboardInterrupt:
             console.complain(
@@ -78,10 +79,11 @@ def _parser() -> console.Parser:
         required=True,
         help="folder of the table and the bags; resumed if begun",
     )
-    parser.add_argument(
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
         "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
     )
-    parser.add_argument(
+    where.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
     )
     parser.add_argument("--no-bags", action="store_true", help="keep the table only")
@@ -118,15 +120,32 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
         console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
 
 
+def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
+    """Have finished runs done again that lack their bags, where bags are wanted, and say what is done of bags."""
+    finished = len(journal)
+    if wanted:
+        lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
+        for run in lacking:
+            journal.forget(run)
+        if lacking:
+            console.say(
+                f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
+                f"or one of another size: {listed(lacking)}"
+            )
+    elif kept := sum(row.bag is not None for row in journal.rows()):
+        console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
+
+
 def _carry_out(
     campaign: Campaign, journal: Journal, given: argparse.Namespace, interruption: Interruption
-) -> list[BaseException]:
+) -> dict[int, BaseException]:
     """Do what is still to be done, and return what runs without a row failed of."""
     from tqdm import tqdm
 
-    from lie_rigid_body.campaign.cluster import client_of, finished
+    from lie_rigid_body.campaign.cluster import MOST_FAILURES, client_of, finished
 
-    failed: list[BaseException] = []
+    failed: dict[int, BaseException] = {}
+    first: list[Row] = []
     if len(journal) == campaign.runs:
         return failed
     runs = (run for run in range(campaign.runs) if run not in journal)
@@ -135,26 +154,50 @@ def _carry_out(
         tqdm(total=campaign.runs, initial=len(journal), unit=" runs", file=sys.stderr, disable=None) as bar,
         client_of(given.workers, given.scheduler, interruption.put_off) as client,
     ):
-        elsewhere = given.scheduler is not None
-        for row in finished(client, campaign, runs, journal.folder, bags=not given.no_bags, elsewhere=elsewhere):
+        rows = finished(
+            client,
+            campaign,
+            runs,
+            journal.folder,
+            bags=not given.no_bags,
+            elsewhere=given.scheduler is not None,
+            lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
+        )
+        for run, row in rows:
             if isinstance(row, BaseException):
-                failed.append(row)
+                failed[run] = row
                 journal.require_intact()
             else:
                 journal.add(row)
+                if len(first) < MOST_FAILURES:
+                    first.append(row)
+                    _require_a_score(campaign, first, MOST_FAILURES)
             bar.update()
     return failed
 
 
-def _report(campaign: Campaign, journal: Journal, failed: list[BaseException], given: argparse.Namespace) -> int:
+def _require_a_score(campaign: Campaign, rows: Sequence[Row], most: int) -> None:
+    """Refuse to go on with an estimator that gave no score in so many runs: it has a mistake."""
+    from lie_rigid_body.campaign.estimator import ERROR
+
+    errors = [row.scores.get(ERROR) for row in rows]
+    if len(errors) == most and None not in errors:
+        said = shortened(f"{errors[0]}", 70)
+        raise InputError(
+            f"estimator {campaign.estimator} gave no score in {most} runs: {said}: mend it, and give a new folder"
+        )
+
+
+def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
     from lie_rigid_body.campaign.journal import RESUMED
 
     if failed:
-        first = failed[0]
+        first = failed[min(failed)]
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
-        reason = reason.partition("; ")[0]  # without the rescue of its bag, as the run is done again
+        reason = shortened(reason.partition("; ")[0], 70)  # without the rescue of its bag, as the run is done again
+        named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
         raise BagError(
-            f"{len(failed)} of {campaign.runs} runs failed, the first of: {shortened(reason, 90)}; "
+            f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; "
             f"{len(journal)} are kept: mend that, and {RESUMED}"
         )
     table, tally = journal.write_table(), _Tally.of(journal.rows())

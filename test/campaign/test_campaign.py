@@ -21,12 +21,13 @@ import pytest
 
 from lie_rigid_body.campaign import Campaign, run
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
+from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign as campaign_verb
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.runs import simulate
 
@@ -105,7 +106,8 @@ def test_the_table_has_a_row_for_each_run(out: Path) -> None:
 
 
 def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
-    campaign = Campaign.from_file(written(tmp_path))
+    campaign = Campaign.from_table(shutil.copy(out / "runs.parquet", tmp_path))
+    assert campaign == Campaign.from_file(written(tmp_path))
     for row in table_of(out).to_pylist():
         given = {name: row[name] for name in list(row)[1:7]} | {"rate": 100.0, "imu_rate": 100.0}
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
@@ -115,6 +117,23 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
         simulate(campaign.scenario_of(row["run"]), duration=campaign.duration).to_bag(again, overwrite=True)
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
+
+
+def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    path = tmp_path / "runs.parquet"
+    whole = pyarrow.table({"run": [0]})
+    for said in ("", "3", "{}", '{"campaign": 3}', '{"campaign": {"runs": 1}}', "[" * 100_000):
+        parquet.write_table(whole.replace_schema_metadata({OF_TABLE: said}), path)
+        with pytest.raises(InputError, match=r"is no table of a campaign: give its runs\.parquet"):
+            Campaign.from_table(path)
+    parquet.write_table(whole, tmp_path / "other.parquet")
+    path.write_text("other")
+    for other in (path, tmp_path / "other.parquet", tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match="is no table of a campaign"):
+            Campaign.from_table(other)
 
 
 @pytest.fixture(scope="module")
@@ -145,16 +164,60 @@ def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: p
     assert "° rms; run 2 is not: RuntimeError: it is lost" in said
 
 
+def bags_cut(out: Path) -> None:
+    (out / "bags/000002.mcap").unlink()
+    os.truncate(out / "bags/000001.mcap", 5000)
+
+
+def of_before(out: Path) -> None:
+    """As journals were before they had sizes."""
+    (out / "bags/000002.mcap").unlink()
+    journal = out / "runs.jsonl"
+    journal.write_text(re.sub(r'"bag_bytes": \d+, ', "", journal.read_text()))
+
+
+def made_without(out: Path) -> None:
+    shutil.rmtree(out / "bags")
+    journal = out / "runs.jsonl"
+    journal.write_text(re.sub(r'"bag": ".*?", "bag_bytes": \d+', '"bag": null, "bag_bytes": null', journal.read_text()))
+
+
+@pytest.mark.parametrize(
+    ("happen", "runs"), [(bags_cut, "1, 2"), (of_before, "2"), (made_without, "0, 1, 2, 3, 4 and 1 more")]
+)
+def test_a_bag_that_is_missing_or_cut_is_made_again(
+    out: Path, scheduler: str, tmp_path: Path, happen: Any, runs: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    happen(copy)
+    assert main([str(written(tmp_path)), "--out", str(copy), "--scheduler", scheduler]) == 0
+    said = capsys.readouterr().out
+    assert f"of 6 finished runs, which had no bag, or one of another size: {runs}\n6 runs, 6 certified" in said
+    assert bytes_of(copy) == bytes_of(out)
+    assert table_of(copy).equals(table_of(out))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 0
+    assert "again" not in capsys.readouterr().out
+
+
+def test_bags_that_are_there_are_kept_where_none_are_wanted(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = bytes_of(out)
+    assert main([str(written(tmp_path)), "--out", str(out), "--no-bags"]) == 0
+    assert "--no-bags: the bags of 6 of 6 finished runs are kept, and not looked at\n6 runs" in capsys.readouterr().out
+    assert bytes_of(out) == before
+
+
 def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> None:
     copy = shutil.copytree(out, tmp_path / "copy")
     whole = (copy / "runs.jsonl").read_text()
     (copy / "runs.jsonl").write_text(whole[:-9])
-    campaign, rows = Campaign.from_file(written(tmp_path)), list[Row]()
+    campaign, rows, last = Campaign.from_file(written(tmp_path)), list[Row](), finished(out)[-1]
     with Journal(campaign, out) as journal:
         rows += journal.rows()
     with Journal(campaign, copy) as journal:
-        assert list(journal.rows()) == rows[:-1]
-        journal.add(rows[-1])
+        assert list(journal.rows()) == rows[:last] + rows[last + 1 :]
+        journal.add(rows[last])
     assert (copy / "runs.jsonl").read_text() == whole
 
 
@@ -212,7 +275,7 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     assert main(given) == 2
     [line] = capsys.readouterr().err.splitlines()
     most = MOST_FAILURES + RUNS_AHEAD
-    assert f"{most} of 1000000 runs failed, the first of: run 0: rate: -3 is outside" in line
+    assert f"{most} of 1000000 runs failed, first: run 0: rate: -3 is outside" in line
     assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
     assert not finished(tmp_path / "out")
 
@@ -242,6 +305,19 @@ def test_an_estimator_without_any_score_is_an_error(
     assert "0 scored; run 0 is not: it is lost" in said.out
     assert "gave no score in any run" in said.err
     assert table_of(copy)["estimator_error"].to_pylist() == ["it is lost"] * 6
+
+
+def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "always_lost.py").write_text("def estimate(run): raise RuntimeError('it is lost')")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
+    assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"always_lost:estimate gave no score in {MOST_FAILURES} runs: RuntimeError: it is lost: mend it" in line
+    assert len(finished(tmp_path / "out")) == MOST_FAILURES
 
 
 def test_a_page_shows_the_runs_and_their_residuals(
@@ -407,7 +483,7 @@ def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path
     broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (broken.returncode, broken.stdout) == (2, "")
     [line] = broken.stderr.splitlines()
-    assert "1 of 6 runs failed, the first of: every process that tried it died; 5 are kept" in line
+    assert "1 of 6 runs failed (2), first: every process that tried it died; 5 are kept" in line
     assert sorted(finished(out)) == others
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
     (tmp_path / "mended").touch()
@@ -497,6 +573,16 @@ def test_what_is_no_address_is_refused_before_a_folder_is_made(
     assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert f"--scheduler '{address}' is not the address of a Dask scheduler: give protocol, host and port" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_workers_of_this_machine_and_a_scheduler_elsewhere_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2", "--scheduler", "tcp://h:1"]
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "argument --scheduler: not allowed with argument --workers" in line
     assert not (tmp_path / "out").exists()
 
 
