@@ -22,7 +22,7 @@ from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, Surveyor, numbered_blocks, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
-from lie_rigid_body.certificate.uncertified import not_certified
+from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
@@ -88,12 +88,15 @@ class Certificate:
         What of the bag no law speaks of, in words.
     sensors : tuple of str
         Topics of the sensors that laws of the segments speak of.
+    uncovered : tuple of str
+        Those of ``not_certified`` that are of this bag, such as topics that no scenario determines.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
+    uncovered: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -200,6 +203,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
         sensors.topics,
+        uncovered(bag, surveyed, sensors),
     )
 
 

@@ -48,7 +48,10 @@ class Line:
 
 
 def certificates_page(
-    title: str, certificates: Sequence[tuple[str, Certificate]], unusable: Sequence[str] = ()
+    title: str,
+    certificates: Sequence[tuple[str, Certificate]],
+    unusable: Sequence[str] = (),
+    uncovered: Sequence[str] = (),
 ) -> bytes:
     """The page of several bags.
 
@@ -59,13 +62,18 @@ def certificates_page(
         Each with the name of its bag.
     unusable : sequence of str, optional
         Why other bags could not be judged.
+    uncovered : sequence of str, optional
+        What no law speaks of in some of them.
 
     Returns
     -------
     bytes
         HTML.
     """
-    more = [html_page.listing("Not judged", map(escape, unusable))]
+    more = [
+        html_page.listing("Not certified, besides what is not of any bag", map(escape, uncovered)),
+        html_page.listing("Not judged", map(escape, unusable)),
+    ]
     return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates], more, len(unusable))
 
 
