@@ -167,7 +167,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
     watch : Watch, optional
-        It is told of the residuals of all samples.
+        It is told of the residuals of all samples, and of all readings of sensors, perhaps by another thread.
 
     Returns
     -------
@@ -224,7 +224,7 @@ def _held(
     bag: Bag | Recording, surveyed: Survey, read: Callable[..., Blocks], watch: Watch | None
 ) -> tuple[list[HeldLaws], SensorLaws]:
     """The laws held against the samples of a bag that is surveyed, as they come, and those of its sensors."""
-    of_sensors = SensorLaws(bag, surveyed)
+    of_sensors = SensorLaws(bag, surveyed, watch)
     count = sum(bag.sensors[name].count for name in of_sensors.wanted)
     with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
         return list(_of_segments(surveyed, read(of_sensors.wanted, add), watch)), of_sensors

@@ -53,7 +53,7 @@ def _row(judgement: Judgement) -> str:
     if certificate is not None:
         samples = str(sum(segment.samples for segment in certificate.segments))
         worst = _worst_law(certificate)
-        law, used = worst.name, f"{worst.share:.2g}"
+        law, used = worst.name, certificate_text.of_limit(worst.worst, worst.limit)
         if certificate.passed:
             accuracy = f"{certificate.attitude_accuracy:.2g}"
     return _COLUMNS.format(
