@@ -132,7 +132,10 @@ def test_a_sentence_survives_the_names_of_long_folders(tmp_path: Path, capsys: p
     campaign = folder / "campaign.yaml"
     campaign.write_text("{runs: 2, seed: 7, duration: 1.0, parameters: {inertia: [1.0, 1.0, 5.0]}, vary: {}}")
     for arguments, said in (
-        (["check", folder / "flight_1.mcap"], "it is one file of a bag that was split: give the folder "),
+        (
+            ["check", folder / "flight_1.mcap"],
+            "has no topic .../pose (PoseStamped): it is one file of a bag that was split: give the folder ",
+        ),
         (["record", folder / "no" / "a.mcap", "--duration", "1"], " cannot be created, because the folder "),
         (
             ["campaign", campaign, "--out", folder / "out"],

@@ -12,7 +12,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.bag_folders import whole_of
+from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, suggestion
@@ -203,7 +203,10 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
 def _remedy(path: Path, otherwise: str) -> str:
     """What to do where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
-    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
+    if whole is not None:
+        return f"it is one file of a bag that was split: give the folder {whole}"
+    missing = missing_beside(path)
+    return otherwise if missing is None else f"restore {missing}, if it is one file of a bag that was split"
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -131,6 +132,29 @@ def test_a_recording_without_metadata_is_one_bag(tmp_path, capsys):
     bag.rename(folder / "other_0.mcap")
     status, out, _ = answer(capsys, folder)
     assert (status, out[1].split()[-1]) == (0, str(folder / "other_0.mcap"))
+
+
+def test_a_lone_file_of_a_split_bag_says_which_is_missing(tmp_path, capsys):
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    write_bag(folder / "walk_0.mcap", 40)
+    merged(folder / "walk_2.mcap")  # without the scenario, which the first file has
+    status, out, err = answer(capsys, folder)
+    assert (status, len(err)) == (2, 1)
+    assert "restore walk_1.mcap, if it is one file of a bag that was split" in err[0]
+    assert "NOT CERTIFIED: of 2 bags 1 are certified, 0 broken, 1 unusable." in out
+    (folder / "walk_2.mcap").rename(folder / "other.mcap")
+    assert "record it" in answer(capsys, folder)[2][0]
+
+
+def test_one_bag_is_counted_as_one(tmp_path, capsys):
+    write_bag(tmp_path / "gaps.mcap", 40)
+    assert answer(capsys, tmp_path)[1][-1].startswith("CERTIFIED: 1 bag, attitude within")
+    merged(tmp_path / "gaps.mcap", a=write_bag(tmp_path / "imu.mcap", 40, imu_rate=10.0))  # without a reading
+    (tmp_path / "imu.mcap").unlink()
+    out = answer(capsys, tmp_path)[1]
+    assert re.fullmatch(r"BROKEN +40 +IMU stamps +\d+ of 0 .*gaps.mcap", out[1])
+    assert "NOT CERTIFIED: of 1 bag 0 are certified, 1 broken, 0 unusable." in out
 
 
 def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
