@@ -38,6 +38,8 @@ def whole_of(file: Path) -> Path | None:
 
 def missing_beside(file: Path) -> str | None:
     """The first file that is missing where all in a folder are called as those of a bag that was split; else None."""
+    if file.suffix not in SUFFIXES or not file.is_file():
+        return None
     folder, name = file.parent, file.resolve().parent.name
     there = {path.name for path in folder.glob(f"*{file.suffix}")}
     numbers = [

@@ -206,7 +206,9 @@ def _remedy(path: Path, otherwise: str) -> str:
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"
     missing = missing_beside(path)
-    return otherwise if missing is None else f"restore {missing}, if it is one file of a bag that was split"
+    if missing is not None:
+        return f"restore {missing} if it is one file of a bag that was split, or record it"
+    return otherwise
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:

@@ -141,7 +141,7 @@ def test_a_lone_file_of_a_split_bag_says_which_is_missing(tmp_path, capsys):
     merged(folder / "walk_2.mcap")  # without the scenario, which the first file has
     status, out, err = answer(capsys, folder)
     assert (status, len(err)) == (2, 1)
-    assert "restore walk_1.mcap, if it is one file of a bag that was split" in err[0]
+    assert "restore walk_1.mcap if it is one file of a bag that was split, or record it" in err[0]
     assert "NOT CERTIFIED: of 2 bags 1 are certified, 0 broken, 1 unusable." in out
     (folder / "walk_2.mcap").rename(folder / "other.mcap")
     assert "record it" in answer(capsys, folder)[2][0]
