@@ -21,7 +21,10 @@ MOST_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
 _GAP: Final = "..."
-_SHORT_WORD: Final = 40
+_SHORT_WORD: Final = 24
+"""Length to which words lose their middle before the sentence does."""
+_SHORT_PATH: Final = 40
+"""Length up to which nothing but the end is left of a path, which has the name of the file."""
 _MOST_READ: Final = 50
 _MOST_NUMBERS: Final = 7
 _MOST_BITS: Final = 128
@@ -85,8 +88,8 @@ def shown(value: object, most: int = LONGEST_VALUE) -> str:
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
     """A text on one line of bounded length.
 
-    Words that are long lose their middle first, such as values and paths; then the text does. What is left ends with
-    the end of the text: in a message that is the remedy.
+    Words that are long lose their middle first, such as values and paths; then the text loses words of its own. What is
+    left ends with the end of the text: in a message that is the remedy.
 
     Parameters
     ----------
@@ -103,8 +106,24 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
         longest = max(words, key=len)
         if len(longest) <= _SHORT_WORD:
             break
-        words[words.index(longest)] = _without_middle(longest, max(_SHORT_WORD, len(longest) - excess))
-    return _without_middle(" ".join(words), most)
+        words[words.index(longest)] = _short_word(longest, max(_SHORT_WORD, len(longest) - excess))
+    return _without_middle_words(words, most)
+
+
+def _short_word(word: str, most: int) -> str:
+    is_path = "/" in word and most <= _SHORT_PATH
+    return f"{_GAP}{word[len(_GAP) - most :]}" if is_path else _without_middle(word, most)
+
+
+def _without_middle_words(words: list[str], most: int) -> str:
+    """Words, as many from the start and, of what room there is twice as many, from the end."""
+    text = " ".join(words)
+    if len(text) <= most:
+        return text
+    head, room = text[: (most - len(_GAP)) // 3], most - len(_GAP)
+    head = head[: head.rfind(" ") + 1] or head
+    tail = text[len(text) - (room - len(head)) :]
+    return f"{head}{_GAP}{tail[tail.find(' ') :] if ' ' in tail else tail}"
 
 
 def _without_middle(text: str, most: int) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import pytest
+from mcap.writer import Writer
 
 from lie_rigid_body import console
 from lie_rigid_body.__main__ import main
@@ -118,6 +119,35 @@ def test_an_error_line_is_short_and_keeps_its_ends(message: str, capsys: pytest.
     assert len(line) <= LONGEST_LINE + 1
     assert line.startswith("verb: error: x")
     assert line.strip()[-4:] == message.strip()[-4:]
+
+
+def test_a_sentence_survives_the_names_of_long_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "/".join(["measurements_of_the_tumbling_satellite_in_november"] * 4) / "flight"
+    folder.mkdir(parents=True)
+    for name in ("flight_0.mcap", "flight_1.mcap"):
+        with (folder / name).open("wb") as stream:
+            writer = Writer(stream)
+            writer.start("ros2", "a recorder")
+            writer.finish()
+    campaign = folder / "campaign.yaml"
+    campaign.write_text("{runs: 2, seed: 7, duration: 1.0, parameters: {inertia: [1.0, 1.0, 5.0]}, vary: {}}")
+    for arguments, said in (
+        (
+            ["check", folder / "flight_1.mcap"],
+            "has no topic .../pose (PoseStamped): it is one file of a bag that was split: give the folder ",
+        ),
+        (["record", folder / "no" / "a.mcap", "--duration", "1"], " cannot be created, because the folder "),
+        (
+            ["campaign", campaign, "--out", folder / "out"],
+            "principal moments 1.0, 1.0, 5.0 break the triangle inequality",
+        ),
+    ):
+        assert main([str(argument) for argument in arguments]) == 2
+        [line] = capsys.readouterr().err.splitlines()
+        assert len(line) <= LONGEST_LINE
+        assert said in line
+        assert re.search(r"\w/(flight|no)\b|campaign\.yaml", line)
+        assert " ... " not in line
 
 
 @pytest.mark.parametrize("name", ["", "-"])

@@ -81,9 +81,17 @@ def test_long_words_lose_their_middle_before_the_sentence_does() -> None:
     assert line.endswith(" does not exist: give the path of an MCAP file")
     assert line.startswith("folder/folder")
     assert len(line) == LONGEST_LINE
+    several = f"{path}/a/file.yaml: line 3: {'some more words ' * 6}{path}/b/folder{path} and so on"
+    line = shortened(shortened(f"program: error: {several}", 190), 180)
+    assert line.startswith("program: error: ...")
+    assert "/a/file.yaml: line 3: some" in line
+    assert line.count("some more words") == 6
+    assert line.endswith(" and so on")
+    assert len(line) <= 180
     sentence = shortened("word " * 1000 + "and so: do that")
-    assert len(sentence) == LONGEST_LINE
+    assert LONGEST_LINE - 10 < len(sentence) <= LONGEST_LINE
     assert sentence.endswith("and so: do that")
+    assert set(sentence.split()) == {"word", "...", "and", "so:", "do", "that"}  # none is cut
 
 
 @pytest.mark.parametrize("kind", [LieRigidBodyError, InputError])

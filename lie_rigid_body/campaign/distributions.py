@@ -16,7 +16,7 @@ import numpy as np
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.sensors.noise import uniform
-from lie_rigid_body.wording import shortened, shown
+from lie_rigid_body.wording import shortened, shown, suggestion
 
 
 class Uniforms:
@@ -70,7 +70,8 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(f"{what} is not a distribution: give for example {{distribution: uniform, low: 0, high: 1}}")
     name = given["distribution"]
     if name not in DISTRIBUTIONS:
-        raise InputError(f"{what}: there is no distribution {shown(name)}: give one of {', '.join(DISTRIBUTIONS)}")
+        hint = suggestion(name, list(DISTRIBUTIONS), "distributions")
+        raise InputError(f"{what}: there is no distribution {shown(name)}: {hint}")
     required, make = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
     allowed = [(key,) if isinstance(key, str) else key for key in required]

@@ -22,7 +22,7 @@ from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, Surveyor, numbered_blocks, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
-from lie_rigid_body.certificate.uncertified import not_certified
+from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
@@ -88,12 +88,15 @@ class Certificate:
         What of the bag no law speaks of, in words.
     sensors : tuple of str
         Topics of the sensors that laws of the segments speak of.
+    uncovered : tuple of str
+        Those of ``not_certified`` that are of this bag, such as topics that no scenario determines.
     """
 
     segments: tuple[SegmentCertificate, ...]
     whole: tuple[LawResult, ...] = ()
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
+    uncovered: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -164,7 +167,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
     watch : Watch, optional
-        It is told of the residuals of all samples.
+        It is told of the residuals of all samples, and of all readings of sensors, perhaps by another thread.
 
     Returns
     -------
@@ -200,6 +203,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         (*whole_bag.laws(bag, surveyed), *sensors.whole),
         not_certified(bag, surveyed, sensors),
         sensors.topics,
+        uncovered(bag, surveyed, sensors),
     )
 
 
@@ -220,7 +224,7 @@ def _held(
     bag: Bag | Recording, surveyed: Survey, read: Callable[..., Blocks], watch: Watch | None
 ) -> tuple[list[HeldLaws], SensorLaws]:
     """The laws held against the samples of a bag that is surveyed, as they come, and those of its sensors."""
-    of_sensors = SensorLaws(bag, surveyed)
+    of_sensors = SensorLaws(bag, surveyed, watch)
     count = sum(bag.sensors[name].count for name in of_sensors.wanted)
     with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
         return list(_of_segments(surveyed, read(of_sensors.wanted, add), watch)), of_sensors

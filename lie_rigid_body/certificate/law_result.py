@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.wording import short_repr
 
 _SHOWN: Final = 4
@@ -76,10 +77,12 @@ class Judgement:
         The message for a broken law, with ``{worst}``, ``{limit}``, ``{where}`` and ``{count}`` to be filled in.
     noun : str, optional
         What its samples are called.
+    watch : Watch, optional
+        It is told of all residuals.
     """
 
-    def __init__(self, name: str, unit: str, what: str, noun: str = "sample") -> None:
-        self.name, self._unit, self._what = name, unit, what
+    def __init__(self, name: str, unit: str, what: str, noun: str = "sample", watch: Watch | None = None) -> None:
+        self.name, self._unit, self._what, self._watch = name, unit, what, watch
         self._checked = 0
         self._broken = _Broken(noun)
         self._largest = _Worst()
@@ -98,6 +101,8 @@ class Judgement:
         """
         if residuals.size == 0:
             return
+        if self._watch is not None:
+            self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
         self._checked += residuals.size
         broken = ~(residuals <= limits)

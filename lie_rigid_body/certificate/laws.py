@@ -113,11 +113,11 @@ class SegmentLaws:
         block = new if self._before is None else self._before.joined(new)
         compared = self._compared(block)
         for law in _all_laws(compared):
-            judgement = self._judgements.setdefault(law.name, Judgement(law.name, law.unit, law.what))
+            judgement = self._judgements.setdefault(
+                law.name, Judgement(law.name, law.unit, law.what, watch=self._watch)
+            )
             last = slice(len(block.stamps_ns) - len(law.values), None)
             judgement.add(law.values, law.limits, block.samples[last], block.stamps_ns[last])
-            if self._watch is not None:
-                self._watch(law.name, law.unit, law.values, law.limits, block.stamps_ns[last])
         if len(block.stamps_ns):
             self._before = block[-1:]
 

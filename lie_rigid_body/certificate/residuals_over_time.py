@@ -50,19 +50,17 @@ class LawOverTime:
         self._broken = np.zeros(INTERVALS, dtype=bool)
 
     def add(self, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
-        """Take residuals, not negative, NaN for broken, of samples whose stamps rise."""
-        while (int(stamps_ns[-1]) - self._start_ns) // self._length_ns >= INTERVALS:
+        """Take residuals, not negative, NaN for broken; those before the first interval count as its own."""
+        while (int(stamps_ns.max()) - self._start_ns) // self._length_ns >= INTERVALS:
             self._double()
-        at = (stamps_ns - self._start_ns) // self._length_ns
-        first = np.flatnonzero(np.diff(at, prepend=-1))
-        rows = at[first]
+        at = np.maximum(0, (stamps_ns - self._start_ns) // self._length_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
         for kept, new in (
             (self._residuals, np.where(np.isnan(residuals), np.inf, residuals)),
             (self._limits, limits),
             (self._broken, ~(residuals <= limits)),
         ):
-            kept[rows] = np.maximum(kept[rows], np.maximum.reduceat(new, first))
+            np.maximum.at(kept, at, new)
 
     def _double(self) -> None:
         self._length_ns *= 2

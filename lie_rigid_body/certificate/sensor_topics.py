@@ -21,6 +21,7 @@ from lie_rigid_body.certificate.readings import (
     Readings,
     sensor_clock,
 )
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.stamps import StampTally, number_samples
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
@@ -116,6 +117,8 @@ class TopicLaws:
     name, topic : str
         The topic's relative and full name.
     work : Work
+    watch : Watch, optional
+        It is told of the residuals of all readings that are compared.
 
     Attributes
     ----------
@@ -131,7 +134,13 @@ class TopicLaws:
     """
 
     def __init__(
-        self, found: SurveyedSegment, successors: Sequence[Segment], name: str, topic: str, work: Work
+        self,
+        found: SurveyedSegment,
+        successors: Sequence[Segment],
+        name: str,
+        topic: str,
+        work: Work,
+        watch: Watch | None = None,
     ) -> None:
         self.found, self.name, self.topic, self._work = found, name, topic, work
         self._successors, segment = successors, found.segment
@@ -149,7 +158,7 @@ class TopicLaws:
         laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
         self._columns = [columns for *_, columns in laws]
         self._values = [
-            Judgement(law, unit, _OFF.format(field=field, unit=f" {unit}" if unit else ""), "reading")
+            Judgement(law, unit, _OFF.format(field=field, unit=f" {unit}" if unit else ""), "reading", watch)
             for law, unit, field, _ in laws
         ]
         self._readings: Readings | None = None

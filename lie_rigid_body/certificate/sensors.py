@@ -10,6 +10,7 @@ from typing import Final
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
@@ -71,10 +72,12 @@ class SensorLaws:
     bag : Bag or Recording
     surveyed : Survey
         Of the same bag.
+    watch : Watch, optional
+        It is told of the residuals of all readings that are compared.
     """
 
-    def __init__(self, bag: Bag | Recording, surveyed: Survey) -> None:
-        self._bag, self._surveyed, self._work = bag, surveyed, Work()
+    def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
+        self._bag, self._surveyed, self._work, self._watch = bag, surveyed, Work(), watch
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
         self._held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._unlawful = {name: reason for name in self._held if (reason := _why_unlawful(surveyed.declared, name))}
@@ -148,7 +151,9 @@ class SensorLaws:
             assert found is not None
             if name in self._open:
                 self._open[name].finish()
-            self._open[name] = TopicLaws(found, self._successors(i), name, self._full_name(name), self._work)
+            self._open[name] = TopicLaws(
+                found, self._successors(i), name, self._full_name(name), self._work, self._watch
+            )
             self._topics[i, name] = self._open[name]
         return self._topics[i, name]
 

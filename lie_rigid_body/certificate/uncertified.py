@@ -25,10 +25,22 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
         "with which stepper (motion, method and max_step set the limits)",
         "the scale of the inertia, which no torque-free motion shows",
         *_ends(bag, surveyed),
-        *_declared_only(surveyed, sensors),
+        *_unshown(surveyed),
+        *uncovered(bag, surveyed, sensors),
         *_unread(bag),
         "and the fields that docs/certificate.md says are not",
     )
+
+
+def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
+    """What is not certified of this bag, and would be, or would not be there, in one that its scenarios determine.
+
+    Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
+    `not_certified` for the parameters.
+    """
+    followed = {found.segment.start_ns for found in surveyed.segments}
+    unused = sum(segment.start_ns not in followed for segment in surveyed.declared)
+    return (*([f"scenarios without a sample: {unused}"] if unused else []), *sensors.not_certified, *bag.others)
 
 
 def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
@@ -40,17 +52,12 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     )
 
 
-def _declared_only(surveyed: Survey, sensors: SensorFindings) -> Iterator[str]:
-    followed = {found.segment.start_ns for found in surveyed.segments}
-    if unused := sum(segment.start_ns not in followed for segment in surveyed.declared):
-        yield f"scenarios without a sample: {unused}"
+def _unshown(surveyed: Survey) -> Iterator[str]:
     if any(segment.scenario.has_sensors for segment in surveyed.declared):
         yield "parameters of the sensors that no reading shows"
-    yield from sensors.not_certified
 
 
 def _unread(bag: Bag | Recording) -> Iterator[str]:
-    yield from bag.others
     for topic in bag.undefined:
         yield f"the definition of {topic}: none that is compared"
     if bag.without_checksum:

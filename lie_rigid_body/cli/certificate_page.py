@@ -92,10 +92,11 @@ def _figures(
     shapes = motion_figures.resets(pieces)
     panels = list(residual_figures.over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
     if panels:
-        yield "<h2>Drift over time</h2>"
+        yield "<h2>Residuals over time</h2>"
         yield html_page.paragraph(
             "The largest residual of each law in each of some hundred intervals of time, beside its limit. "
-            "A circle marks the worst sample; what is beyond its limit is red. Residuals of 0 are left out."
+            "A circle marks the worst sample or reading; what is beyond its limit is red. Residuals of 0 are left out, "
+            "and so are laws that have no other: the tables have all."
         )
         yield grid(panels)
 

@@ -157,6 +157,11 @@ def _quantity(value: float) -> str:
     return f"{value:.0f}" if is_count else f"{value:.2g}"
 
 
+def of_limit(worst: float, limit: float) -> str:
+    """A residual as a share of its limit; of a limit of 0 the residual itself."""
+    return f"{worst / limit:.2g}" if limit > 0.0 else f"{worst:.2g} of 0" if worst != 0.0 else "0"
+
+
 def _wrapped(sentence: str, mark: str) -> str:
     return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * min(len(mark), 7))
 

@@ -113,11 +113,13 @@ def _write_overview(given: argparse.Namespace, judgements: Sequence[Judgement]) 
     certificates = [(judgement.name, judgement.certificate) for judgement in judgements if judgement.certificate]
     if given.report is None or not certificates:
         return ""
+    from lie_rigid_body.cli.judgements_text import kind_of, uncovered
     from lie_rigid_body.cli.overview_page import certificates_page
     from lie_rigid_body.recording.output_file import write_file
 
     reasons = [judgement.reason for judgement in judgements if judgement.reason]
-    content = certificates_page(f"Certificates of {listed(given.bags)}", certificates, reasons)
+    title, what = f"Certificates of {listed(given.bags)}", kind_of(judgements)
+    content = certificates_page(title, certificates, reasons, uncovered(judgements), what)
     write_file(given.report, content, overwrite=given.force)
     return f"\nwrote {given.report}"
 

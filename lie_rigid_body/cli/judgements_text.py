@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -11,19 +12,21 @@ from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.cli import certificate_text
 from lie_rigid_body.cli.judgement import Judgement
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.wording import counted, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _COLUMNS: Final = "{verdict:<9}{samples:>10}{accuracy:>9} {law:<34}{used:>8}  {bag}"
 _MOST_TOLD: Final = 10
-"""Number of broken bags of which the table is followed by what is broken."""
+"""Number of broken bags of which the table is followed by what is broken, and of things that are not certified."""
+_NUMBERS: Final = re.compile(r" \(\d+ messages\)|: \d+$")
+"""How many of a thing there are, which may differ from bag to bag."""
 
 
 def as_table(judgements: Sequence[Judgement]) -> str:
-    """The certificates in lines for a terminal: a row for each, a count of the verdicts, and what is broken."""
+    """The certificates in lines for a terminal: a row for each, a count of the verdicts, what is broken or left out."""
     head = {"verdict": "verdict", "samples": "samples", "accuracy": "rad", "law": "worst law", "used": "of limit"}
     lines = [_COLUMNS.format(**head, bag="bag"), *map(_row, judgements)]
-    return "\n".join([*lines, "", _summary(judgements), *_faults(judgements)])
+    return "\n".join([*lines, "", _summary(judgements), *_faults(judgements), *_uncovered(judgements)])
 
 
 def as_json(judgements: Sequence[Judgement]) -> dict[str, object]:
@@ -50,7 +53,7 @@ def _row(judgement: Judgement) -> str:
     if certificate is not None:
         samples = str(sum(segment.samples for segment in certificate.segments))
         worst = _worst_law(certificate)
-        law, used = worst.name, f"{worst.share:.2g}"
+        law, used = worst.name, certificate_text.of_limit(worst.worst, worst.limit)
         if certificate.passed:
             accuracy = f"{certificate.attitude_accuracy:.2g}"
     return _COLUMNS.format(
@@ -66,15 +69,22 @@ def _worst_law(certificate: Certificate) -> LawResult:
 
 def _summary(judgements: Sequence[Judgement]) -> str:
     counts = Counter(judgement.status for judgement in judgements)
-    kind = "bodies" if any(judgement.body is not None for judgement in judgements) else "bags"
+    number = counted(len(judgements), "bag") if kind_of(judgements) == "bags" else f"{len(judgements)} bodies"
     if not counts[console.BROKEN] and not counts[console.UNUSABLE]:
         certificates = [judgement.certificate for judgement in judgements if judgement.certificate is not None]
         worst = max(certificate.attitude_accuracy for certificate in certificates)
-        return f"CERTIFIED: all {len(judgements)} {kind}, attitude within {worst:.2g} rad of the exact motion."
+        return (
+            f"CERTIFIED: {'all ' * (len(judgements) > 1)}{number}, attitude within {worst:.2g} rad of the exact motion."
+        )
     return (
-        f"NOT CERTIFIED: of {len(judgements)} {kind} {counts[console.SUCCESS]} are certified, "
+        f"NOT CERTIFIED: of {number} {counts[console.SUCCESS]} are certified, "
         f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
     )
+
+
+def kind_of(judgements: Sequence[Judgement]) -> str:
+    """What each of them is of, in the plural."""
+    return "bodies" if any(judgement.body is not None for judgement in judgements) else "bags"
 
 
 def _faults(judgements: Sequence[Judgement]) -> Iterator[str]:
@@ -85,6 +95,36 @@ def _faults(judgements: Sequence[Judgement]) -> Iterator[str]:
         others = len(judgement.certificate.messages) - 1
         more = f" ({others} more)" if others else ""
         text = f"{shortened(judgement.name)}: {_worst_law(judgement.certificate).message}{more}"
-        yield textwrap.fill(text, 80, initial_indent="  - ", subsequent_indent="    ")
+        yield _item(text)
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
+
+
+def uncovered(judgements: Sequence[Judgement]) -> list[str]:
+    """What no law speaks of in some of the bags, each thing once, with the name of its bag or how many have it."""
+    found: dict[str, list[tuple[Judgement, str]]] = {}
+    for judgement in judgements:
+        for text in judgement.certificate.uncovered if judgement.certificate else ():
+            found.setdefault(_NUMBERS.sub("", text), []).append((judgement, text))
+    count, lines = len({judgement.bag for judgement in judgements}), []
+    for what, places in found.items():
+        texts, bags = {text for _, text in places}, {judgement.bag for judgement, _ in places}
+        first = places[0][0].name if len(places) == 1 else places[0][0].bag
+        where = shortened(first) if len(bags) == 1 else f"{len(bags)} of {count} bags"
+        lines.append(f"{texts.pop() if len(texts) == 1 else what} ({where})")
+    more = len(lines) - _MOST_TOLD
+    return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
+
+
+def _uncovered(judgements: Sequence[Judgement]) -> Iterator[str]:
+    if lines := uncovered(judgements):
+        yield "Not certified, besides what is not of any bag:"
+        for line in lines:
+            yield _item(line)
+
+
+def _item(text: str) -> str:
+    """A point of a list, in lines that leave paths whole."""
+    return textwrap.fill(
+        text, 80, initial_indent="  - ", subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )

@@ -9,11 +9,13 @@ from html import escape
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
-from lie_rigid_body.cli import residual_figures
+from lie_rigid_body.cli import certificate_text, residual_figures
 from lie_rigid_body.report import html_page
 
 MOST_LINES: Final = 500
 """Lines of the table; of more the worst are shown."""
+MOST_MESSAGES: Final = 100
+"""Broken laws that are told in words."""
 
 
 @dataclass(frozen=True)
@@ -42,15 +44,32 @@ class Line:
         return cls((bag,), certificate.passed, certificate.attitude_accuracy, certificate.residuals)
 
     @property
+    def worst(self) -> tuple[str, str]:
+        """The law that came nearest to its limit, or went farthest beyond, and its share of that."""
+        if not self.residuals:
+            return "", ""
+        name, (worst, limit) = max(self.residuals.items(), key=lambda item: _share(*item[1]))
+        return name, certificate_text.of_limit(worst, limit)
+
+    @property
     def _rank(self) -> tuple[bool, float]:
         """Smaller for what is worse."""
         return self.certified, -math.inf if math.isnan(self.accuracy) else -self.accuracy
 
 
+def _share(worst: float, limit: float) -> tuple[bool, float]:
+    """A key that is larger for what goes farther beyond its limit; NaN does by any."""
+    return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
+
+
 def certificates_page(
-    title: str, certificates: Sequence[tuple[str, Certificate]], unusable: Sequence[str] = ()
+    title: str,
+    certificates: Sequence[tuple[str, Certificate]],
+    unusable: Sequence[str] = (),
+    uncovered: Sequence[str] = (),
+    what: str = "bags",
 ) -> bytes:
-    """The page of several bags.
+    """The page of several bags, or of several bodies.
 
     Parameters
     ----------
@@ -59,14 +78,25 @@ def certificates_page(
         Each with the name of its bag.
     unusable : sequence of str, optional
         Why other bags could not be judged.
+    uncovered : sequence of str, optional
+        What no law speaks of in some of them.
+    what : str, optional
+        What each certificate is of, in the plural.
 
     Returns
     -------
     bytes
         HTML.
     """
-    more = [html_page.listing("Not judged", map(escape, unusable))]
-    return page(title, "bags", ("bag",), [Line.of(*named) for named in certificates], more, len(unusable))
+    broken = [f"{name}: {message}" for name, certificate in certificates for message in certificate.messages]
+    if len(broken) > MOST_MESSAGES:
+        broken[MOST_MESSAGES:] = [f"and {len(broken) - MOST_MESSAGES} more"]
+    more = [
+        html_page.listing("Broken laws", map(escape, broken)),
+        html_page.listing("Not certified, besides what is not of any bag", map(escape, uncovered)),
+        html_page.listing("Not judged", map(escape, unusable)),
+    ]
+    return page(title, what, ("bag",), [Line.of(*named) for named in certificates], more, len(unusable))
 
 
 def page(
@@ -95,15 +125,22 @@ def page(
     """
     count = len(lines) + unusable
     certified = sum(line.certified for line in lines)
-    worst = max(line.accuracy for line in lines)
     parts = [
         html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
-        html_page.paragraph(f"Attitudes are within {worst:.2g} rad of the exact motion."),
+        *_accuracy(what, lines, everything=certified == count),
         *_distributions(what, lines),
         *_table(what, headings, lines),
         *more,
     ]
     return html_page.document(title, parts, with_figures=True)
+
+
+def _accuracy(what: str, lines: Sequence[Line], *, everything: bool) -> Iterator[str]:
+    """To what accuracy those are certified that are."""
+    accuracies = [line.accuracy for line in lines if line.certified]
+    if accuracies:
+        whose = "Attitudes" if everything else f"The attitudes of the {what} that are certified"
+        yield html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")
 
 
 def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
@@ -121,8 +158,10 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         shown = {id(line) for line in sorted(lines, key=lambda line: line._rank)[:MOST_LINES]}
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
-    rows = [
-        ((*line.cells, f"{line.accuracy:.2g}", "certified" if line.certified else "NOT CERTIFIED"), line.certified)
-        for line in lines
-    ]
-    yield html_page.table((*headings, "attitude, rad", ""), rows)
+    yield html_page.table((*headings, "worst law", "of limit", "attitude, rad", ""), map(_row, lines))
+
+
+def _row(line: Line) -> tuple[tuple[str, ...], bool]:
+    """The cells of a line, and whether it is certified: only then its attitudes are worth a bound."""
+    verdict = (f"{line.accuracy:.2g}", "certified") if line.certified else ("", "NOT CERTIFIED")
+    return (*line.cells, *line.worst, *verdict), line.certified

@@ -77,7 +77,11 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     found = []
     if recovery.broken_at is not None:
         gave = counted(recovery.of_the_last, "message")
-        found.append(f"breaks off in the record at byte {recovery.broken_at}, which gave {gave}")
+        is_between = recovery.broken_at == broken.stat().st_size
+        where = (
+            "behind a whole record" if is_between else f"in the record at byte {recovery.broken_at}, which gave {gave}"
+        )
+        found.append(f"breaks off {where}")
     if recovery.damaged:
         damaged = counted(len(recovery.damaged), "damaged record")
         found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")

@@ -40,12 +40,12 @@ def over_time(
     str
         HTML. Laws that have no residual but 0 are left out.
     """
-    worst = {law.name: law for law in certificate.laws}
-    for name, laws in itertools.groupby(residuals.laws.items(), lambda item: _family(item[0])):
-        own = [(law, over, worst.get(law)) for law, over in laws]
+    watched = [law for law in certificate.laws if law.name in residuals.laws]
+    for name, laws in itertools.groupby(watched, lambda law: _family(law.name)):
+        own = [(law, residuals.laws[law.name]) for law in laws]
         traces = list(_over_time(own, origin_ns))
         if traces:
-            unit = own[0][1].unit
+            unit = own[0][0].unit
             ends = [t for trace in traces for t in (trace["x"][0], trace["x"][-1])]
             values = np.concatenate([trace["y"] for trace in traces])
             axes = {
@@ -63,27 +63,28 @@ def _family(name: str) -> str:
 
 
 def _label(unit: str) -> str:
-    return {"rel": "relative residual", "1": "residual"}.get(unit, f"residual [{unit}]")
+    return {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
 
 
-def _over_time(laws: Sequence[tuple[str, LawOverTime, LawResult | None]], origin_ns: int) -> Iterator[dict[str, Any]]:
+def _over_time(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
     limits: tuple[Array, Array] | None = None
-    for i, (name, law, worst) in enumerate(laws):
+    for i, (worst, law) in enumerate(laws):
         t, residuals, limit, broken = law.series(origin_ns)
         if not (residuals > 0.0).any():
             continue
-        limits = t, limit
+        if (limit > 0.0).any():
+            limits = t, np.where(limit > 0.0, limit, np.nan)
         finite = residuals[np.isfinite(residuals)]
-        top = _ABOVE * max(float(finite.max(initial=0.0)), float(limit.max()))
+        top = _ABOVE * max(float(finite.max(initial=0.0)), float(limit.max())) or 1.0
         drawn = np.where(np.isfinite(residuals), np.where(residuals > 0.0, residuals, np.nan), top)
         colour = COLOURS[i] if len(laws) > 1 else COLOURS[2]
-        yield _dots(t, drawn, name.rpartition(" ")[2] if len(laws) > 1 else "largest residual", colour)
+        yield _dots(t, drawn, worst.name.rpartition(" ")[2] if len(laws) > 1 else "largest residual", colour)
         if broken.any():
             yield {**_dots(t[broken], drawn[broken], "broken", RED), "mode": "markers", "showlegend": False}
-        if worst is not None and worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
+        if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
             at = np.array([(worst.stamp_ns - origin_ns) * 1e-9]), np.array([worst.worst])
             marker = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
-            text = f"worst: sample {worst.sample}"
+            text = f"worst: number {worst.sample}"
             yield {**_dots(*at, text, colour), "mode": "markers", "marker": marker, "showlegend": False}
     if limits is not None:
         line = {"color": GREY, "dash": "dash", "width": 1.4}

@@ -144,7 +144,7 @@ def require_physical(moments: Array) -> None:
         raise ParameterError(
             _NAME,
             f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality: "
-            "lower the largest to at most the sum of the others (equality: a flat body)",
+            "lower the largest to at most the sum of the others",
         )
 
 

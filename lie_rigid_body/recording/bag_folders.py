@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -33,6 +34,21 @@ def whole_of(file: Path) -> Path | None:
     folder = file.parent
     parts = [*folder.glob(f"*{file.suffix}")] if file.suffix in SUFFIXES and file.is_file() else []
     return folder if len(parts) > 1 and is_one_bag(folder) else None
+
+
+def missing_beside(file: Path) -> str | None:
+    """The first file that is missing where all in a folder are called as those of a bag that was split; else None."""
+    if file.suffix not in SUFFIXES or not file.is_file():
+        return None
+    folder, name = file.parent, file.resolve().parent.name
+    there = {path.name for path in folder.glob(f"*{file.suffix}")}
+    numbers = [
+        int(found[1]) for each in there if (found := re.fullmatch(rf"{re.escape(name)}_(\d{{1,6}}){file.suffix}", each))
+    ]
+    if len(numbers) < len(there) or not numbers:
+        return None
+    wanted = (f"{name}_{i}{file.suffix}" for i in range(max(numbers)))
+    return next((each for each in wanted if each not in there), None)
 
 
 def bags_in(folder: Path) -> list[Path]:

@@ -12,10 +12,10 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.bag_folders import whole_of
+from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
-from lie_rigid_body.wording import listed, short_repr, suggestion
+from lie_rigid_body.wording import listed, short_repr, shortened, suggestion
 
 SCENARIO: Final = "scenario"
 TYPES: Final[dict[str, tuple[str, ...]]] = {
@@ -27,7 +27,9 @@ TYPES: Final[dict[str, tuple[str, ...]]] = {
 """The topics of a body by their relative names, and the message types that each may have."""
 OfScenario: TypeAlias = Callable[[RawTrack], bool]
 """Whether a topic of texts is one of scenarios."""
-_WHY: Final = {SCENARIO: ", which tells body, motion and frames, whatever --inertia says"}
+_TOLD: Final = {SCENARIO: ": body, motion, frames"}
+_LONGEST_LIST: Final = 60
+"""Characters of the topics that there are, in an error line that has to say more."""
 
 
 @dataclass(frozen=True)
@@ -187,9 +189,10 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        wanted = f"topic .../{name} ({' or '.join(TYPES[name])}{_WHY.get(name, '')})"
-        there = listed([topic for topic, _ in contents.tracks]) or "no topic at all"
-        raise BagError(f"{path} has no {wanted}: {_remedy(path, 'record it')}; there are {there}")
+        wanted = f"topic .../{name} ({' or '.join(map(_last, TYPES[name]))}{_TOLD.get(name, '')})"
+        there = shortened(listed([topic for topic, _ in contents.tracks]), _LONGEST_LIST)
+        remedy = _remedy(path, f"record it; there are {there}" if there else "record it; there is no topic at all")
+        raise BagError(f"{path} has no {wanted}: {remedy}")
     if len(found) > 1 and name == SCENARIO:
         return _ours(path, found, is_ours)
     if len(found) > 1:
@@ -200,7 +203,12 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
 def _remedy(path: Path, otherwise: str) -> str:
     """What to do where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
-    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
+    if whole is not None:
+        return f"it is one file of a bag that was split: give the folder {whole}"
+    missing = missing_beside(path)
+    if missing is not None:
+        return f"restore {missing} if it is one file of a bag that was split, or record it"
+    return otherwise
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:

@@ -48,6 +48,7 @@ from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Outli
 from lie_rigid_body.recording.message_loops import FIND
 from lie_rigid_body.recording.message_scan import FoundMessages
 from lie_rigid_body.recording.output_file import reason, rescue
+from lie_rigid_body.wording import counted
 
 T = TypeVar("T")
 _HEAD: Final = struct.Struct("<BQ")
@@ -384,10 +385,8 @@ class _FileReader:
 
     def _cut_off(self) -> BagError:
         count = self._into.message_count - self._before + len(self._loose_ends) - 1
-        return BagError(
-            f"{self._path} was cut off, or is still being written: its {self._inventory.chunk_count} whole chunks hold "
-            f"{count} messages; rescue them with {rescue()}"
-        )
+        holds = f"it holds at least {counted(count, 'whole message')}" if count else "it may hold whole messages"
+        return BagError(f"{self._path} was cut off, or is still being written: {holds}: rescue them with {rescue()}")
 
     def _too_large(self, what: str) -> BagError:
         return BagError(f"{self._path} has at byte {self._position} {what}, more than is read: record it again")

@@ -34,6 +34,19 @@ def test_the_largest_of_each_interval_is_kept(block):
         assert broken[k] == (~(residuals[mine] <= limits[mine])).any()
 
 
+def test_the_order_of_stamps_changes_nothing() -> None:
+    """Readings may stand in a bag out of order; those before the first that was seen count to its interval."""
+    stamps, residuals = np.arange(3000) * 7_000_000, np.random.default_rng(1).random(3000)
+    laws = [LawOverTime("rad", 0), LawOverTime("rad", 0)]
+    for law, rows in zip(laws, (np.arange(3000), np.random.default_rng(2).permutation(3000)), strict=True):
+        law.add(residuals[rows], 0.9, stamps[rows])
+    for one, other in zip(laws[0].series(0), laws[1].series(0), strict=True):
+        np.testing.assert_array_equal(one, other)
+    laws[0].add(np.array([2.0]), 0.9, np.array([-1]))
+    _, largest, _, broken = laws[0].series(0)
+    assert (largest[0], broken[0], largest[1:].max() < 1.0) == (2.0, True, True)
+
+
 def test_to_watch_changes_nothing_and_sees_the_worst(tmp_path):
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation = Simulation(scenario)

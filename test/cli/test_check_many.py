@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +21,7 @@ from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.cli import judgement
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.judgement import Judgement, judge_all
+from lie_rigid_body.cli.record import main as record
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
 
@@ -38,8 +41,8 @@ def runs(tmp_path: Path) -> Path:
     return folder
 
 
-def merged(target: Path, **sources: Path) -> Path:
-    """One bag with the topics of each source in the namespace of its name."""
+def merged(target: Path, *, renamed: tuple[str, str] = ("", ""), late_ns: int = 0, **sources: Path) -> Path:
+    """One bag with the topics of each source in the namespace of its name, perhaps one renamed and all logged late."""
     with target.open("wb") as stream:
         writer = Writer(stream)
         writer.start("ros2", "a recorder")
@@ -50,9 +53,10 @@ def merged(target: Path, **sources: Path) -> Path:
                     assert schema is not None
                     if channel.topic not in channels:
                         own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                        name = f"/{namespace}{channel.topic}"
+                        name = f"/{namespace}{channel.topic}".replace(*renamed)
                         channels[channel.topic] = writer.register_channel(name, channel.message_encoding, own)
-                    writer.add_message(channels[channel.topic], message.log_time, message.data, message.publish_time)
+                    late = message.log_time + late_ns, message.publish_time + late_ns
+                    writer.add_message(channels[channel.topic], late[0], message.data, late[1])
         writer.finish()
     return target
 
@@ -130,6 +134,29 @@ def test_a_recording_without_metadata_is_one_bag(tmp_path, capsys):
     assert (status, out[1].split()[-1]) == (0, str(folder / "other_0.mcap"))
 
 
+def test_a_lone_file_of_a_split_bag_says_which_is_missing(tmp_path, capsys):
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    write_bag(folder / "walk_0.mcap", 40)
+    merged(folder / "walk_2.mcap")  # without the scenario, which the first file has
+    status, out, err = answer(capsys, folder)
+    assert (status, len(err)) == (2, 1)
+    assert "restore walk_1.mcap if it is one file of a bag that was split, or record it" in err[0]
+    assert "NOT CERTIFIED: of 2 bags 1 are certified, 0 broken, 1 unusable." in out
+    (folder / "walk_2.mcap").rename(folder / "other.mcap")
+    assert "record it" in answer(capsys, folder)[2][0]
+
+
+def test_one_bag_is_counted_as_one(tmp_path, capsys):
+    write_bag(tmp_path / "gaps.mcap", 40)
+    assert answer(capsys, tmp_path)[1][-1].startswith("CERTIFIED: 1 bag, attitude within")
+    merged(tmp_path / "gaps.mcap", a=write_bag(tmp_path / "imu.mcap", 40, imu_rate=10.0))  # without a reading
+    (tmp_path / "imu.mcap").unlink()
+    out = answer(capsys, tmp_path)[1]
+    assert re.fullmatch(r"BROKEN +40 +IMU stamps +\d+ of 0 .*gaps.mcap", out[1])
+    assert "NOT CERTIFIED: of 1 bag 0 are certified, 1 broken, 0 unusable." in out
+
+
 def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
     status, out, err = answer(capsys, two_bodies)
     assert (status, err) == (1, [])
@@ -142,6 +169,27 @@ def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
     said = " ".join(" ".join(out).split())
     assert "body /b (/b/pose and what goes with it), which was not asked for" in said
     assert "/b/pose (50 messages)" not in said
+
+
+def test_a_table_tells_what_of_its_bags_is_not_certified(tmp_path, capsys):
+    """Topics beside the bodies' own, and those that a recorder did not get: each once, with where that is."""
+    pytest.importorskip("plotly")
+    good, with_imu = write_bag(tmp_path / "good.mcap", 40), tmp_path / "imu.mcap"
+    assert record([str(with_imu), "--duration", "0.2", "-p", "imu_rate:=50.0", "--quiet"]) == 0
+    two = tmp_path / "two.mcap"
+    merged(two, renamed=("/b/imu/data_raw", "/b/imu/raw"), late_ns=1000, a=good, b=with_imu)
+    other, page = Path(shutil.copy(two, tmp_path / "other.mcap")), tmp_path / "page.html"
+    stray, missing = "topic /b/imu/raw (10 messages), which no scenario determines", "imu/data_raw, which the scenario"
+    status, out, _ = answer(capsys, two, "--report", page)
+    said = " ".join(" ".join(out).split())
+    assert (status, said.count("imu/raw"), said.count("imu/data_raw")) == (0, 1, 1)
+    assert f"{stray} ({two})" in said
+    assert f"{missing} has: not in the bag ({two} /b)" in said
+    text = page.read_text(encoding="utf-8")
+    assert f"<li>{stray} ({two})</li><li>{missing}" in text
+    said = " ".join(" ".join(answer(capsys, two, other, good)[1]).split())
+    assert (said.count(f"{stray} (2 of 3 bags)"), said.count("imu/data_raw")) == (1, 1)
+    assert "Not certified" not in " ".join(answer(capsys, good, with_imu)[1])
 
 
 def test_plot_draws_one_body(two_bodies, tmp_path, capsys):

@@ -10,12 +10,14 @@ import time
 from pathlib import Path
 
 import pytest
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.cli.recover import main as recover
+from lie_rigid_body.recording.chunk import MAGIC
 
 
 @pytest.fixture
@@ -40,6 +42,26 @@ def test_it_says_how_much_and_up_to_which_stamp(broken: Path, capsys: pytest.Cap
     assert remedy == f"certify them with: lie-rigid-body check '{fixed}'"
     assert check([str(fixed)]) == 0
     assert broken.read_bytes() == before
+
+
+def test_a_bag_that_ends_between_records_breaks_off_in_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As one whose recorder was killed between two chunks; of one whose only chunk is unfinished none is counted."""
+    bag, fixed = tmp_path / "bag.mcap", tmp_path / "fixed.mcap"
+    assert record([str(bag), "--duration", "1", "--compression", "none", "--quiet"]) == 0
+    data = bag.read_bytes()
+    first = len(MAGIC)
+    while data[first] != Opcode.CHUNK:
+        first += 9 + int.from_bytes(data[first + 1 : first + 9], "little")
+    end = first + 9 + int.from_bytes(data[first + 1 : first + 9], "little")
+    for cut, said, refused in (
+        (end, "behind a whole record", "it holds at least 201 whole messages: "),
+        (end - 200, f"in the record at byte {first}, which gave ", "it may hold whole messages: "),
+    ):
+        bag.write_bytes(data[:cut])
+        assert recover([str(bag), "-o", str(fixed), "--force"]) == 0
+        assert f"{bag} breaks off {said}" in capsys.readouterr().out
+        assert check([str(bag)]) == 2
+        assert f" was cut off, or is still being written: {refused}rescue them with " in capsys.readouterr().err
 
 
 def test_an_existing_file_is_kept_without_force(broken: Path, capsys: pytest.CaptureFixture[str]) -> None:

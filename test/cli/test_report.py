@@ -7,12 +7,14 @@ import os
 import re
 import sys
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from browser import PROGRAM, Browser
+from tampering import at, on, tamper, with_numbers
 from test_check import write_bag
 
 from lie_rigid_body.certificate import certify
@@ -20,6 +22,7 @@ from lie_rigid_body.certificate.segments import thinned_segments
 from lie_rigid_body.cli import body_figure, motion_figures
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.overview_page import MOST_LINES, Line, certificates_page, page
+from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
@@ -263,6 +266,29 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     drawn = figures(text)["closed form [rad]"]["data"]
     assert [trace["name"] for trace in drawn][:2] == ["within the limit", "beyond the limit"]
     assert [sum(trace["y"]) for trace in drawn[:2]] == [1, 1]
+    bound = certify(read_bag(bag)).attitude_accuracy
+    assert f"The attitudes of the bags that are certified are within {bound:.2g} rad" in text
+    assert f"<li>&lt;b&gt;poor: {escape(poor.messages[0])}</li>" in text
+    [cells] = re.findall(r"<tr class=broken><td>&lt;b&gt;poor</td><td>(.*?)</td><td>NOT CERTIFIED", text)
+    law, used, attitude = cells.split("</td><td>")
+    assert law.split(" [")[0] in {broken.name for broken in poor.laws if not broken.holds}
+    assert (float(used) > 1.0, attitude) == (True, "")
+    assert "0 of 2 bodies CERTIFIED" in certificates_page("Bodies", [("/a", poor)], ["/b"], what="bodies").decode()
+
+
+@pytest.mark.parametrize("number", [123.0, np.inf])
+def test_a_broken_reading_is_drawn_over_time(number: float, tmp_path: Path) -> None:
+    whole, bag, out = tmp_path / "whole.mcap", tmp_path / "spin.mcap", tmp_path / "out.html"
+    assert (
+        record([str(whole), "--duration", "1", "-p", "imu_rate:=50.0", "-p", "gyro_resolution:=0.001", "--quiet"]) == 0
+    )
+    spinning = on(
+        "/imu/data_raw", at(20, lambda message: with_numbers(message, 24, lambda x: np.append(number, x[1:])))
+    )
+    assert main([str(tamper(whole, bag, spinning)), "--report", str(out)]) == 1
+    assert out.stat().st_size <= LARGEST
+    red = next(trace for trace in figures(out.read_text(encoding="utf-8"))["gyro"]["data"] if trace["name"] == "broken")
+    assert red["x"] == pytest.approx([0.4], abs=0.01)
 
 
 def test_of_very_many_the_worst_are_listed() -> None:
