@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 PASSES: Final = 3
-"""How often a bag is read to be certified or drawn: to open it, to find its segments, and to take its samples. The
-last two are one where the bag is whole."""
+"""How often a bag is read at most to be certified or drawn: to open it, to find its segments, and to take its
+samples."""
 
 
 def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:
     """A bar of the bytes to be read of bags in so many passes, as a context; `tqdm.update` is told of those read."""
     from tqdm import tqdm
 
-    total = passes * sum(map(_size, bags))
+    total = passes * sum(map(size, bags))
     # disable=None: shown on a terminal only
     return tqdm(total=total, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5)
 
 
-def _size(bag: str | Path) -> int:
+def size(bag: str | Path) -> int:
     """The bytes of a bag's files; 0 where there are none."""
     path = Path(bag)
     files = [*path.glob("*.mcap"), *path.glob("*.db3")] if path.is_dir() else [path]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bag_arguments import bags_of, is_folder_of_bags
-from lie_rigid_body.cli.bag_progress import PASSES, progress_bar
+from lie_rigid_body.cli.bag_progress import progress_bar, size
 from lie_rigid_body.cli.judgement import Judgement, judge_all
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import listed
@@ -40,6 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _several(given, inertia, topics)
 
     from lie_rigid_body.certificate import certify
+    from lie_rigid_body.certificate.certification import passes
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
     from lie_rigid_body.certificate.segments import thinned_segments
@@ -48,10 +49,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     if given.prove is not None:
         require_count(given.prove)
     residuals = None if given.report is None else ResidualsOverTime()
-    with progress_bar(given.bags, PASSES if residuals is None else PASSES + 2) as bar:
+    with progress_bar(given.bags) as bar:
         bodies = Bag.all_of(given.bags[0], bar.update, topics)
         alone = len(bodies) == 1
-        certificates = [certify(body, inertia, residuals if alone else None) for body in bodies]
+        watch = residuals if alone else None
+        of_the_page = 0 if watch is None else 2
+        bar.total = size(given.bags[0]) * (1 + sum(passes(body, watch) for body in bodies) + of_the_page)
+        certificates = [certify(body, inertia, watch) for body in bodies]
         drawn = alone and residuals is not None and certificates[0].segments
         pieces = thinned_segments(bodies[0], inertia) if drawn else []
     if alone:

@@ -17,7 +17,7 @@ from multiprocessing.connection import wait as wait_for
 from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_progress import progress_bar
+from lie_rigid_body.cli.bag_progress import PASSES, progress_bar, size
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.wording import short_repr
 
@@ -154,7 +154,9 @@ def _judge_there(one: Judge, bag: str, number: int) -> list[Judgement]:
     def add(count: int) -> None:
         _read[number] += count
 
-    return one(bag, add)
+    judgements = one(bag, add)
+    _read[number] = PASSES * size(bag)  # though a bag that is whole is read less often, and what is none not at all
+    return judgements
 
 
 def _show_progress(futures: Sequence[Future[list[Judgement]]], bags: Sequence[str], read: Any) -> None:

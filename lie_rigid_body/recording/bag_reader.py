@@ -22,7 +22,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, other_bodies, tells_of_body, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, pieces_again
+from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, one_ahead, pieces_again
 from lie_rigid_body.recording.sensor_reader import (
     VALUES,
     FaultMessages,
@@ -191,7 +191,8 @@ class Bag:
     path : str or Path
         An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
     progress : callable, optional
-        Called with the number of bytes that were read since it was called last, in every pass.
+        Called with the number of bytes that were read since it was called last, in every pass, perhaps by another
+        thread.
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
@@ -311,7 +312,7 @@ class Bag:
         if may_read_again(
             self._outlines, self.pose_count + self.twist_count + sum(self.sensors[name].count for name in sensors)
         ):
-            found = self._batches_again(self._pose, self._twist, *keys.values())
+            found = one_ahead(self._batches_again(self._pose, self._twist, *keys.values()), self._outlines)
         else:
             found = self._batches(self._pose, self._twist, *keys.values())
         for poses, twists, *readings in found:

@@ -197,6 +197,11 @@ class Inventory:
         return array("q", (chunk.chunk_start_offset for chunk in self._chunks))
 
     @property
+    def largest_chunk(self) -> int:
+        """The size of the largest one, inflated, bytes."""
+        return max((chunk.uncompressed_size for chunk in self._chunks), default=0)
+
+    @property
     def span(self) -> tuple[int, int, int]:
         """Count of messages, and the first and last time when one was logged, ns."""
         return self._counts.total(), self._first, self._last

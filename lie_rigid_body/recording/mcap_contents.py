@@ -97,6 +97,8 @@ class Outline:
     channels : dict of (topic, message type) to list of int
     chunks_of : dict of (topic, message type) to array of int
         Those of the chunks that have messages of a topic.
+    largest_chunk : int
+        Inflated, bytes.
     """
 
     path: Path
@@ -104,6 +106,7 @@ class Outline:
     chunks: array[int]
     channels: dict[tuple[str, str], list[int]]
     chunks_of: dict[tuple[str, str], array[int]]
+    largest_chunk: int
 
     __repr__ = short_repr
 

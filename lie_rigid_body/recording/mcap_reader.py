@@ -255,8 +255,8 @@ class _FileReader:
         channels: dict[tuple[str, str], list[int]] = {}
         for number, track in self._channels.items():
             channels.setdefault((track.topic, track.message_type), []).append(number)
-        places = self._inventory.chunk_places
-        return Outline(self._path, state_of(self._stream), places, channels, self._chunks_of)
+        places, largest = self._inventory.chunk_places, self._inventory.largest_chunk
+        return Outline(self._path, state_of(self._stream), places, channels, self._chunks_of, largest)
 
     def _header(self, header: Header) -> None:
         if header.profile not in _PROFILES:

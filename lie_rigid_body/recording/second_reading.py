@@ -5,10 +5,12 @@ from __future__ import annotations
 import struct
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
@@ -30,6 +32,9 @@ from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
 
 _RECORD: Final = struct.Struct("<BQ")
+T = TypeVar("T")
+_LARGEST_CHUNK_AHEAD: Final = 8 * 2**20
+"""Bytes of a chunk, inflated, up to which what is in it is decoded ahead. Recorders make them of some MB at most."""
 _PAYLOAD: Final = 31
 """Byte of a message record where its payload begins."""
 
@@ -213,6 +218,27 @@ def may_read_again(outlines: Sequence[Outline], count: int) -> bool:
         return False
     expect(count)
     return are_compiled()
+
+
+def one_ahead(items: Iterator[T], outlines: Sequence[Outline]) -> Iterator[T]:
+    """The same items, which are made of the chunks of files; another thread makes the next while one is used.
+
+    Not where a chunk is so large that two of them would take much memory.
+
+    Parameters
+    ----------
+    items : iterator
+        An error in making one is raised in its place.
+    outlines : sequence of Outline
+    """
+    if any(outline.largest_chunk > _LARGEST_CHUNK_AHEAD for outline in outlines):
+        yield from items
+        return
+    with ThreadPoolExecutor(1) as other:
+        coming = other.submit(list[T], islice(items, 1))
+        while item := coming.result():
+            coming = other.submit(list[T], islice(items, 1))
+            yield item.pop()
 
 
 def _in_chunks(outlines: Sequence[Outline]) -> bool:

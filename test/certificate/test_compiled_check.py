@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import struct
+import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +20,9 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording import message_loops, message_scan
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK
 from lie_rigid_body.recording.message_loops import FIND, TAKE
+from lie_rigid_body.recording.second_reading import one_ahead
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
@@ -164,6 +168,25 @@ def test_a_bag_that_changes_between_two_readings_is_refused(honest, tmp_path):  
     os.replace(tamper(honest, tmp_path / "other.mcap", lambda ms: ms), path)
     with pytest.raises(BagError, match="changed while it was read"):
         list(bag.batches())
+
+
+def test_the_next_batch_is_made_while_one_is_used(honest):  # noqa: F811
+    outlines, begun = Bag(honest)._outlines, threading.Event()
+
+    def made():
+        yield threading.get_ident()
+        begun.set()
+        yield 1 // 0
+
+    batches = one_ahead(made(), outlines)
+    assert next(batches) != threading.get_ident()
+    assert begun.wait(60)
+    with pytest.raises(ZeroDivisionError):
+        next(batches)
+    begun.clear()
+    batches = one_ahead(made(), [replace(outlines[0], largest_chunk=LARGEST_CHUNK)])
+    assert next(batches) == threading.get_ident()
+    assert not begun.is_set()  # two chunks of that size would take much memory
 
 
 def test_residuals_have_the_bits_of_arrays(in_python):

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from tampering import at, flipped, on, scaled_rate, tamper
 
 from lie_rigid_body.certificate import certify, pairing
+from lie_rigid_body.certificate.certification import passes
+from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.certificate.segments import recorded_segments, thinned_segments
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
@@ -55,6 +57,17 @@ def test_batches_change_no_number(honest, tmp_path, monkeypatch, change):
     monkeypatch.setattr(bag_reader, "_BATCH", 50)
     monkeypatch.setattr(pairing, "_HELD_BACK", 4)
     assert certify(Bag(path)) == whole
+
+
+@pytest.mark.parametrize(("change", "times"), {"honest": 1, "cut": 2, "recorded": 2}.items())
+def test_a_bag_is_read_as_often_as_is_shown(honest, tmp_path, change, times):
+    steps: list[int] = []
+    bag = Bag(tamper(honest, tmp_path / "changed.mcap", CHANGES[change]), steps.append)
+    opened = sum(steps)
+    assert passes(bag) == times
+    certify(bag)
+    assert sum(steps) == (1 + times) * opened
+    assert passes(bag, ResidualsOverTime()) == 2
 
 
 FORESEEN = {
