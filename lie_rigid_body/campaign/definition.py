@@ -23,7 +23,7 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
-"""The table of all runs, written when the last is finished."""
+"""The table of all runs that are finished, written when no other can be."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """The key in the table's metadata under which the campaign is, and the version that drew its runs, as JSON."""
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")

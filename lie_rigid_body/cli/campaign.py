@@ -196,9 +196,9 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
         reason = shortened(reason.partition("; ")[0], 70)  # without the rescue of its bag, as the run is done again
         named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
+        kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
         raise BagError(
-            f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; "
-            f"{len(journal)} are kept: mend that, and {RESUMED}"
+            f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
         )
     table, tally = journal.write_table(), _Tally.of(journal.rows())
     broken, certified = tally.broken, tally.count - len(tally.broken)

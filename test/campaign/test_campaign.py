@@ -483,8 +483,8 @@ def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path
     broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (broken.returncode, broken.stdout) == (2, "")
     [line] = broken.stderr.splitlines()
-    assert "1 of 6 runs failed (2), first: every process that tried it died; 5 are kept" in line
-    assert sorted(finished(out)) == others
+    assert "1 of 6 runs failed (2), first: every process that tried it died; 5 are kept, in runs.parquet: " in line
+    assert sorted(finished(out)) == table_of(out)["run"].to_pylist() == others
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
     (tmp_path / "mended").touch()
     mended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
