@@ -116,7 +116,7 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    if all(idle):
+    if idle and all(idle):
         console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
 
 

@@ -45,8 +45,8 @@ def test_the_order_of_stamps_changes_nothing() -> None:
     laws[0].add(np.array([2.0]), 0.9, np.array([-1]))
     _, largest, _, broken = laws[0].series(0)
     assert largest[0] == 2.0
-    assert broken[0]
     assert largest[1:].max() < 1.0
+    assert broken[0]
 
 
 def test_to_watch_changes_nothing_and_sees_the_worst(tmp_path):
