@@ -123,6 +123,17 @@ class Explanation:
         simplicity = 0.005 * len(columns(self.free)) + 0.02 * self.convention.frd_body + mounting
         return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
 
+    @property
+    def is_canonical(self) -> bool:
+        """Whether its mounting is the smaller one of the two that a body forward-right-down, or not, goes with."""
+        x, _, _, w = self.misalignment.mounting
+        return not self.convention.ned_world or abs(x) <= abs(w)
+
+    def is_part_of(self, other: Explanation) -> bool:
+        """Whether each of its causes is one of another's, with the same body axes."""
+        same_body = self.convention.frd_body == other.convention.frd_body or not self.convention.ned_world
+        return same_body and set(self.causes) <= set(other.causes)
+
     def without(self, cause: str) -> tuple[frozenset[str], Convention]:
         """Free constants and convention of the same causes but one."""
         return self.free - {cause}, Convention(
@@ -220,7 +231,7 @@ def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: floa
     turned = float(np.median(from_mean(comparison.true_states(0.0)[0])))
     for e in tried:
         at_limit = abs(e.misalignment.lag_s) >= limit_s or (beyond and e.free)
-        if at_limit or any(_is_worse(e, other) for other in unconstant):
+        if at_limit or not e.is_canonical or any(_is_no_better(e, other) for other in unconstant):
             continue
         if e is plain or (_explains(e, plain.median, turned) and _is_constant(comparison, e, tried)):
             return e
@@ -237,9 +248,10 @@ def _explains(explanation: Explanation, error: float, turned: float) -> bool:
     return explanation.median <= max(most, NEGLIGIBLE)
 
 
-def _is_worse(explanation: Explanation, other: Explanation) -> bool:
-    """Whether an explanation leaves more than another, of which it is no part."""
-    return explanation.median > other.median and not set(explanation.causes) <= set(other.causes)
+def _is_no_better(explanation: Explanation, other: Explanation) -> bool:
+    """Whether an explanation leaves about as much as another, or more, and is no part of it."""
+    as_much = TIE_FACTOR * max(explanation.median, NEGLIGIBLE) >= max(other.median, NEGLIGIBLE)
+    return as_much and not explanation.is_part_of(other)
 
 
 def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
