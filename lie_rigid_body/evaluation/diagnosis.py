@@ -6,7 +6,8 @@ same, the one with fewer and simpler causes is taken. The median is used so that
 little. A cause with a fitted constant must also be constant: fitted to three quarters of the run, it must halve the
 median of the fourth, for each choice of the fourth; only the first quarter is excused, where a filter still converges.
 Drifts fail that, and so do 97 of 100 random walks. What fails is not replaced by a cause that leaves more, and what
-leaves more than `LARGEST_LEFT` explains nothing. A median below `NEGLIGIBLE` is not explained at all.
+leaves more than `LARGEST_LEFT` over the cube of its number of causes explains nothing. A median below `NEGLIGIBLE` is
+not explained at all.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Medians below this, rad, count as this, and need no explanation."""
 
 LARGEST_LEFT: Final = float(np.radians(20.0))
-"""Conventions and constant rotations that leave a larger median, rad, are not the cause; a lag may leave more."""
+"""A convention or a constant rotation that leaves a larger median, rad, is not the cause; a lag may leave more.
+
+Of n causes together, this over n³: many fit something else to some degrees."""
 
 SHARE_OF_EACH: Final = 0.25
 """Several causes that leave a larger share of the median than this to the power of their number are not the cause."""
@@ -243,7 +246,7 @@ def _explains(explanation: Explanation, error: float, turned: float) -> bool:
     """Whether little is left of an error, and of what the body turns."""
     share = UNLIKE_MOUNTED if MOUNTING in explanation.free else UNLIKE
     causes = len(explanation.causes)
-    largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT
+    largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT / max(causes, 1) ** 3
     most = min(largest, share * turned, error * SHARE_OF_EACH**causes if causes > 1 else np.inf)
     return explanation.median <= max(most, NEGLIGIBLE)
 
