@@ -89,8 +89,8 @@ class Clock:
 
     @property
     def cost(self) -> float:
-        """As that of an `Explanation`: one cause, less simple than a heading, and another rate less than a lag."""
-        return 1.06 + 0.25 * (self.rate != 1.0) + float(np.log2(max(self.median, NEGLIGIBLE)))
+        """As that of an `Explanation`: one cause, less simple than a heading; another rate, beside a lag, is two."""
+        return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(max(self.median, NEGLIGIBLE)))
 
     def moved(self, early: tuple[float, float], late: tuple[float, float]) -> Clock:
         """With lags, s, at two true times, s after the anchor, taken away."""

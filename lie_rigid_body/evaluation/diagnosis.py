@@ -6,7 +6,8 @@ same, the one with fewer and simpler causes is taken. The median is used so that
 little. A cause with a fitted constant must also be constant: fitted to three quarters of the run, it must halve the
 median of the fourth, for each choice of the fourth; only the first quarter is excused, where a filter still converges.
 Drifts fail that, and so do 97 of 100 random walks. What fails is not replaced by a cause that leaves more, and what
-leaves more than `LARGEST_LEFT` explains nothing. A median below `NEGLIGIBLE` is not explained at all.
+leaves more than `LARGEST_LEFT` over the cube of its number of causes explains nothing. A median below `NEGLIGIBLE` is
+not explained at all.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Medians below this, rad, count as this, and need no explanation."""
 
 LARGEST_LEFT: Final = float(np.radians(20.0))
-"""Conventions and constant rotations that leave a larger median, rad, are not the cause; a lag may leave more."""
+"""A convention or a constant rotation that leaves a larger median, rad, is not the cause; a lag may leave more.
+
+Of n causes together, this over n³: many fit something else to some degrees."""
 
 SHARE_OF_EACH: Final = 0.25
 """Several causes that leave a larger share of the median than this to the power of their number are not the cause."""
@@ -122,6 +125,17 @@ class Explanation:
         mounting = 0.04 * self.misalignment.mounting_angle / np.pi if MOUNTING in self.free else 0.0
         simplicity = 0.005 * len(columns(self.free)) + 0.02 * self.convention.frd_body + mounting
         return len(self.causes) + simplicity + float(np.log2(max(self.median, NEGLIGIBLE)))
+
+    @property
+    def is_canonical(self) -> bool:
+        """Whether its mounting is the smaller one of the two that a body forward-right-down, or not, goes with."""
+        x, _, _, w = self.misalignment.mounting
+        return not self.convention.ned_world or abs(x) <= abs(w)
+
+    def is_part_of(self, other: Explanation) -> bool:
+        """Whether each of its causes is one of another's, with the same body axes."""
+        same_body = self.convention.frd_body == other.convention.frd_body or not self.convention.ned_world
+        return same_body and set(self.causes) <= set(other.causes)
 
     def without(self, cause: str) -> tuple[frozenset[str], Convention]:
         """Free constants and convention of the same causes but one."""
@@ -220,7 +234,7 @@ def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: floa
     turned = float(np.median(from_mean(comparison.true_states(0.0)[0])))
     for e in tried:
         at_limit = abs(e.misalignment.lag_s) >= limit_s or (beyond and e.free)
-        if at_limit or any(_is_worse(e, other) for other in unconstant):
+        if at_limit or not e.is_canonical or any(_is_no_better(e, other) for other in unconstant):
             continue
         if e is plain or (_explains(e, plain.median, turned) and _is_constant(comparison, e, tried)):
             return e
@@ -232,14 +246,15 @@ def _explains(explanation: Explanation, error: float, turned: float) -> bool:
     """Whether little is left of an error, and of what the body turns."""
     share = UNLIKE_MOUNTED if MOUNTING in explanation.free else UNLIKE
     causes = len(explanation.causes)
-    largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT
+    largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT / max(causes, 1) ** 3
     most = min(largest, share * turned, error * SHARE_OF_EACH**causes if causes > 1 else np.inf)
     return explanation.median <= max(most, NEGLIGIBLE)
 
 
-def _is_worse(explanation: Explanation, other: Explanation) -> bool:
-    """Whether an explanation leaves more than another, of which it is no part."""
-    return explanation.median > other.median and not set(explanation.causes) <= set(other.causes)
+def _is_no_better(explanation: Explanation, other: Explanation) -> bool:
+    """Whether an explanation leaves about as much as another, or more, and is no part of it."""
+    as_much = TIE_FACTOR * max(explanation.median, NEGLIGIBLE) >= max(other.median, NEGLIGIBLE)
+    return as_much and not explanation.is_part_of(other)
 
 
 def _explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:

@@ -22,7 +22,7 @@ from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
-from lie_rigid_body.evaluation.turning import turning
+from lie_rigid_body.evaluation.turning import stuck, turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import short_repr
 
@@ -208,13 +208,12 @@ def evaluate(
     uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
-    (lag_s, lag_standard_error_s), found = (
-        _diagnosis(estimate, whole, truth, longest_lag_s, statistics) if diagnosed else ((None, None), ())
+    (lag_s, lag_standard_error_s), found, turns = (
+        _diagnosis(estimate, whole, truth, longest_lag_s, statistics) if diagnosed else ((None, None), (), ())
     )
-    unlike = diagnosed and not found and statistics.median > UNLIKE_DEG
     remarks = (
         *estimate.remarks,
-        *(turning(estimate.stamps_ns, estimate.attitude_xyzw, true) if unlike else ()),
+        *turns,
         *_absence(estimate.stamps_ns, len(known), truth),
         *_interpolation(uncertainty, statistics),
     )
@@ -249,9 +248,16 @@ def seconds(stamps_ns: Integers) -> Array:
 
 def _diagnosis(
     estimate: Estimate, whole: Estimate, truth: Truth, longest_lag_s: float | None, total_deg: Statistics
-) -> tuple[tuple[float | None, float | None], tuple[Finding, ...]]:
-    """The lag with its standard error, s, and what is found; `whole` has the estimates outside of the truth as well."""
-    stamps = estimate.stamps_ns
+) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
+    """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing is.
+
+    `whole` has the estimates outside of the truth as well.
+    """
+    stamps, unlike = estimate.stamps_ns, total_deg.median > UNLIKE_DEG
+    turned = stamps, estimate.attitude_xyzw, truth.at(stamps)
+    sure = (stuck(*turned) or turning(*turned, surely=True)) if unlike else ()
+    if sure:
+        return (None, None), (), sure
     quarter = float(stamps[-1] - stamps[0]) / 4e9
     longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
     comparison, diagnosis = _within(estimate, truth, longest)
@@ -259,14 +265,14 @@ def _diagnosis(
         wider, other = _within(estimate, truth, quarter)
         if other is not None and LAG in other.explanation.free:
             comparison, diagnosis = wider, other
-    if longest_lag_s is None and total_deg.median > UNLIKE_DEG and not (diagnosis and _is_simple(diagnosis)):
+    if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
         everything = Comparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
         clock = other_clock(everything, float(np.radians(total_deg.median)))
         if clock is not None and (diagnosis is None or clock.cost < diagnosis.explanation.cost):
-            return clock_lag(everything, clock), (clock_finding(everything, clock),)
-    if diagnosis is None:
-        return (None, None), ()
-    return (diagnosis.lag_s, diagnosis.lag_standard_error_s), findings(comparison, diagnosis)
+            return clock_lag(everything, clock), (clock_finding(everything, clock),), ()
+    found = findings(comparison, diagnosis) if diagnosis else ()
+    lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
+    return lag, found, turning(*turned) if unlike and not found else ()
 
 
 def _is_simple(diagnosis: Diagnosis) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import spread
+from lie_rigid_body.evaluation.search import CONVENTIONS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -25,7 +25,11 @@ LEAST_TURN: Final = 0.5
 STUCK: Final = 0.01
 """Share of the body's turn below which an estimate does not turn."""
 LARGEST_MISS: Final = 0.2
-"""Median by which the turns may be missed, as a share of the median turn: mistakes of this kind leave less."""
+"""Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
+SMALLEST_MISS: Final = 1e-3
+"""A smaller one counts as this."""
+CLEARLY: Final = 2.0
+"""What misses the turns by this many times as much as another is not what is wrong."""
 
 DEGREE: Final = 180.0 / np.pi
 SCALES: Final = {
@@ -36,38 +40,56 @@ SCALES: Final = {
     0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
 }
 """How many times as fast as the body an estimate may turn, and what is the matter then."""
+BY_A_CLOCK: Final = (2.0, 0.5)
+"""Those that another clock of a body that turns evenly makes as well."""
+WRITTEN: Final = tuple(convention for convention in CONVENTIONS if not convention.ned_world)
+"""Conventions that change the turns; another world changes none, other body axes are a mounting."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
 """Axes that change places and signs, the first of which is none: shape (48, 3, 3)."""
 
 
-def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """What is wrong about the turns of an estimate whose error has no other cause.
+def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
+    """That an estimate does not turn, if the body does; shapes as those of `turning`."""
+    whole = _whole(stamps_ns)
+    turned, turn = (float(_angles(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
+    if len(whole) < FEWEST_STEPS or turn < LEAST_TURN or turned >= STUCK * turn:
+        return ()
+    message = (
+        f"The estimate turns by {np.degrees(turned):.3g}° in all, the body by {np.degrees(turn):.4g}°: "
+        "see whether the filter gets its readings, and publishes what it makes of them."
+    )
+    return (Remark("stuck", message),)
+
+
+def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, surely: bool = False) -> tuple[Remark, ...]:
+    """What is wrong about the turns of an estimate.
 
     Parameters
     ----------
     stamps_ns : ndarray of int64, shape (N,)
     estimate_xyzw, true_xyzw : ndarray, shape (N, 4)
+    surely : bool
+        Only what neither a convention nor a constant rotation nor another clock may feign.
 
     Returns
     -------
     tuple of Remark
     """
-    whole = np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
-    ours, true = (_steps(q, whole) for q in (estimate_xyzw, true_xyzw))
-    turned, turn = _angles(ours), _angles(true)
-    if len(whole) < FEWEST_STEPS or turn.sum() < LEAST_TURN:
+    whole = _whole(stamps_ns)
+    few = whole[spread(len(whole), STEPS)]
+    ours, true = (_steps(q, few) for q in (estimate_xyzw, true_xyzw))
+    if len(whole) < FEWEST_STEPS or _angles(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
         return ()
-    if turned.sum() < STUCK * turn.sum():
-        message = (
-            f"The estimate turns by {np.degrees(turned.sum()):.3g}° in all, the body by {np.degrees(turn.sum()):.4g}°: "
-            "see whether the filter gets its readings, and publishes what it makes of them."
-        )
-        return (Remark("stuck", message),)
-    few = spread(len(whole), STEPS)
-    fitting = _fitting(ours[few], quaternion.log(true[few]), LARGEST_MISS * float(np.median(turned[few])))
-    if len({scale for scale, _ in fitting}) != 1:
+    missed = _missed(ours, np.stack([_predicted(scale, quaternion.log(true)) for scale in SCALES]))
+    most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
+    if missed.min() > LARGEST_MISS:
+        return ()
+    fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
+    if len({scale for scale, _ in fitting}) != 1 or (surely and fitting[0][0] in BY_A_CLOCK):
+        return ()
+    if surely and _missed_by_conventions(estimate_xyzw, true_xyzw, few) <= most:
         return ()
     scale, axes = fitting[0]
     times = f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
@@ -98,11 +120,33 @@ def _angles(rotations: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(quaternion.log(rotations) ** 2, axis=-1)))
 
 
-def _fitting(ours: Array, true: Array, most: float) -> list[tuple[float, int]]:
-    """Scales and axes that miss the estimate's turns by no more than a median, rad; those of no change come first."""
-    found = []
-    for scale in SCALES:
-        predicted = quaternion.exp(scale * np.einsum("aij,nj->ani", AXES, true))
-        missed = np.median(_angles(quaternion.multiply(quaternion.conjugate(predicted), ours)), axis=-1)
-        found += [(scale, int(axes)) for axes in np.flatnonzero(missed <= most)]
-    return found
+def _whole(stamps_ns: Integers) -> Integers:
+    """First samples of the steps that are no gaps."""
+    return np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
+
+
+def _predicted(scale: float, steps: Array) -> Array:
+    """The turns, shape (48, n, 4), of an estimate by a scale and each choice of axes."""
+    return quaternion.exp(scale * np.einsum("aij,nj->ani", AXES, steps))
+
+
+def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers) -> float:
+    """The least that a convention, with the mounting that suits it best, misses the turns by."""
+    true, least = _steps(true_xyzw, few), np.inf
+    for convention in WRITTEN:
+        ours = _steps(convention.undo(estimate_xyzw), few)
+        # W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A 32 (1976) 922
+        U, _, V = np.linalg.svd(quaternion.log(ours).T @ quaternion.log(true))
+        mounting = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
+        least = min(least, float(_missed(ours, quaternion.exp(quaternion.log(true) @ mounting.T))))
+    return least
+
+
+def _missed(ours: Array, predicted: Array) -> Array:
+    """Root mean square by which turns (n, 4) are missed by predictions (..., n, 4), in median turns, two at most.
+
+    Axes about which the body turns for a short time only, as that of a flip, count by this, and not by a median.
+    """
+    size = _angles(quaternion.multiply(quaternion.conjugate(predicted), ours))
+    turned = max(float(np.median(_angles(ours))), 1e-300)
+    return np.asarray(np.sqrt(np.mean(np.minimum(size / turned, 2.0) ** 2, axis=-1)))
