@@ -209,7 +209,7 @@ def evaluate(
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
     (lag_s, lag_standard_error_s), found, turns = (
-        _diagnosis(estimate, whole, truth, longest_lag_s, statistics) if diagnosed else ((None, None), (), ())
+        _diagnosis(estimate, whole, truth, true, longest_lag_s, statistics) if diagnosed else ((None, None), (), ())
     )
     remarks = (
         *estimate.remarks,
@@ -247,14 +247,19 @@ def seconds(stamps_ns: Integers) -> Array:
 
 
 def _diagnosis(
-    estimate: Estimate, whole: Estimate, truth: Truth, longest_lag_s: float | None, total_deg: Statistics
+    estimate: Estimate,
+    whole: Estimate,
+    truth: Truth,
+    true_xyzw: Array,
+    longest_lag_s: float | None,
+    total_deg: Statistics,
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
     """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing is.
 
-    `whole` has the estimates outside of the truth as well.
+    `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
     stamps, unlike = estimate.stamps_ns, total_deg.median > UNLIKE_DEG
-    turned = stamps, estimate.attitude_xyzw, truth.at(stamps)
+    turned = stamps, estimate.attitude_xyzw, true_xyzw
     sure = (stuck(*turned) or turning(*turned, surely=True)) if unlike else ()
     if sure:
         return (None, None), (), sure
