@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
-from lie_rigid_body.evaluation.estimate import in_order
+from lie_rigid_body.evaluation.estimate import GAP, in_order, period_ns
 from lie_rigid_body.evaluation.tally import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string
@@ -32,7 +32,8 @@ kept, then every fourth, and so on. To score them takes about 3 s; launch kills 
 MOST_UNREAD: Final = 50_000
 """Messages that wait for a truth; the oldest are given up."""
 LENIENCE_NS: Final = NS
-"""How far beyond the last pose heard the scenario tells the truth, ns; stamps further on are of another clock."""
+"""How far the last estimate and the last pose heard may be apart, ns, as each has its way. The scenario tells the truth
+so far beyond the poses: stamps further on are of another clock. A filter is so late: one further behind has ended."""
 RECENT: Final = 40
 """Batches of poses by which the latest estimates are judged."""
 INTERIM: Final = 2000
@@ -331,10 +332,15 @@ class LiveEstimate:
         start = int(self.first_ns if self.first_ns is not None else stamps[0])
         if true.segments:
             truth.first_ns = true.segments[0].start_ns
-            if truth.last_ns < stamps[-1] <= truth.last_ns + LENIENCE_NS:
-                truth.last_ns = int(stamps[-1])
         if truth.first_ns < start <= truth.last_ns:
             truth.first_ns = start
+        if self._duration_ns is not None:
+            truth.last_ns = min(truth.last_ns, max(start + self._duration_ns, truth.first_ns))
+        end = int(stamps[-1])
+        if true.segments and truth.last_ns < end <= truth.last_ns + LENIENCE_NS:
+            truth.last_ns = end
+        elif end <= truth.last_ns <= end + LENIENCE_NS:  # what is on its way through the filter is no gap
+            truth.last_ns = min(truth.last_ns, end + int(GAP * period_ns(stamps)))
         return truth
 
     def _read_poses(self) -> None:

@@ -281,6 +281,21 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     assert (score.t_s[-1], score.samples, live.unusable) == (2.0, 51, 1)
 
 
+@pytest.mark.parametrize("duration_s", [None, 4.0])
+def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, own, stamps, noisy, tmp_path):
+    """The truth is there before the filter has its answer: not what is on its way is missing, but what never comes."""
+    codes = {}
+    for count in 101, 126, 60:  # the truth is heard until 6 s
+        bag = beside(
+            own,
+            tmp_path / f"{count}.mcap",
+            (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:count], noisy[:count]),
+        )
+        live = followed(bag, POSE_STAMPED, duration_s=duration_s)
+        codes[count] = [finding.code for finding in live.score()[1].findings]
+    assert codes == {101: [] if duration_s else ["gaps"], 126: [], 60: ["gaps"]}
+
+
 def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
     with pytest.raises(InputError, match="149 of 149 attitudes are not finite"):
