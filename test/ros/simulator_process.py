@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 from threading import Event, Thread
@@ -39,6 +39,11 @@ def sim_command(*arguments: str, without: Sequence[str] = ()) -> list[str]:
 def assignments(**values: object) -> list[str]:
     """The arguments that assign parameters."""
     return [part for name, value in values.items() for part in ("-p", f"{name}:={value}")]
+
+
+def without_lateness(complained: Iterable[str]) -> list[str]:
+    """Lines of stderr but for those of being late, which is the machine's."""
+    return [line for line in complained if "catching up" not in line]
 
 
 class SimulatorProcess:
@@ -93,7 +98,7 @@ class SimulatorProcess:
 
     def errors(self) -> list[str]:
         """What it complained of, but for being late, which is the machine's."""
-        return [line for line in self.complained if "catching up" not in line]
+        return without_lateness(self.complained)
 
     def end(self, *numbers: signal.Signals) -> int:
         """Send signals one after the other, and return the exit status."""

@@ -168,7 +168,7 @@ def test_at_its_end_the_node_says_how_much_it_sent() -> None:
     with SimulatorProcess("--ros-args", "-r", "__ns:=/brief") as simulator:
         assert simulator.end(signal.SIGINT) == 0
     [said] = [line for line in simulator.said if " ends: " in line]
-    assert re.fullmatch(r"/brief/lie_rigid_body ends: \d+ samples sent, (none|\d+) of them late.*", said)
+    assert re.fullmatch(r"/brief/lie_rigid_body ends: \d+ samples? sent, (none|\d+) of them late.*", said)
 
 
 def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:

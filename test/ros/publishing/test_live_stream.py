@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulator_process import SimulatorProcess, eventually, finish_client, start_client
+from simulator_process import SimulatorProcess, eventually, finish_client, start_client, without_lateness
 
 from lie_rigid_body import ClosedForm
 from lie_rigid_body.cli.check import main as check
@@ -150,7 +150,7 @@ def test_signal_ends_it_with_status_0_and_silence(runs: dict[str, Run], name: st
     run = runs[name]
     assert run.status == 0
     # a node that stalled says so
-    assert [line for line in run.complained if "late, catching up" not in line] == []
+    assert without_lateness(run.complained) == []
 
 
 @both
