@@ -338,7 +338,10 @@ class Bag:
                 contents.kept = 0
 
     def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
-        reader = TopicsReader(self._path, [Topic(key, *self._layout(key)) for key in keys])
+        counts = {(topic.topic, topic.message_type): topic.count for topic in self.sensors.values()}
+        counts |= {self._pose: self.pose_count, self._twist: self.twist_count}
+        topics = [Topic(key, *self._layout(key), expected=min(counts[key], _BATCH)) for key in keys]
+        reader = TopicsReader(self._path, topics)
         for outline, data in chunks(self._outlines, self._files.progress):
             reader.add(data, outline.channels)
             if reader.count >= _BATCH:

@@ -6,6 +6,7 @@ import struct
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from io import BytesIO
 from itertools import islice
@@ -51,6 +52,8 @@ class Topic:
         Which of the float64 fields of a message are its values; the others are part of its kind.
     stamped : bool
         Whether a std_msgs/Header comes first.
+    expected : int
+        How many messages there will be to take at once, if that is known: room for them is made at first.
     layout : Layout or None
         How its messages are laid out, as soon as one was read.
     kind_of_layout : Kind
@@ -64,6 +67,7 @@ class Topic:
     key: tuple[str, str]
     varying: Booleans
     stamped: bool
+    expected: int = 0
     layout: Layout | None = None
     kind_of_layout: Kind = ("", b"")
     kinds: dict[Kind, int] = field(default_factory=dict)
@@ -73,9 +77,13 @@ class Topic:
         """The number of a kind, which is new if there was none like it."""
         return self.kinds.setdefault(kind, len(self.kinds))
 
+    def decoded(self, path: Path, piece: RawMessages, before: int) -> TopicMessages:
+        """Messages decoded in the general way, before which so many were added since the last were taken."""
+        return topic_messages(path, self.key[0], [piece], self.varying, self.stamped, self.before + before)
+
     def learn(self, payload: bytes, kind: Kind) -> None:
         """Take a message for how all are laid out."""
-        if TAKE.compiled_for(0) is None or byte_order(payload, 0) != "<":
+        if byte_order(payload, 0) != "<":
             return
         frame_end = FRAME + int.from_bytes(payload[12:FRAME], "little") if self.stamped else 0
         start = numbers_after(frame_end) if self.stamped else 4
@@ -95,6 +103,7 @@ class TopicsReader:
     def __init__(self, path: Path, topics: Sequence[Topic]) -> None:
         self._path, self._topics = path, topics
         self._widths = np.array([np.count_nonzero(topic.varying) for topic in topics], dtype=np.int64)
+        self._expected = np.array([topic.expected for topic in topics], dtype=np.int64)
         self._begin(np.zeros(len(topics), dtype=np.int64))
 
     def _begin(self, rows: Integers) -> None:
@@ -119,7 +128,8 @@ class TopicsReader:
     def add(self, data: bytes, channels: Mapping[tuple[str, str], Sequence[int]]) -> None:
         """Take the messages in a chunk of a file, in which topics have these channels."""
         before = self._taken[:, 0].tolist()
-        if channels is not self._channels:
+        is_learned = TAKE.compiled_for(0) is not None and self._learn(data, channels)
+        if is_learned or channels is not self._channels:
             self._lay_out(channels)
         if self._take is not None:
             self._make_room(self._taken[:, 0] + self._is_laid_out * (len(data) // self._sizes + 1))
@@ -133,6 +143,23 @@ class TopicsReader:
                 self._add_one_by_one(i, data, channels.get(topic.key, ()))
             elif count > before[i]:
                 self._kind[self._places_of(i, before[i], count - before[i])] = topic.number_of(topic.kind_of_layout)
+
+    def _learn(self, data: bytes, channels: Mapping[tuple[str, str], Sequence[int]]) -> bool:
+        """Learn the layouts that are not known from the first messages in a chunk; return whether there was one."""
+        unknown = [(i, topic) for i, topic in enumerate(self._topics) if topic.layout is None]
+        is_learned = False
+        for table in _tables(data) if unknown else ():
+            for i, topic in [*unknown]:
+                own = np.flatnonzero(np.isin(table.channels, channels.get(topic.key, ())))
+                if not len(own):
+                    continue
+                unknown.remove((i, topic))
+                payload = data[table.starts[own[0]] + _PAYLOAD : table.ends[own[0]]]
+                with suppress(BagError):  # it is told in the general way
+                    first = topic.decoded(self._path, _alone(payload), int(self._taken[i, 0]))
+                    topic.learn(payload, first.kinds[0])
+                    is_learned = True
+        return is_learned
 
     def _lay_out(self, channels: Mapping[tuple[str, str], Sequence[int]]) -> None:
         """Have those topics taken by the compiled loop whose layout is known."""
@@ -163,7 +190,7 @@ class TopicsReader:
             return
         old = [self._of_topic(i) for i in range(len(self._topics))]
         channels, taken = self._channels, self._taken
-        self._begin(np.where(rows > self._rows, np.maximum(2 * self._rows, rows), self._rows))
+        self._begin(np.where(rows > self._rows, np.maximum(2 * self._rows, rows + self._expected), self._rows))
         self._taken = taken
         for i, columns in enumerate(old):
             self._fill(i, 0, *columns)
@@ -185,15 +212,13 @@ class TopicsReader:
         self._values(i)[first : first + len(stamps)] = values
 
     def _add_one_by_one(self, i: int, data: bytes, channels: Sequence[int]) -> None:
-        """In the general way, from which the layout of those that follow is learned."""
+        """In the general way, from which the layout of those that follow is learned anew."""
         if not channels:
             return
         topic, first = self._topics[i], int(self._taken[i, 0])
-        piece = _piece(data, channels)
-        found = topic_messages(self._path, topic.key[0], [piece], topic.varying, topic.stamped, topic.before + first)
-        if len(found) and len(found.kinds) == 1:
-            topic.learn(piece.data[piece.starts[0] : piece.ends[0]], found.kinds[0])
-            self._channels = None  # it is laid out anew
+        found = topic.decoded(self._path, _piece(data, channels), first)
+        if len(found.kinds) == 1:
+            topic.layout = None  # all of them are alike, but not like those before
         rows = self._taken[:, 0].copy()
         rows[i] += len(found)
         self._make_room(rows)
@@ -306,6 +331,11 @@ def _require_same(outline: Outline, stream: BinaryIO) -> None:
 
 def _changed(outline: Outline) -> BagError:
     return BagError(f"{outline.path} changed while it was read: try again when nobody writes it")
+
+
+def _alone(payload: bytes) -> RawMessages:
+    """A message by itself."""
+    return RawMessages(payload, *(np.array([number], dtype=np.int64) for number in (0, len(payload), 0)))
 
 
 def _piece(data: bytes, channels: Sequence[int]) -> RawMessages:
