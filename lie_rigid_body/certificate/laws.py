@@ -102,7 +102,6 @@ class SegmentLaws:
         WORK.compiled_for(found.count)
         self._judgements: dict[str, Judgement] = {}
         self._before: Block | None = None
-        self.add(Block.empty())
 
     def add(self, block: Block) -> None:
         """Hold the laws against the samples that come next."""
@@ -141,6 +140,8 @@ class SegmentLaws:
 
     def held(self) -> HeldLaws:
         """What came of it."""
+        if not self._judgements:  # without a sample every law holds
+            self.add(Block.empty())
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
         results = tuple(judgement.result() for judgement in self._judgements.values())

@@ -93,7 +93,7 @@ class Scenario:
         of_sensors = {name: values[name] for name in _SENSORS}
         scenario = cls(
             **{name: values[name] for name in _OWN},  # type: ignore[arg-type]
-            sensors=Sensors.from_parameters(of_sensors),
+            sensors=Sensors.from_values(of_sensors),
             sensor_parameters=tuple(of_sensors.items()),
         )
         scenario._validate()

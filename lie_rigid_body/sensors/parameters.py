@@ -214,7 +214,11 @@ class Sensors:
         ParameterError
             Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
         """
-        values = read_table(SENSOR_PARAMETERS, graded(given or {}))
+        return cls.from_values(read_table(SENSOR_PARAMETERS, graded(given or {})))
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Value]) -> Sensors:
+        """The sensors of all their parameters, each in its own type; see `from_parameters`."""
         require_frame_name("imu_frame", cast(str, values["imu_frame"]))
         models = {name: make(values) for name, make in _MODELS.items()}  # also of those that are off, to refuse them
         return cls(**{name: model for name, model in models.items() if _is_on(f"{name}_rate", values)})

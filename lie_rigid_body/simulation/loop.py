@@ -99,8 +99,7 @@ class Simulation:
         self._sensors: dict[str, SensorQueue[_Readings]] = {}
         self._faults: FaultLog | None = None
         self._ended: list[tuple[Scenario, int]] = []
-        epoch = scenario.epoch_ns if epoch_ns is None else epoch_ns
-        self._begin(replace(scenario, epoch_ns=epoch), 0)
+        self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else replace(scenario, epoch_ns=epoch_ns), 0)
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken."""

@@ -131,9 +131,13 @@ def steady_constants(row: Sequence[Number]) -> SteadyConstants:
 
 def flattened(constants: Any) -> list[Number]:
     """The numbers of nested tuples in a row."""
-    if not isinstance(constants, tuple):
-        return [constants]
-    return [number for part in constants for number in flattened(part)]
+    row: list[Number] = []
+    for part in constants:
+        if isinstance(part, tuple):
+            row += flattened(part)
+        else:
+            row.append(part)
+    return row
 
 
 @kernel
