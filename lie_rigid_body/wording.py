@@ -183,7 +183,7 @@ def short_repr(instance: Any) -> str:
     str
         Of at most `LONGEST_LINE` characters.
     """
-    names = getattr(instance, "_fields", None) or instance.__dataclass_fields__
+    names = getattr(instance, "_fields", None) or [f.name for f in instance.__dataclass_fields__.values() if f.repr]
     return call_repr(instance, {name: getattr(instance, name) for name in names})
 
 

@@ -11,7 +11,7 @@ Geman and McClure, so that the convergence of a filter from a bad start hardly p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -32,6 +32,10 @@ ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
 """x and y change places and z its sign: half a turn about (1, 1, 0), its own inverse."""
 FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])
 """Half a turn about the body's x axis, its own inverse."""
+
+KEPT_STATES: Final = 8
+MOST_KEPT_STAMPS: Final = 10_000
+"""Answers of the truth that a comparison keeps, 64 bytes a stamp, and the most stamps of one."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +136,7 @@ class Comparison:
     estimate_xyzw: Array
     truth: Truth
     longest_lag_s: float
+    _states: dict[bytes, tuple[Array, Array]] = field(default_factory=dict, repr=False, compare=False)
 
     __repr__ = short_repr
 
@@ -144,8 +149,19 @@ class Comparison:
         return self.stamps_ns - round(lag_s * 1e9)
 
     def true_states(self, lag_s: float) -> tuple[Array, Array]:
-        """True attitudes, shape (N, 4), and body rates, rad/s, shape (N, 3), of the times before a lag."""
-        return self.truth.states(self.true_stamps(lag_s))
+        """True attitudes, shape (N, 4), and body rates, rad/s, shape (N, 3), of the times before a lag.
+
+        Fits ask for the same times again and again: the last few answers are kept, for all parts of a comparison.
+        """
+        stamps = self.true_stamps(lag_s)
+        if len(stamps) > MOST_KEPT_STAMPS:
+            return self.truth.states(stamps)
+        times = stamps.tobytes()
+        if times not in self._states:
+            while len(self._states) >= KEPT_STATES:
+                self._states.pop(next(iter(self._states)))
+            self._states[times] = self.truth.states(stamps)
+        return self._states[times]
 
     def angles(self, misalignment: Misalignment) -> Array:
         """Angles between predicted and given estimates where the truth is known, shape (≤ N,), rad."""

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.alignment import Convention
+from lie_rigid_body.evaluation.alignment import KEPT_STATES, Comparison, Convention
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0
@@ -138,6 +138,25 @@ def test_a_lag_is_measured_beside_a_misalignment_in_samples_of_the_truth(motion)
     score = evaluate(STAMPS, estimate, SampledTruth(STAMPS, attitude(motion)))
     assert codes(score) == ["heading_offset", "lagging"]
     assert score.lag_s == pytest.approx(0.033, abs=1e-3)
+
+
+def test_the_truth_of_the_same_times_is_asked_for_once():
+    asked = []
+
+    def exact(t_ns):
+        asked.append(t_ns)
+        return MOTIONS["dzhanibekov"].at(t_ns).attitude_xyzw
+
+    whole = Comparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
+    parts = [whole.part(slice(100, 110)), whole.part(np.arange(100, 110))]
+    first, again = (part.true_states(0.1) for part in parts)
+    assert len(asked) == 1
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    for k in range(2 * KEPT_STATES):
+        expected = whole.truth.states(parts[0].stamps_ns - k * PERIOD_NS)
+        found = parts[0].true_states(k * PERIOD_NS / 1e9)
+        assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
+    assert "_states" not in repr(whole)
 
 
 @motions
