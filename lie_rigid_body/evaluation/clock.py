@@ -17,6 +17,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.alignment import LAG, Comparison, Misalignment, fit, lag_standard_error
 from lie_rigid_body.evaluation.diagnosis import LAG_SAMPLES, NEGLIGIBLE
 from lie_rigid_body.evaluation.estimate import FARTHEST_NS
+from lie_rigid_body.evaluation.gyro_errors import left_by_gyro_errors
 from lie_rigid_body.evaluation.search import from_mean, spread
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.wording import short_repr
@@ -25,6 +26,8 @@ LARGEST_LEFT: Final = float(np.radians(5.0))
 """What leaves a larger median, rad, is not the clock."""
 LARGEST_SHARE: Final = 0.25
 """Nor what leaves a larger share of the error, or of what an attitude leaves that does not follow the body."""
+AS_GOOD: Final = 1.25
+"""Nor another rate, where the errors of a gyro leave no more than so many times as much."""
 LEAST_COVERED: Final = 0.25
 """Nor what leaves a smaller share of the samples within the truth's times; with another rate `MOSTLY_COVERED`."""
 MOSTLY_COVERED: Final = 0.9
@@ -122,7 +125,17 @@ def other_clock(comparison: Comparison, error: float) -> Clock | None:
             clock = _refined(grid.clock(k), comparison, table.step_ns / 1e9)
             found.append(replace(clock, median=_left(clock, comparison)))
     best = min(found, key=lambda clock: clock.cost, default=None)
-    return best if best and best.median <= min(LARGEST_LEFT, LARGEST_SHARE * error) else None
+    if best is None or best.median > min(LARGEST_LEFT, LARGEST_SHARE * error) or _is_of_a_gyro(best, comparison):
+        return None
+    return best
+
+
+def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
+    """Whether the errors of a gyro explain as much as a clock of another rate."""
+    known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
+    if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES:
+        return False
+    return left_by_gyro_errors(known) <= AS_GOOD * max(clock.median, NEGLIGIBLE)
 
 
 def _lowest(costs: Array) -> list[int]:
@@ -259,9 +272,19 @@ def _left(clock: Clock, comparison: Comparison) -> float:
     left, (attitude, rate) = float(np.median(angles)), few.true_states(0.0)
     worst = max(float(np.median(quarter)) for quarter in np.array_split(angles, 4)[1:])
     uneven = worst > UNEVEN * max(left, NEGLIGIBLE)
-    unlike = left > LARGEST_SHARE * float(np.median(from_mean(attitude)))
+    unlike = left > LARGEST_SHARE * min(float(np.median(from_mean(attitude))), _as_stamped(clock, comparison))
     feigned = _is_spin(rate) and not (_spans(clock, true) if clock.rate != 1.0 else _is_within_half_a_turn(clock, rate))
     return np.inf if uneven or unlike or feigned else left
+
+
+def _as_stamped(clock: Clock, comparison: Comparison) -> float:
+    """The median angle, rad, by the stamps as they are, of the samples that a clock has a truth for; some have none.
+
+    Else a lag would be told by which what errs has no truth.
+    """
+    compared = comparison.truth.covers(clock.true_stamps(comparison.stamps_ns))
+    angles = comparison.part(np.flatnonzero(compared)).angles(Misalignment())
+    return float(np.median(angles)) if len(angles) >= FEWEST_SAMPLES else np.inf
 
 
 def _is_spin(rate: Array) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from typing import Final
 
 import numpy as np
 
@@ -23,6 +24,9 @@ FITTED = 2000
 SAME_AXES_DEG = 5.0
 """A mounting so near to axes that change places and signs is told in those words."""
 
+OF_SENSORS: Final = float(np.radians(20.0))
+"""Errors of the sensors, which keep to the body as a mounting does, hardly turn its axes by more, rad."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -32,7 +36,7 @@ class Finding:
     ----------
     code : str
         ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
-        ``clock_rate``, ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
+        ``clock_rate``, ``world_turned``, ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
     message : str
         One sentence with numbers, and what to do.
     rms_deg_after : float
@@ -70,7 +74,7 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
         # all constants are those of one fit: they hold together, and the last finding tells what they leave
         after = np.degrees(written(comparison, partial.convention).angles(fitted.only(partial.free)))
         sentence, doubt = _sentence(cause, comparison, diagnosis, fitted), _doubt(diagnosis, cause)
-        found.append(Finding(_code(cause, fitted), f"{sentence} ({_gain(before, after)}){doubt}.", rms(after)))
+        found.append(Finding(_code(cause, fitted), f"{sentence} ({gain(before, after)}){doubt}.", rms(after)))
         before = after
     return tuple(found)
 
@@ -90,7 +94,7 @@ def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
         code, sentence = ("lagging" if clock.lag_s > 0.0 else "leading"), _lag(comparison, clock.lag_s)
     else:
         code, sentence = "clock_rate", _rate(clock)
-    return Finding(code, f"{sentence} ({_gain(before, after)}).", rms(after))
+    return Finding(code, f"{sentence} ({gain(before, after)}).", rms(after))
 
 
 def _rate(clock: Clock) -> str:
@@ -101,7 +105,7 @@ def _rate(clock: Clock) -> str:
     )
 
 
-def _gain(before: Array, after: Array) -> str:
+def gain(before: Array, after: Array) -> str:
     """What undoing a cause does to the errors, degrees; alone it need not help."""
     if np.median(after) >= np.median(before):
         return "helps only together with what follows"
@@ -175,6 +179,7 @@ def _mounting(fitted: Misalignment) -> str:
     return (
         f"The body axes of the estimate are turned by {np.degrees(angle):.4g}° about ({axis}) of the body: tell the "
         f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right{_places(mounting)}"
+        f"{'; biases, hard iron and axes of the sensors turn them as well' if angle < OF_SENSORS else ''}"
     )
 
 

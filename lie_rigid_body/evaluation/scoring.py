@@ -14,9 +14,9 @@ from lie_rigid_body.evaluation.alignment import HEADING, LAG, Comparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
-from lie_rigid_body.evaluation.clock import clock_lag, other_clock
+from lie_rigid_body.evaluation.clock import Clock, clock_lag, other_clock
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
-from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose
+from lie_rigid_body.evaluation.diagnosis import NEGLIGIBLE, Diagnosis, diagnose
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.limits import Limits
@@ -24,6 +24,7 @@ from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, set
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.evaluation.turning import stuck, turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
+from lie_rigid_body.evaluation.world import world_turned
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LAG_S: Final = 1.0
@@ -254,7 +255,7 @@ def _diagnosis(
     longest_lag_s: float | None,
     total_deg: Statistics,
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
-    """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing is.
+    """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing else is.
 
     `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
@@ -273,16 +274,28 @@ def _diagnosis(
     if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
         everything = Comparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
         clock = other_clock(everything, float(np.radians(total_deg.median)))
-        if clock is not None and (diagnosis is None or clock.cost < diagnosis.explanation.cost):
+        if clock is not None and (diagnosis is None or _is_better(clock, diagnosis)):
             return clock_lag(everything, clock), (clock_finding(everything, clock),), ()
     found = findings(comparison, diagnosis) if diagnosis else ()
     lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
-    return lag, found, turning(*turned) if unlike and not found else ()
+    if not unlike or found:
+        return lag, found, ()
+    return (lag, world, ()) if (world := world_turned(*turned[1:])) else (lag, (), turning(*turned))
 
 
 def _is_simple(diagnosis: Diagnosis) -> bool:
     """Whether one cause was found that no other clock feigns."""
     return len(diagnosis.explanation.causes) == 1 and not diagnosis.explanation.free - {HEADING}
+
+
+def _is_better(clock: Clock, diagnosis: Diagnosis) -> bool:
+    """Whether another clock explains more than a diagnosis, and a far lag more than twice what a near one does.
+
+    A motion that nearly repeats has many lags about as good.
+    """
+    near = [e.median for e in diagnosis.tried if LAG in e.free and len(e.causes) <= 2]
+    doubtful = clock.rate == 1.0 and 2.0 * max(clock.median, NEGLIGIBLE) >= min(near, default=np.inf)
+    return clock.cost < diagnosis.explanation.cost and not doubtful
 
 
 def _within(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[Comparison, Diagnosis | None]:

@@ -83,7 +83,7 @@ class Grid:
         turned = quaternion.multiply(back, convention.undo(self.estimate_xyzw))
         # (lags, headings, samples, 4): what is left on the body's axes
         left = quaternion.multiply(quaternion.conjugate(self.truth_xyzw[chosen])[:, np.newaxis], turned)
-        mounting = _mean(left) if MOUNTING in free else np.broadcast_to(IDENTITY, (*left.shape[:2], 4))
+        mounting = mean(left) if MOUNTING in free else np.broadcast_to(IDENTITY, (*left.shape[:2], 4))
         cosine = np.einsum("lhna,lha->lhn", left, mounting)
         cost = np.mean(np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), axis=-1)
         i, j = np.unravel_index(np.argmin(cost), cost.shape)
@@ -103,10 +103,11 @@ def written(comparison: Comparison, convention: Convention) -> Comparison:
 
 def from_mean(attitude_xyzw: Array) -> Array:
     """Angles from the attitude that is nearest to all of shape (N, 4), rad: what one leaves that does not follow."""
-    cosine = np.abs(attitude_xyzw @ _mean(attitude_xyzw))
+    cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))
     return np.asarray(2.0 * np.arccos(np.minimum(cosine, 1.0)))
 
 
-def _mean(quaternions: Array) -> Array:
+def mean(quaternions: Array) -> Array:
+    """The rotation that is nearest to all of shape (..., N, 4); see `Grid.best`."""
     outer = np.einsum("...na,...nb->...ab", quaternions, quaternions)
     return np.asarray(np.linalg.eigh(outer)[1][..., -1])

@@ -99,3 +99,15 @@ FAULT_PARAMETERS: Final = (
     *_delivery("sun_sensor", "Sun sensor"),
 )
 """Every parameter of faults, in the order in which they are shown."""
+
+FAULT_SWITCHES: Final = {
+    **{
+        parameter.name: f"{parameter.name.rpartition('_')[0]}_"
+        for parameter in FAULT_PARAMETERS
+        if parameter.name.endswith(("_interval", "_probability"))
+    },
+    **{p.name: f"{p.name}_" for p in FAULT_PARAMETERS if p.name.endswith("_temperature_drift")},
+}
+"""The parameters that switch a fault on, and how the names of the others of that fault begin."""
+WINDOW: Final = ("fault_begin", "fault_end")
+"""Names of the parameters that limit all faults that have a switch."""

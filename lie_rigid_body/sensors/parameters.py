@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias, cast
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.attitude_sensor import AttitudeSensorModel
-from lie_rigid_body.sensors.fault_parameters import FAULT_PARAMETERS
+from lie_rigid_body.sensors.fault_parameters import FAULT_PARAMETERS, FAULT_SWITCHES, WINDOW
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
@@ -142,19 +142,21 @@ SENSOR_PARAMETERS: Final = (
 """Every parameter of the sensors, in the order in which they are shown."""
 
 
-_OF_RATE: Final = {
-    "imu_rate": ("imu", "gyro", "accelerometer"),
-    "magnetometer_rate": ("magnetometer", "magnetic_disturbance"),
-    "attitude_sensor_rate": ("attitude_sensor",),
-    "sun_sensor_rate": ("sun_sensor",),
+_SWITCHES: Final[dict[str, tuple[str, ...]]] = {
+    "imu_rate": ("imu_", "gyro_", "accelerometer_"),
+    "magnetometer_rate": ("magnetometer_", "magnetic_disturbance_"),
+    "attitude_sensor_rate": ("attitude_sensor_",),
+    "sun_sensor_rate": ("sun_sensor_",),
+    "imu_orientation": ("imu_inclination_", "imu_heading_"),
+    **{switch: (begin,) for switch, begin in FAULT_SWITCHES.items()},
 }
-"""How the names of the parameters begin that only have an effect where a rate is above 0."""
+"""How the names of the parameters begin that only have an effect where another is above 0, or true."""
 _SHARED: Final = ("imu_frame",)
 """Names that begin so, and mean other sensors as well."""
 
 
 def without_effect(values: Mapping[str, Value]) -> str:
-    """What is asked of sensors that are off, in a sentence without a full stop; empty if nothing.
+    """What is asked of sensors and faults that are off, in a sentence without a full stop; empty if nothing.
 
     A grade asks for nothing: it is that of whichever sensors there are.
 
@@ -166,11 +168,19 @@ def without_effect(values: Mapping[str, Value]) -> str:
     usual = {**{p.name: p.default for p in SENSOR_PARAMETERS}, **GRADES[str(values[GRADE])], GRADE: values[GRADE]}
     asked = [name for name, value in values.items() if value != usual[name] and name not in _SHARED]
     sentences = []
-    for rate in (rate for rate in _OF_RATE if not values[rate]):
-        names = [name for name in asked if name.startswith(tuple(f"{begin}_" for begin in _OF_RATE[rate]))]
+    for switch in (switch for switch in _SWITCHES if not values[switch]):
+        names = [name for name in asked if name.startswith(_SWITCHES[switch])]
+        asked = [name for name in asked if name not in names]  # those of a sensor that is off are not told twice
         if names:
-            sentences.append(f"{listed(names)} {'have' if len(names) > 1 else 'has'} no effect, as {rate} is 0")
-    return f"{'; '.join(sentences)}: give the rate of the sensor" if sentences else ""
+            sentences.append(f"{_idle(names)}, as {switch} is {'false' if values[switch] is False else 0}")
+    window = [name for name in asked if name in WINDOW]
+    if window and not any(values[switch] for switch in FAULT_SWITCHES):
+        sentences.append(f"{_idle(window)}, as no fault that comes and goes is on")
+    return f"{'; '.join(sentences)}: give what switches them on" if sentences else ""
+
+
+def _idle(names: list[str]) -> str:
+    return f"{listed(names)} {'have' if len(names) > 1 else 'has'} no effect"
 
 
 SensorModel: TypeAlias = ImuModel | MagnetometerModel | AttitudeSensorModel | SunSensorModel

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import cache
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from lie_rigid_body import simulate
+from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.findings import Finding
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, so3
 
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 FRD = [1.0, 0.0, 0.0, 0.0]
@@ -24,10 +26,11 @@ OF_THE_OUTPUT: dict[str, tuple[Callable[[np.ndarray], np.ndarray], set[str]]] = 
     "conjugate": (quaternion.conjugate, {"inverted"}),
     "scalar first": (lambda q: np.roll(q, 1, axis=-1), {"scalar_first"}),
     "NED": (lambda q: quaternion.multiply(NED, q), {"ned_world"}),
-    "NED and FRD": (lambda q: quaternion.multiply(quaternion.multiply(NED, q), FRD), {"ned_world"}),
+    "NED and FRD": (lambda q: quaternion.multiply(quaternion.multiply(NED, q), FRD), {"ned_world", "turn_axes"}),
     "heading": (lambda q: quaternion.multiply(quaternion.exp(np.pi / 2.0 * UP), q), {"heading_offset"}),
     "mounting": (lambda q: quaternion.multiply(q, quaternion.exp([0.1, 0.0, 0.14])), {"body_mounting"}),
-    "FRD": (lambda q: quaternion.multiply(q, FRD), {"body_mounting"}),
+    "FRD": (lambda q: quaternion.multiply(q, FRD), {"body_mounting", "turn_axes"}),
+    "first attitude": (lambda q: quaternion.multiply(quaternion.exp([0.7, 0.5, -0.3]), q), {"world_turned"}),
     "stuck at identity": (lambda q: np.tile([0.0, 0.0, 0.0, 1.0], (len(q), 1)), {"stuck"}),
     "stuck at its last": (lambda q: np.tile(q[-1], (len(q), 1)), {"stuck"}),
 }
@@ -38,6 +41,8 @@ OF_THE_GYRO: dict[str, tuple[np.ndarray, set[str]]] = {
     "deg/s": (np.degrees(np.eye(3)), {"turn_rate"}),
 }
 """What the gyro's readings are multiplied by."""
+OF_THE_DIRECTIONS = {"accelerometer": (-1.0, 1.0), "magnetometer": (1.0, -1.0), "both": (-1.0, -1.0)}
+"""What a filter reads of up and of the magnetic field has these signs; all turn its world."""
 OF_THE_SENSORS = {"heading_offset", "body_mounting"}
 """What hard iron, biases and misalignments of the sensors make of the attitudes of an honest filter that uses them."""
 
@@ -52,17 +57,22 @@ class Recorded(NamedTuple):
     truth: SampledTruth
 
 
-@cache
-def recorded(scenario: str, grade: str) -> Recorded:
-    run = simulate(
+def simulated(scenario: str, grade: str, seed: int) -> Run:
+    return simulate(
         scenario,
         sensor_grade=grade,
+        sensor_seed=seed,
         duration=30.0,
         imu_rate=20.0,
         magnetometer_rate=20.0,
         accelerometer_mode="pivot_gravity",
         gyro_rate="integrated",
     )
+
+
+@cache
+def recorded(scenario: str, grade: str, seed: int = 0) -> Recorded:
+    run = simulated(scenario, grade, seed)
     assert run.imu is not None
     assert run.magnetometer is not None
     assert run.scenario.sensors.magnetometer is not None
@@ -80,20 +90,24 @@ def integrated(run: Recorded, gyro: np.ndarray) -> np.ndarray:
     return np.array(list(accumulate(turns, quaternion.multiply, initial=run.truth.at(run.stamps_ns[:1])[0])))
 
 
-def corrected(run: Recorded, gyro: np.ndarray) -> np.ndarray:
-    """As Mahony's filter, without an estimate of the bias."""
-    found = [run.truth.at(run.stamps_ns[:1])[0]]
+def corrected(run: Recorded, gyro: np.ndarray, *, first: np.ndarray | None = None, ahead: bool = False) -> np.ndarray:
+    """As Mahony's filter, without an estimate of the bias; ahead by a sample if corrected before it turns."""
+    start = run.truth.at(run.stamps_ns[:1])[0]
+    found = [start if first is None else quaternion.multiply(first, start)]
     for k, step_s in enumerate(np.diff(run.stamps_ns) / 1e9, 1):
-        back = quaternion.conjugate(found[-1])
-        error = np.zeros(3)
+        turn = quaternion.exp(gyro[k] * step_s)
+        turned = found[-1] if ahead else quaternion.multiply(found[-1], turn)
+        back, error = quaternion.conjugate(turned), np.zeros(3)
         for read, known in zip(run.directions, run.known, strict=True):
             error += np.cross(read[k], quaternion.rotate(back, known))
-        turned = quaternion.multiply(found[-1], quaternion.exp((gyro[k] + error) * step_s))
-        found.append(quaternion.normalize(turned))
+        turned = quaternion.multiply(turned, quaternion.exp(error * step_s))
+        found.append(quaternion.normalize(quaternion.multiply(turned, turn) if ahead else turned))
     return np.array(found)
 
 
 FILTERS = {"gyro": integrated, "Mahony": corrected}
+TURNED = quaternion.exp([0.3, 0.2, -0.1])
+"""A first attitude beside the truth, which wrong signs make an equilibrium."""
 
 
 def told(run: Recorded, estimate: np.ndarray) -> tuple[Finding, ...]:
@@ -105,6 +119,9 @@ def wrong(fault: str, run: Recorded, way: str) -> tuple[np.ndarray, set[str]]:
     if fault in OF_THE_GYRO:
         matrix, names = OF_THE_GYRO[fault]
         return FILTERS[way](run, run.gyro @ matrix.T), names
+    if fault in OF_THE_DIRECTIONS:
+        signed = [sign * read for sign, read in zip(OF_THE_DIRECTIONS[fault], run.directions, strict=True)]
+        return corrected(run._replace(directions=signed), run.gyro, first=TURNED), {"world_turned"}
     change, names = OF_THE_OUTPUT[fault]
     return change(FILTERS[way](run, run.gyro)), names
 
@@ -117,6 +134,8 @@ def wrong(fault: str, run: Recorded, way: str) -> tuple[np.ndarray, set[str]]:
         ("tumbling_cubesat", "NED"),
         ("tumbling_cubesat", "NED and FRD"),
         ("dzhanibekov", "negated"),
+        ("tumbling_cubesat", "accelerometer"),
+        ("dzhanibekov", "first attitude"),
     ],
 )
 def test_a_fault_beside_the_errors_of_tactical_sensors_has_its_name_alone(scenario, fault):
@@ -128,11 +147,63 @@ def test_a_fault_beside_the_errors_of_tactical_sensors_has_its_name_alone(scenar
         assert ("its body forward-right-down" in finding.message) == (fault == "NED and FRD")
 
 
+def test_the_errors_of_a_gyro_are_no_clock():
+    """Of an even top 1 % of scale, and biases, turn the estimate as a clock of another rate nearly does."""
+    run = recorded("symmetric_top", "mems")
+    assert told(run, integrated(run, run.gyro)) == ()
+
+
+def test_a_lag_is_none_by_which_what_errs_has_no_truth():
+    """A filter that leaves the truth halfway, of a top whose motion repeats itself after a time of half of the run."""
+    run = recorded("symmetric_top", "tactical")
+    signed = run._replace(directions=[-run.directions[0], run.directions[1]])
+    assert {finding.code for finding in told(run, corrected(signed, run.gyro))} <= {"world_turned"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("grade", ["perfect", "mems"])
+def test_of_a_motion_that_nearly_repeats_the_near_lag_is_told(grade):
+    run = recorded("tossed_phone", grade)
+    [finding] = told(run, corrected(run, run.gyro, ahead=True))
+    assert finding.code == "leading"
+    assert float(finding.message.split()[5]) == pytest.approx(0.05, rel=0.2)
+
+
+@pytest.mark.slow
+def test_an_honest_filter_is_told_a_mounting_as_large_as_its_sensors_make_it():
+    """By the linear equation of its error δ on the body's axes, δ' = -ω × δ + gyro's errors + Σ read × true - K δ."""
+    run = simulated("tumbling_cubesat", "tactical", 1)
+    values: Any = run.scenario.parameters()
+    imu: Any = run.imu
+    A = Rotation.from_quat(run.attitude().at(imu.t_ns))
+    up, field = A.inv().apply(UP), A.inv().apply(values["magnetic_field"])
+    force = 9.80665 * up @ so3.exp(values["accelerometer_misalignment"]) * values["accelerometer_scale_factor"]
+    read = force + imu.accelerometer_bias, field + values["magnetometer_hard_iron"]
+    turns, h = (A[:-1].inv() * A[1:]).as_rotvec(), 0.05
+    drift = turns @ so3.exp(values["gyro_misalignment"]) * values["gyro_scale_factor"] - turns + h * imu.gyro_bias[1:]
+    unit = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (*read, up, field)]
+    pull = np.cross(unit[0], unit[2]) + np.cross(unit[1], unit[3])
+    delta, every = np.zeros(3), []
+    for k in range(1, len(up)):
+        delta = Rotation.from_rotvec(-turns[k - 1]).apply(delta) + drift[k - 1]
+        K = sum(np.eye(3) - np.outer(v[k], v[k]) for v in unit[2:])
+        delta = delta + h * (pull[k] - K @ delta)
+        every.append(delta)
+    made = np.degrees(np.median(every[100:], axis=0))
+    recording = recorded("tumbling_cubesat", "tactical", 1)
+    [finding] = told(recording, corrected(recording, recording.gyro))
+    angle = float(re.findall(r"turned by (\S+)°", finding.message)[0])
+    axis = np.array([float(v) for v in re.findall(r"about \((.*?)\)", finding.message)[0].split(", ")])
+    assert finding.code == "body_mounting"
+    assert "hard iron" in finding.message
+    assert np.linalg.norm(angle * axis - made) < 0.2 * np.linalg.norm(made)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("way", FILTERS)
 @pytest.mark.parametrize("grade", ["perfect", "tactical", "mems"])
 @pytest.mark.parametrize("scenario", ["tumbling_cubesat", "dzhanibekov", "tossed_phone", "symmetric_top"])
-@pytest.mark.parametrize("fault", [*OF_THE_OUTPUT, *OF_THE_GYRO])
+@pytest.mark.parametrize("fault", [*OF_THE_OUTPUT, *OF_THE_GYRO, *OF_THE_DIRECTIONS])
 def test_no_fault_has_a_false_name(fault, scenario, grade, way):
     """Nothing may be told where other errors are as large: a gyro of MEMS drifts, and corrections hide the gyro."""
     run = recorded(scenario, grade)

@@ -136,8 +136,8 @@ def test_an_estimate_of_something_else_has_no_cause(kind, seed):
 
 def test_every_code_is_in_the_table_of_the_docs():
     package = Path(__file__).parents[2] / "lie_rigid_body" / "evaluation"
-    source = "".join((package / f"{name}.py").read_text() for name in ("estimate", "findings", "scoring", "turning"))
-    codes = set(re.findall(r'Remark\(\s*"(\w+)"', source)) | {"clock_rate", "lagging", "leading"}
+    source = "".join((package / f"{name}.py").read_text() for name in ("estimate", "scoring", "turning", "world"))
+    codes = set(re.findall(r'(?:Remark|Finding)\(\s*"(\w+)"', source)) | {"clock_rate", "lagging", "leading"}
     codes |= set(Explanation(Convention(True, True, True), ALL_CONSTANTS, Misalignment(), 0.0).causes)
     documented = (package.parents[1] / "docs" / "estimators.md").read_text().split("| code | what is wrong |")[1]
     table = documented.split("\n\n")[0].splitlines()

@@ -63,9 +63,25 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
         ({"sensor_grade": "mems"}, ""),
         ({"gyro_spike_probability": 0.0, "imu_frame": "sensor", "gravity": 9.7, "sensor_seed": 3}, ""),
         ({"imu_rate": 9.0, "gyro_spike_probability": 0.1, "sensor_grade": "mems"}, ""),
+        ({"imu_rate": 9.0, "gyro_spike_size": 2.0}, "gyro_spike_size has no effect, as gyro_spike_probability is 0"),
+        (
+            {"magnetometer_rate": 9.0, "magnetic_disturbance_size": 1e-4, "magnetic_disturbance_duration": 2.0},
+            "magnetic_disturbance_duration, magnetic_disturbance_size have no effect, as magnetic_disturbance_interval",
+        ),
+        (
+            {"imu_rate": 9.0, "accelerometer_temperature_drift_duration": 9.0, "imu_heading_noise": 0.1},
+            "imu_heading_noise has no effect, as imu_orientation is false; accelerometer_temperature_drift_duration",
+        ),
+        ({"imu_rate": 9.0, "fault_end": 5.0}, "fault_end has no effect, as no fault that comes and goes is on: give"),
+        ({"imu_rate": 9.0, "fault_end": 5.0, "gyro_stuck_interval": 3.0, "gyro_stuck_duration": 2.0}, ""),
+        ({"imu_rate": 9.0, "imu_latency_jitter": 0.1, "gyro_temperature_drift": 0.1}, ""),
+        (
+            {"gyro_spike_size": 2.0},
+            "gyro_spike_size has no effect, as imu_rate is 0: give what switches them on",
+        ),
     ],
 )
-def test_what_is_asked_of_sensors_that_are_off_is_told(given: dict[str, object], said: str) -> None:
+def test_what_is_asked_of_sensors_and_faults_that_are_off_is_told(given: dict[str, object], said: str) -> None:
     told = Scenario.from_parameters(given).without_effect
     assert told.startswith(said)
     assert bool(told) == bool(said)
