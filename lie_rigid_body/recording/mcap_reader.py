@@ -36,7 +36,7 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.chunk import HEAD, MAGIC
-from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated, most_records
+from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, ZSTD_MAGIC, inflated, most_records
 from lie_rigid_body.recording.inventory import (
     ContradictionError,
     Inventory,
@@ -62,8 +62,6 @@ _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset.read,
 }
 _PROFILES: Final = ("ros2", "")
-ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
-"""The first bytes of whatever zstd compressed."""
 COMPRESSED_ONE_BY_ONE: Final = (
     "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
     "'ros2 bag convert'"
