@@ -147,6 +147,12 @@ def test_frames_of_every_kind_of_block_are_read(size: int) -> None:
             assert inflated(Chunk(compression, frame, 0, 0, 0, size)) == data
 
 
+def test_a_message_of_a_channel_that_was_not_declared_is_damage(tmp_path: Path) -> None:
+    message = record(5, struct.pack("<HIQQ", 999, 0, 0, 0) + b"data")
+    with pytest.raises(BagError, match="damaged at byte 37: it has a message of channel 999, which is not declared"):
+        read_bag(bag(tmp_path / "x.mcap", chunk("", len(message), message)))
+
+
 @pytest.mark.parametrize("opcode", [0, 1, 2, 6, 9, 15, 200])
 def test_a_chunk_holds_messages_and_their_types_only(tmp_path: Path, opcode: int) -> None:
     inner = chunk("", 0, b"") if opcode == 6 else record(opcode, b"")
@@ -227,7 +233,12 @@ def test_files_are_sorted_by_any_name(make_bag: MakeBag, tmp_path: Path) -> None
 def test_a_scenario_message_is_short_and_flat() -> None:
     with pytest.raises(InputError, match=f"has {LONGEST_TEXT + 1} characters: at most {LONGEST_TEXT} are read"):
         Segment.from_json("[" * (LONGEST_TEXT + 1))
-    with pytest.raises(InputError, match="is not the JSON that lie_rigid_body writes: RecursionError"):
+    for text, why in (('{"rate": 1, "rate": 2}', "it gives 'rate' twice"), ("[]", "it is no object")):
+        with pytest.raises(InputError, match=f"is not the JSON that lie_rigid_body writes: {why}$"):
+            Segment.from_json(text)
+    with pytest.raises(InputError, match=r"writes: it has no start_ns$"):
+        Segment.from_json('{"first_sample": 0}')
+    with pytest.raises(InputError, match="is not the JSON that lie_rigid_body writes: it is nested too deeply"):
         Segment.from_json("[" * LONGEST_TEXT)
 
 
