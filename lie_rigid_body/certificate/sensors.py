@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from lie_rigid_body import __version__
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
@@ -51,7 +53,7 @@ class SensorFindings:
     whole : tuple of LawResult
         Of the bag as a whole.
     notes : tuple of tuple of str
-        For each surveyed segment, which sensors have no reading there though no law is broken.
+        For each surveyed segment, which sensors have no reading there, or none to its end, though no law is broken.
     """
 
     laws: tuple[tuple[LawResult, ...], ...]
@@ -90,6 +92,7 @@ class SensorLaws:
         self._found = [places.get(id(segment)) for segment in surveyed.declared]
         self._clocks = {name: clocks for name in self._readings if (clocks := _erring(surveyed.declared, name))}
         self._unshown: dict[str, tuple[int, int]] = {}
+        self._ends: dict[str, int] = {}  # of each topic the last segment, as declared, that it has a reading in
         self._topics: dict[tuple[int, str], TopicLaws] = {}
         self._open: dict[str, TopicLaws] = {}
         self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
@@ -137,6 +140,7 @@ class SensorLaws:
         for i, rows in segment_parts(self._surveyed.declared, messages.stamps_ns):
             own = messages[rows]
             taken += len(own)
+            self._ends[name] = max(i, self._ends.get(name, i))
             if self._found[i] is None:
                 self._unsampled += len(own)
             else:
@@ -242,8 +246,9 @@ class SensorLaws:
             yield from self._strays()
         for sensor, names in _SENSORS.items():
             topics = [self._laws(i, name) for name in names if name in self._held]
+            ended = {name for name in names if not self._surveyed.as_written and i >= self._ends.get(name, 0)}
             if topics:
-                yield from self._sensor_laws(f"{sensor} stamps", topics, begun, is_last=is_last)
+                yield from self._sensor_laws(f"{sensor} stamps", topics, begun, ended, is_last=is_last)
 
     def _strays(self) -> Iterator[LawResult]:
         if self._early and self._surveyed.as_written:
@@ -253,7 +258,7 @@ class SensorLaws:
             yield _stray("sensor stamps", count, text)
 
     def _sensor_laws(
-        self, name: str, topics: Sequence[TopicLaws], begun: set[str], *, is_last: bool
+        self, name: str, topics: Sequence[TopicLaws], begun: set[str], ended: set[str], *, is_last: bool
     ) -> Iterator[LawResult]:
         clock = topics[0].clock
         if clock is None:
@@ -266,12 +271,16 @@ class SensorLaws:
         for topic in topics:
             whole = self._surveyed.as_written or topic.name in begun
             first = topic.first if whole or not topic.tally.count else topic.tally.low
-            last = self._last(topic, clock, is_last=is_last)
-            lost = topic.lost(last)
-            wrong = topic.tally.faults(topic.topic, first, last, lost) if whole or topic.tally.count else []
+            end = self._last(topic, clock, is_last=is_last)
+            last = topic.tally.high if topic.name in ended else end
+            lost = topic.lost(end)
+            due = topic.tally.count or (whole and topic.name not in ended)
+            wrong = topic.tally.faults(topic.topic, first, last, lost) if due else []
             faults += wrong
             if topic.tally.count:
                 begun.add(topic.name)
+                if end - last > np.count_nonzero(lost > last):
+                    self._silent[-1].append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
             elif not wrong:
                 self._silent[-1].append(f"no reading on {topic.topic}: {self._why_silent(len(lost))}")
         checked = sum(topic.tally.count for topic in topics)

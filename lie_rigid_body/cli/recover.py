@@ -85,6 +85,9 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     if recovery.damaged:
         damaged = counted(len(recovery.damaged), "damaged record")
         found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")
+    if recovery.rewritten:
+        chunks = counted(len(recovery.rewritten), "chunk")
+        found.append(f"has {chunks} of more than one compressed frame, written anew, at byte {recovery.rewritten[0]}")
     return f"{broken} {' and '.join(found)}" if found else ""
 
 

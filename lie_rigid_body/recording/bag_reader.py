@@ -477,7 +477,12 @@ def _not_chosen(body: Body) -> str:
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
     rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
-    topics = [f"topic {track.topic} ({track.count} messages), which no scenario determines" for track in rest]
+    shared = {track.topic for track in own}
+    kinds = [f"as {track.message_type}, " if track.topic in shared else "" for track in rest]
+    topics = [
+        f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines"
+        for track, kind in zip(rest, kinds, strict=True)
+    ]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

@@ -14,6 +14,17 @@ LARGEST_CHUNK: Final = 256 * 1024 * 1024
 _MOST_RECORDS: Final = 65_536
 
 
+ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
+"""The first bytes of a frame of zstd, and so of whatever it compressed."""
+_LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
+_RUN_OF_ONE_BYTE: Final = 1
+"""Kind of a block of zstd that holds one byte, and in its head how often that comes."""
+
+
+class NotOneFrameError(ValueError):
+    """The compressed bytes of a chunk that are more than one frame: readers differ in what they make of them."""
+
+
 def most_records(size: int) -> int:
     """The most records that the chunks of a file may hold: what differs in its time takes a byte of it, compressed.
 
@@ -43,30 +54,67 @@ def inflated(chunk: Chunk) -> bytes:
 def inflated_unverified(chunk: Chunk) -> bytes:
     """The records of a chunk whose checksum was compared before."""
     size = chunk.uncompressed_size
-    data = _INFLATE[chunk.compression](chunk.data, size)
+    data, frame = _INFLATE[chunk.compression](chunk.data, size)
+    if frame < len(chunk.data):
+        raise NotOneFrameError(_of_frames(chunk.compression, chunk.data, frame))
     if len(data) != size:
         raise ValueError(f"a chunk does not inflate to the {size} bytes that it declares")
+    if frame > len(chunk.data):
+        raise ValueError(f"the {chunk.compression} frame of a chunk has no end")
     return data
 
 
-def _from_zstd(data: bytes, size: int) -> bytes:
+def _of_frames(compression: str, data: bytes, first: int) -> str:
+    """What is wrong with compressed bytes of which the first so many are a frame."""
+    if not first:
+        return f"a chunk does not begin with a frame of {compression}"
+    if data[first:].startswith(data[: len(ZSTD_MAGIC)]):
+        return f"a chunk has several frames of {compression}, of which readers take one"
+    return f"a chunk has {len(data) - first} bytes behind its frame of {compression}"
+
+
+def _from_zstd(data: bytes, size: int) -> tuple[bytes, int]:
     """What zstandard's own ``decompress`` gives, which would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
-    return zstandard.ZstdDecompressor().stream_reader(data).read(size + 1)
+    frame = _zstd_frame_size(data)
+    return (zstandard.ZstdDecompressor().stream_reader(data).read(size + 1) if frame else b""), frame
 
 
-def _from_lz4(data: bytes, size: int) -> bytes:
+def _zstd_frame_size(data: bytes) -> int:
+    """Bytes of the frame at the beginning, by the heads of its blocks; 0 if there is none.
+
+    The library has a function for that in C only, and its readers do not tell how far they read.
+    """
+    import zstandard
+
+    if not data.startswith(ZSTD_MAGIC):
+        return 0
+    end, is_last = zstandard.frame_header_size(data), False
+    while not is_last and end < len(data):
+        head = int.from_bytes(data[end : end + 3], "little")
+        is_last, kind, size = bool(head & 1), head >> 1 & 3, head >> 3
+        end += 3 + (1 if kind == _RUN_OF_ONE_BYTE else size)
+    has_checksum = zstandard.get_frame_parameters(data).has_checksum
+    return end + (4 if has_checksum else 0) if is_last else len(data) + 1
+
+
+def _from_lz4(data: bytes, size: int) -> tuple[bytes, int]:
     from lz4.frame import LZ4FrameDecompressor
 
-    content: bytes = LZ4FrameDecompressor().decompress(data, max_length=size + 1)
-    return content
+    if not data.startswith(_LZ4_MAGIC):
+        return b"", 0
+    decompressor = LZ4FrameDecompressor()
+    content: bytes = decompressor.decompress(data, max_length=size + 1)
+    # it has not come to the end of what is too long, either
+    return content, len(data) - len(decompressor.unused_data or b"") + (not decompressor.eof)
 
 
-_INFLATE: Final[dict[str, Callable[[bytes, int], bytes]]] = {
-    "": lambda data, size: data,
+_INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {
+    "": lambda data, size: (data, len(data)),
     "zstd": _from_zstd,
     "lz4": _from_lz4,
 }
+"""Of each compression what gives at most one byte more than so many, and the size of the frame that holds them."""
 COMPRESSIONS: Final = tuple(_INFLATE)
 """Names of the compressions that are read."""

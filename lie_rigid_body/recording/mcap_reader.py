@@ -36,7 +36,7 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.chunk import HEAD, MAGIC
-from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, inflated, most_records
+from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, ZSTD_MAGIC, inflated, most_records
 from lie_rigid_body.recording.inventory import (
     ContradictionError,
     Inventory,
@@ -62,8 +62,6 @@ _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset.read,
 }
 _PROFILES: Final = ("ros2", "")
-ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
-"""The first bytes of whatever zstd compressed."""
 COMPRESSED_ONE_BY_ONE: Final = (
     "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
     "'ros2 bag convert'"
@@ -354,20 +352,30 @@ class _FileReader:
         otherwise = table.log_times != table.publish_times
         any_otherwise = bool(otherwise.any())
         counts = np.bincount(table.channels)
-        for channel in np.flatnonzero(counts).tolist():
-            track = self._channels[channel]
-            track.count += int(counts[channel])
-            self._note_place((track.topic, track.message_type))
-            wanted = self._wanted(track.topic, track.message_type)
+        for key, channels in self._by_track(np.flatnonzero(counts).tolist()).items():
+            track = self._into.tracks[key]
+            track.count += int(counts[channels].sum())
+            self._note_place(key)
+            wanted = self._wanted(*key)
             if not any_otherwise and not wanted:
                 continue
-            own = np.flatnonzero(table.channels == channel)
+            own = np.flatnonzero(np.isin(table.channels, channels) if channels[1:] else table.channels == channels[0])
             log_times = table.log_times[own]
             track.published_otherwise += int(np.count_nonzero(otherwise[own]))
             if wanted:
                 piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
                 track.pieces.append(piece)
                 self._keep(len(piece.data), len(own))
+
+    def _by_track(self, channels: list[int]) -> dict[tuple[str, str], list[int]]:
+        """The channels of each track: several, where several publishers or recorders had one each on a topic."""
+        found: dict[tuple[str, str], list[int]] = {}
+        for channel in channels:
+            if channel not in self._channels:
+                raise ContradictionError(f"it has a message of channel {channel}, which is not declared before it")
+            track = self._channels[channel]
+            found.setdefault((track.topic, track.message_type), []).append(channel)
+        return found
 
     def _note_place(self, key: tuple[str, str]) -> None:
         """Note that the present chunk has messages of a topic."""

@@ -24,7 +24,7 @@ from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.chunk import MAGIC, Entries, RawChunk
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated, most_records
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason
 from lie_rigid_body.wording import short_repr
@@ -71,6 +71,8 @@ class Recovery:
         How many of the messages come from that record.
     damaged : tuple of int
         Where records begin that are left out because their content is damaged.
+    rewritten : tuple of int
+        Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
     """
 
     messages: int
@@ -79,6 +81,7 @@ class Recovery:
     broken_at: int | None
     of_the_last: int
     damaged: tuple[int, ...]
+    rewritten: tuple[int, ...] = ()
 
     __repr__ = short_repr
 
@@ -150,6 +153,7 @@ class _Salvage:
         self._file: McapFile | None = None
         self._loose = bytearray()
         self._damaged: list[int] = []
+        self._rewritten: list[int] = []
         self._data_ended = False
 
     def run(self) -> Recovery | None:
@@ -173,6 +177,7 @@ class _Salvage:
             None if unfinished is None else self._position,
             file.message_count - before,
             tuple(self._damaged),
+            tuple(self._rewritten),
         )
 
     def _take_whole_records(self) -> bytes | None:
@@ -225,15 +230,23 @@ class _Salvage:
             raw = _whole_messages(self._file, data, _records(data))
             self._file.add_chunk(compressed(raw, "zstd", compressor("zstd")), raw.indexes())
 
-    def _take_chunk(self, file: McapFile, chunk: Chunk) -> None:
-        _require_size(chunk.uncompressed_size)
-        data = inflated(chunk)
+    def _take_chunk(self, file: McapFile, given: Chunk) -> None:
+        _require_size(given.uncompressed_size)
+        chunk = given
+        try:
+            data = inflated(chunk)
+        except NotOneFrameError:
+            unpacked = _unpacked(chunk.compression, chunk.data, chunk.uncompressed_size)
+            chunk = replace(chunk, compression="", data=unpacked)
+            data = inflated(chunk)
         raw = _whole_messages(file, data, self._counted(data))
         if len(raw.data) < len(data):
             raise ValueError("a record in it is not whole")
         first_ns, last_ns = raw.log_times_ns()
         whole = replace(chunk, message_start_time=first_ns, message_end_time=last_ns)
         file.add_chunk(whole, raw.indexes())
+        if chunk is not given:
+            self._rewritten.append(self._position)
 
     def _take_part(self, file: McapFile, content: bytes) -> None:
         """Take the whole messages of an unfinished chunk, as far as it can be unpacked."""
@@ -312,23 +325,34 @@ def _unpacked(compression: str, data: bytes, size: int) -> bytes:
     if compression == "zstd":
         return b"".join(_zstd_pieces(data, size))
     if compression == "lz4":
-        from lz4.frame import LZ4FrameDecompressor
-
-        unpacked: bytes = LZ4FrameDecompressor().decompress(data, max_length=size)
-        return unpacked
+        return b"".join(_lz4_frames(data, size))
     if compression:
         raise ValueError("its compression is unknown")
     return data[:size]
 
 
 def _zstd_pieces(data: bytes, size: int) -> Iterator[bytes]:
-    with zstandard.ZstdDecompressor().stream_reader(BytesIO(data)) as reader:
+    with zstandard.ZstdDecompressor().stream_reader(BytesIO(data), read_across_frames=True) as reader:
         try:
             while size > 0 and (piece := reader.read(min(size, _PIECE))):
                 size -= len(piece)
                 yield piece
         except zstandard.ZstdError:
             return  # what came before is whole
+
+
+def _lz4_frames(data: bytes, size: int) -> Iterator[bytes]:
+    from lz4.frame import LZ4FrameDecompressor
+
+    while data and size > 0:
+        decompressor = LZ4FrameDecompressor()
+        try:
+            unpacked: bytes = decompressor.decompress(data, max_length=size)
+        except RuntimeError:
+            return  # what came before is whole
+        size -= len(unpacked)
+        yield unpacked
+        data = decompressor.unused_data or b""
 
 
 def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:

@@ -52,6 +52,9 @@ def read_database(path: Path, wanted: Wanted, into: McapContents) -> Iterator[in
             yield from _read(path, reader, wanted, into)
     except (BagError, MemoryError, GeneratorExit):
         raise
+    except (AttributeError, KeyError, TypeError):  # SQLite takes values of any type in any column
+        what = "a column of its tables has a value of another type, or one that is unknown"
+        raise BagError(f"{path} cannot be read as an SQLite bag: {what}: restore a copy, or record again") from None
     except Exception as error:  # the library's, and those of the library below it
         what = " ".join(f"{type(error).__name__}: {error}".split())
         raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
@@ -65,7 +68,10 @@ def _read(path: Path, reader: Any, wanted: Wanted, into: McapContents) -> Iterat
     while some := list(islice(messages, _AT_ONCE)):
         by_track: dict[int, list[tuple[int, bytes]]] = {}
         for connection, time, data in some:
-            by_track.setdefault(connection.id, []).append((time, bytes(data)))
+            for column, value, kind in (("timestamp", time, int), ("data", data, bytes)):
+                if not isinstance(value, kind):
+                    raise _wrong_type(path, connection.topic, column, value)
+            by_track.setdefault(connection.id, []).append((time, data))
         for number, own in by_track.items():
             track = tracks[number]
             track.count += len(own)
@@ -78,6 +84,13 @@ def _read(path: Path, reader: Any, wanted: Wanted, into: McapContents) -> Iterat
         yield size * min(count, total) // total
     into.files.append(FileSpan(path.name, count, first, last))
     into.without_checksum += 1
+
+
+def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:
+    wanted = "an integer" if column == "timestamp" else "a blob"
+    found = {str: "text", float: "a real number", int: "an integer", bytes: "a blob"}.get(type(value), "nothing")
+    what = f"a message on {topic} has {found} in the column {column}, where {wanted} belongs"
+    return BagError(f"{path} is damaged: {what}: restore a copy, or record again")
 
 
 def _track(connection: Any, into: McapContents) -> RawTrack:

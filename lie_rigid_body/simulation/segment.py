@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Any, Final
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
@@ -62,11 +62,11 @@ class Segment:
         if len(text) > LONGEST_TEXT:
             raise InputError(f"the scenario message has {len(text)} characters: at most {LONGEST_TEXT} are read")
         try:
-            content = json.loads(text, object_pairs_hook=_without_repeats)
-            first, start = content.pop("first_sample"), content.pop("start_ns")
-            content.pop("software", None)
-        except (ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
-            raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error!r}") from None
+            content = _parsed(text)
+        except ValueError as error:
+            raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error}") from None
+        first, start = content.pop("first_sample"), content.pop("start_ns")
+        content.pop("software", None)
         for name, value in (("first_sample", first), ("start_ns", start)):
             if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_EPOCH_NS:
                 raise InputError(
@@ -91,9 +91,24 @@ def _scenario(parameters: str) -> Scenario:
     return Scenario.from_parameters(json.loads(parameters))
 
 
+def _parsed(text: str) -> dict[str, Any]:
+    """The object that is a scenario message."""
+    try:
+        content = json.loads(text, object_pairs_hook=_without_repeats)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    if not isinstance(content, dict):
+        raise ValueError("it is no object")
+    if missing := [name for name in ("first_sample", "start_ns") if name not in content]:
+        raise ValueError(f"it has no {missing[0]}")
+    return content
+
+
 def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """The object of these names and values; of a name given twice, some readers would take the first value."""
-    content = dict(pairs)
-    if len(content) < len(pairs):
-        raise ValueError("it gives a name twice")
+    content: dict[str, object] = {}
+    for name, value in pairs:
+        if name in content:
+            raise ValueError(f"it gives {name!r:.40} twice")
+        content[name] = value
     return content

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
-from tampering import Change, tamper
+from tampering import Change, Message, tamper
 from test_certified_sensors import BIAS, IMU, MAG, broken, recorded, write
 
 from lie_rigid_body.certificate import Certificate, certify
@@ -67,3 +69,24 @@ def test_a_sensor_of_which_a_recorder_has_nothing_is_mentioned(tmp_path):
     assert found.passed, found.messages
     assert any(note.startswith(f"no reading on {MAG}: ") for note in found.segments[0].notes)
     assert not any("no reading" in note for note in found.segments[1].notes)
+
+
+@pytest.mark.parametrize(("topic", "law"), [(MAG, "magnetometer stamps"), (IMU, "IMU stamps"), (BIAS, "IMU stamps")])
+def test_a_topic_that_a_recorder_lost_before_a_reset_ends_there(tmp_path, topic, law):
+    """As before the end of the bag: what is missing between its messages is a gap all the same, and in an own bag."""
+    path, late = write(tmp_path / "a.mcap", *[(START, 0.4)] * 3), recorded(0.1)
+    second = certify(Bag(path)).segments[1].segment.start_ns
+    ends = partial(keep, topic, lambda time_ns: time_ns < second - 150_000_000)
+    found = verdict(path, tmp_path, lambda ms: late(ends(ms)))
+    assert found.passed, found.messages
+    notes = [[note for note in segment.notes if topic in note] for segment in found.segments]
+    assert [len(own) for own in notes] == [1, 1, 1]
+    assert notes[0][0].startswith(f"readings on {topic} end with ")
+    assert notes[1][0].startswith(f"no reading on {topic}: what a recorder lacks")
+    assert broken(verdict(path, tmp_path, ends)) == {law}
+    missing = partial(keep, topic, lambda time_ns: abs(time_ns - second) > 150_000_000)
+    assert broken(verdict(path, tmp_path, lambda ms: late(missing(ms)))) == {law}
+
+
+def keep(topic: str, when: Callable[[int], bool], messages: list[Message]) -> list[Message]:
+    return [m for m in messages if m.topic != topic or when(m.log_time)]

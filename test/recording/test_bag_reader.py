@@ -76,6 +76,31 @@ def test_bags_of_other_recorders_are_read(
     assert other.expected_samples is None
 
 
+def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> None:
+    """As of two publishers, or of files that were joined: messages come in file order."""
+    source, path = make_bag(count=60), tmp_path / "two.mcap"
+    with open(source, "rb") as stream, open(path, "wb") as out:
+        writer = Writer(out, chunk_size=3000)
+        writer.start("ros2", "another recorder")
+        channels: dict[tuple[str, int], int] = {}
+        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages(log_time_order=False)):
+            assert schema is not None
+            own, key = (
+                writer.register_schema(schema.name, schema.encoding, schema.data),
+                (channel.topic, number // 3 % 2),
+            )
+            channels[key] = channels.get(key) or writer.register_channel(channel.topic, "cdr", own, {"n": str(key[1])})
+            writer.add_message(channels[key], message.log_time, message.data, message.publish_time)
+        other = writer.register_channel("/pose", "cdr", writer.register_schema("std_msgs/msg/Empty", "ros2msg", b""))
+        writer.add_message(other, message.log_time, bytes(4), 0)
+        writer.finish()
+    own_bag, found = read_bag(source), read_bag(path)
+    np.testing.assert_array_equal(found.poses.attitudes_xyzw, own_bag.poses.attitudes_xyzw)
+    np.testing.assert_array_equal(found.twists.stamps_ns, own_bag.twists.stamps_ns)
+    assert len(channels) > 3
+    assert found.others == ("topic /pose (as std_msgs/msg/Empty, 1 messages), which no scenario determines",)
+
+
 def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
     own = make_bag(count=4)
     payloads: list[bytes] = []

@@ -8,12 +8,15 @@ import struct
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import lz4.frame
+import numpy as np
 import pytest
 import zstandard
 from bags import MakeBag
+from mcap.records import Chunk
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
@@ -24,11 +27,18 @@ from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import mcap_contents
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
 from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
 
+PACK = {
+    "zstd": zstandard.ZstdCompressor(write_checksum=True).compress,
+    "lz4": partial(lz4.frame.compress, content_checksum=True),
+}
+NOISE = np.random.default_rng(0).bytes(1000)
+SKIPPABLE = struct.pack("<II", 0x184D2A50, 4) + b"abcd"
+"""A frame that decompressors leave out."""
 LARGE = 2 * LARGEST_CHUNK
 MEMORY = 200 * 2**20
 """Bytes that a reader may take beside the libraries: much less than a large chunk inflated."""
@@ -102,6 +112,45 @@ def test_a_chunk_of_another_size_than_it_declares_is_damaged(tmp_path: Path, com
     path = bag(tmp_path / "x.mcap", chunk(compression, size, pack(bytes(1000))))
     with pytest.raises(BagError, match=f"damaged at byte 37: a chunk does not inflate to the {size} bytes"):
         read_bag(path)
+
+
+FRAMES = {
+    "bytes behind": (lambda pack, data: pack(data) + b"garbage", "a chunk has 7 bytes behind its frame of {}"),
+    "the same again": (lambda pack, data: 2 * pack(data), "a chunk has several frames of {}"),
+    "two halves": (lambda pack, data: pack(data[:500]) + pack(data[500:]), "a chunk has several frames of {}"),
+    "skippable first": (lambda pack, data: SKIPPABLE + pack(data), "a chunk does not begin with a frame of {}"),
+    "skippable last": (lambda pack, data: pack(data) + SKIPPABLE, "a chunk has 12 bytes behind its frame of {}"),
+    "no end": (lambda pack, data: pack(data)[:-1], "the {} frame of a chunk has no end"),
+}
+
+
+@pytest.mark.parametrize("how", FRAMES)
+@pytest.mark.parametrize("compression", PACK)
+def test_a_chunk_is_one_compressed_frame(tmp_path: Path, compression: str, how: str) -> None:
+    """Readers differ in what they make of anything else."""
+    made, said = FRAMES[how]
+    path = bag(tmp_path / "x.mcap", chunk(compression, 1000, made(PACK[compression], NOISE)))
+    with pytest.raises(BagError, match=f"damaged at byte 37: {said.format(compression)}"):
+        read_bag(path)
+
+
+@pytest.mark.parametrize("size", [0, 1, 1000, 131_072, 131_073, 500_000])
+def test_frames_of_every_kind_of_block_are_read(size: int) -> None:
+    """Of zstd blocks are compressed, as they are, or runs of one byte; with and without the size and a checksum."""
+    for data in (np.random.default_rng(1).bytes(size), bytes(size), (b"some text " * size)[:size]):
+        frames = [
+            zstandard.ZstdCompressor(write_content_size=known, write_checksum=summed).compress(data)
+            for known in (True, False)
+            for summed in (True, False)
+        ]
+        for compression, frame in [*(("zstd", one) for one in frames), ("lz4", lz4.frame.compress(data))]:
+            assert inflated(Chunk(compression, frame, 0, 0, 0, size)) == data
+
+
+def test_a_message_of_a_channel_that_was_not_declared_is_damage(tmp_path: Path) -> None:
+    message = record(5, struct.pack("<HIQQ", 999, 0, 0, 0) + b"data")
+    with pytest.raises(BagError, match="damaged at byte 37: it has a message of channel 999, which is not declared"):
+        read_bag(bag(tmp_path / "x.mcap", chunk("", len(message), message)))
 
 
 @pytest.mark.parametrize("opcode", [0, 1, 2, 6, 9, 15, 200])
@@ -184,7 +233,12 @@ def test_files_are_sorted_by_any_name(make_bag: MakeBag, tmp_path: Path) -> None
 def test_a_scenario_message_is_short_and_flat() -> None:
     with pytest.raises(InputError, match=f"has {LONGEST_TEXT + 1} characters: at most {LONGEST_TEXT} are read"):
         Segment.from_json("[" * (LONGEST_TEXT + 1))
-    with pytest.raises(InputError, match="is not the JSON that lie_rigid_body writes: RecursionError"):
+    for text, why in (('{"rate": 1, "rate": 2}', "it gives 'rate' twice"), ("[]", "it is no object")):
+        with pytest.raises(InputError, match=f"is not the JSON that lie_rigid_body writes: {why}$"):
+            Segment.from_json(text)
+    with pytest.raises(InputError, match=r"writes: it has no start_ns$"):
+        Segment.from_json('{"first_sample": 0}')
+    with pytest.raises(InputError, match="is not the JSON that lie_rigid_body writes: it is nested too deeply"):
         Segment.from_json("[" * LONGEST_TEXT)
 
 

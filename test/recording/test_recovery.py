@@ -6,6 +6,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+import lz4.frame
 import numpy as np
 import pytest
 import zstandard
@@ -13,7 +14,7 @@ from bags import COMPRESSIONS
 from lz4.frame import LZ4FrameDecompressor
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel, Header, Message
+from mcap.records import Channel, Chunk, Header, Message
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import Writer
 
@@ -183,6 +184,20 @@ def test_a_damaged_chunk_is_left_out_and_told(whole: dict[str, Path], tmp_path: 
     everything = messages(whole["zstd"])
     assert len(kept) < len(everything)
     assert set(kept) < set(everything)
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+def test_a_chunk_of_two_frames_is_written_anew_and_told(tmp_path: Path, compression: str) -> None:
+    pack = {"zstd": zstandard.compress, "lz4": lz4.frame.compress}[compression]
+    channel = Channel(id=1, topic="/x", message_encoding="cdr", metadata={}, schema_id=0)
+    head = record_bytes(Header(profile="ros2", library="another recorder"), channel)
+    halves = [record_bytes(Message(1, number, b"data", number, 0)) for number in (5, 6)]
+    for behind in (pack(halves[1]), pack(halves[1]) + b"garbage"):
+        chunk = Chunk(compression, pack(halves[0]) + behind, 6, 5, 0, len(b"".join(halves)))
+        (tmp_path / "broken.mcap").write_bytes(MAGIC + head + record_bytes(chunk))
+        recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        assert (recovery.messages, recovery.damaged, recovery.rewritten) == (2, (), (len(MAGIC + head),))
+        assert [found[1] for found in messages(tmp_path / "fixed.mcap")] == [5, 6]
 
 
 @pytest.mark.parametrize("chunked", [True, False])

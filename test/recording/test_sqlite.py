@@ -72,6 +72,27 @@ def test_a_damaged_database_is_one_line(folder: Path) -> None:
         assert len(str(caught.value).splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("update messages set data = 'hello' where id = 9", "has text in the column data, where a blob belongs"),
+        (
+            "update messages set timestamp = 'x' where id = 9",
+            "has text in the column timestamp, where an integer belongs",
+        ),
+        ("update messages set timestamp = 0.5 where id = 9", "has a real number in the column timestamp, where an"),
+        ("update messages set timestamp = 'x'", "a column of its tables has a value of another type"),
+    ],
+)
+def test_a_value_of_another_type_is_named(folder: Path, change: str, said: str) -> None:
+    (file,) = folder.glob("*.db3")
+    with closing(sqlite3.connect(file)) as database:
+        database.execute(change)
+        database.commit()
+    with pytest.raises(BagError, match=said):
+        Bag(folder)
+
+
 def test_without_the_library_it_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
     with pytest.raises(BagError, match=r"pip install 'lie-rigid-body\[sqlite\]'"):
