@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import zlib
 from collections.abc import Callable
 from typing import Final
@@ -12,6 +13,9 @@ LARGEST_CHUNK: Final = 256 * 1024 * 1024
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
 
 _MOST_RECORDS: Final = 65_536
+
+_OF_THREAD: Final = threading.local()
+"""Its zstd decompressor: making one for each chunk takes as long as inflating a tenth of it."""
 
 
 def most_records(size: int) -> int:
@@ -53,7 +57,10 @@ def _from_zstd(data: bytes, size: int) -> bytes:
     """What zstandard's own ``decompress`` gives, which would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
-    return zstandard.ZstdDecompressor().stream_reader(data).read(size + 1)
+    if not hasattr(_OF_THREAD, "decompressor"):
+        _OF_THREAD.decompressor = zstandard.ZstdDecompressor()
+    content: bytes = _OF_THREAD.decompressor.stream_reader(data).read(size + 1)
+    return content
 
 
 def _from_lz4(data: bytes, size: int) -> bytes:
