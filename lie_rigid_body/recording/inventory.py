@@ -8,7 +8,8 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property
+from itertools import accumulate, pairwise
 from typing import Final, TypeVar
 
 import numpy as np
@@ -110,6 +111,17 @@ class MessageTable:
             _require(latest <= _LAST_TIME, f"the {name} of a message is {latest} ns, beyond {_LAST_TIME}")
         times = (heads[name].astype(np.int64) for name in ("log_time", "publish_time"))
         return cls(data, starts, ends, heads["channel"].copy(), *times)
+
+    @cached_property
+    def counts(self) -> dict[int, int]:
+        """How many there are of each channel that has any."""
+        counts = np.bincount(self.channels)
+        return {channel: int(counts[channel]) for channel in np.flatnonzero(counts).tolist()}
+
+    @cached_property
+    def span(self) -> tuple[int, int]:
+        """The first and the last log time, ns, of one message at least."""
+        return int(self.log_times.min()), int(self.log_times.max())
 
     @classmethod
     def joined(cls, data: bytes, parts: list[MessageTable]) -> MessageTable:
@@ -239,18 +251,15 @@ class Inventory:
 
     def messages(self, table: MessageTable) -> None:
         """Count messages."""
-        counts = np.bincount(table.channels)
-        for channel in np.flatnonzero(counts).tolist():
-            self._counts[channel] += int(counts[channel])
+        self._counts.update(table.counts)
         if len(table.starts):
-            self._first = min(self._first, int(table.log_times.min()))
-            self._last = max(self._last, int(table.log_times.max()))
+            self._first, self._last = min(self._first, table.span[0]), max(self._last, table.span[1])
 
     def chunk(self, chunk: Chunk, table: MessageTable, position: int, length: int) -> None:
         """Take a chunk whose record begins at a byte, with its length without head, and the messages found in it."""
         if len(table.starts):
-            _agree("first time of a chunk", chunk.message_start_time, int(table.log_times.min()))
-            _agree("last time of a chunk", chunk.message_end_time, int(table.log_times.max()))
+            _agree("first time of a chunk", chunk.message_start_time, table.span[0])
+            _agree("last time of a chunk", chunk.message_end_time, table.span[1])
         _agree("length of a chunk", chunk.uncompressed_size, len(table.data))
         self._entries, self._indexed = _entries(table), set()
         self._chunks.append(
@@ -386,9 +395,8 @@ def _entries(table: MessageTable) -> dict[int, bytes]:
     order = np.argsort(table.channels, kind="stable")
     entries = np.empty(len(order), dtype=_ENTRY)
     entries["log_time"], entries["start"] = table.log_times[order], table.starts[order]
-    ends = np.cumsum(np.bincount(table.channels)).tolist()
-    bounds = enumerate(pairwise([0, *ends]))
-    return {channel: entries[begin:end].tobytes() for channel, (begin, end) in bounds if begin < end}
+    bounds = pairwise(accumulate(table.counts.values(), initial=0))
+    return {channel: entries[begin:end].tobytes() for channel, (begin, end) in zip(table.counts, bounds, strict=True)}
 
 
 def require_in_chunk(opcode: int) -> None:

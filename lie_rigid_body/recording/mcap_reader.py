@@ -9,10 +9,10 @@ import os
 import struct
 import zlib
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final, TypeVar
+from typing import BinaryIO, Final, TypeAlias, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
@@ -51,6 +51,7 @@ from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import counted
 
 T = TypeVar("T")
+TakeChunk: TypeAlias = Callable[[bytes], object]
 _HEAD: Final = struct.Struct("<BQ")
 _MOST_LOOSE_BYTES: Final = 2**20
 """Messages of a file without chunks are taken in pieces of this size."""
@@ -79,7 +80,7 @@ _OTHER_FORMATS: Final = {
 }
 
 
-def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
+def read_file(path: Path, wanted: Wanted, into: McapContents, take: TakeChunk | None = None) -> Iterator[int]:
     """Add a file's messages to the tracks, chunk by chunk.
 
     Parameters
@@ -88,6 +89,8 @@ def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     wanted : callable
         Which messages are kept until they are taken. See `Wanted`.
     into : McapContents
+    take : callable, optional
+        Takes the records of each chunk that has messages, which are sound, before the next position comes.
 
     Yields
     ------
@@ -101,7 +104,7 @@ def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     """
     with opened(path) as stream:
         try:
-            yield from _FileReader(path, stream, wanted, into).read()
+            yield from _FileReader(path, stream, wanted, into, take).read()
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
 
@@ -133,8 +136,10 @@ def opened(path: Path) -> BinaryIO:
 class _FileReader:
     """One file, read from its start to its end."""
 
-    def __init__(self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents) -> None:
-        self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
+    def __init__(
+        self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents, take: TakeChunk | None
+    ) -> None:
+        self._path, self._stream, self._wanted, self._into, self._take_chunk = path, stream, wanted, into, take
         self._size = stream.seek(0, 2)
         into.allow(self._size)
         self._records, self._most_records = 0, most_records(self._size)
@@ -309,6 +314,8 @@ class _FileReader:
         self._inventory.chunk(chunk, table, self._position, length)
         self._bare_chunks += not chunk.uncompressed_crc
         self._messages(table)
+        if self._take_chunk is not None and len(table.starts):
+            self._take_chunk(data)
 
     def _count_records(self, count: int) -> None:
         """Count records in chunks: small ones that repeat are inflated to far more than their file."""
@@ -351,10 +358,9 @@ class _FileReader:
         self._taken += len(table.starts)
         otherwise = table.log_times != table.publish_times
         any_otherwise = bool(otherwise.any())
-        counts = np.bincount(table.channels)
-        for key, channels in self._by_track(np.flatnonzero(counts).tolist()).items():
+        for key, channels in self._by_track(table.counts).items():
             track = self._into.tracks[key]
-            track.count += int(counts[channels].sum())
+            track.count += sum(table.counts[channel] for channel in channels)
             self._note_place(key)
             wanted = self._wanted(*key)
             if not any_otherwise and not wanted:
@@ -367,7 +373,7 @@ class _FileReader:
                 track.pieces.append(piece)
                 self._keep(len(piece.data), len(own))
 
-    def _by_track(self, channels: list[int]) -> dict[tuple[str, str], list[int]]:
+    def _by_track(self, channels: Iterable[int]) -> dict[tuple[str, str], list[int]]:
         """The channels of each track: several, where several publishers or recorders had one each on a topic."""
         found: dict[tuple[str, str], list[int]] = {}
         for channel in channels:
