@@ -41,6 +41,8 @@ MOST_LEFT_OUT: Final = 200_000_000
 """Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
 _MOST_IN_VAIN: Final = 1_000_000
 """Missing readings that are computed with their neighbours, beyond one for each that is not missing."""
+MOST_LOST: Final = 100
+"""Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
 _HELD_BACK: Final = 1024
 """Readings that wait for others which stand behind them in the file, though they come first."""
 _LAWS: Final = {
@@ -202,7 +204,7 @@ class TopicLaws:
         return off
 
     def lost(self, last: int) -> Integers:
-        """Numbers of the readings of the segment that never arrived, up to a number; far behind the truth's none."""
+        """Numbers of the readings of the segment that never arrived, up to a number; none far behind all messages."""
         segment, clock = self.found.segment, self.clock
         model = model_of(segment.scenario, self.name)
         none = np.empty(0, dtype=np.int64)
@@ -210,7 +212,8 @@ class TopicLaws:
             return none
         # a forged stamp may lie years ahead
         truth_ns = (self.found.last_ns or segment.start_ns) + round(2 * NS / segment.scenario.rate) + NS
-        parts, end = [none], min(last + 1, clock.count_until(truth_ns))
+        most = max(clock.count_until(truth_ns), self.first + MOST_LOST * self.tally.count)
+        parts, end = [none], min(last + 1, most)
         for first in range(self.first, end, BLOCK):
             stamps = clock.stamps_ns(first, min(BLOCK, end - first))
             parts.append(first + np.flatnonzero(model.delivery.lost(first - self.first, stamps - segment.start_ns)))

@@ -13,7 +13,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensor_topics import VALUES, TopicLaws, Work, model_of
+from lie_rigid_body.certificate.sensor_topics import MOST_LOST, VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.surveyed_segment import segment_parts
@@ -113,10 +113,20 @@ class SensorLaws:
         bag, surveyed = self._bag, self._surveyed
         if FAULTS not in self._declared or not (surveyed.as_written or FAULTS in bag.sensors):
             return None
-        last = surveyed.segments[-1]
-        horizon_ns = (last.last_ns or last.segment.start_ns) + round(2 * NS / last.segment.scenario.rate) + NS
         most = MOST_LOOKED_THROUGH + 2 * sum(sensor.count for sensor in bag.sensors.values())
-        return FaultLaw(surveyed.declared, horizon_ns, is_whole=surveyed.as_written, most=most)
+        return FaultLaw(surveyed.declared, self._horizon_ns, is_whole=surveyed.as_written, most=most)
+
+    @property
+    def _horizon_ns(self) -> int:
+        """A time that no honest message lies behind, ns: a recorder may have lost the truth long before the sensors."""
+        last = self._surveyed.segments[-1]
+        start_ns, scenario = last.segment.start_ns, last.segment.scenario
+        truth_ns = (last.last_ns or start_ns) + round(2 * NS / scenario.rate) + NS
+        if self._surveyed.as_written:
+            return truth_ns
+        models = {name: model for name in self._readings if (model := model_of(scenario, name))}
+        longest = max((self._bag.sensors[name].count / model.rate for name, model in models.items()), default=0.0)
+        return max(truth_ns, start_ns + round(MOST_LOST * longest * NS))
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""

@@ -88,5 +88,17 @@ def test_a_topic_that_a_recorder_lost_before_a_reset_ends_there(tmp_path, topic,
     assert broken(verdict(path, tmp_path, lambda ms: late(missing(ms)))) == {law}
 
 
+def test_a_recorder_may_lose_the_truth_long_before_a_sensor_that_loses_readings(tmp_path):
+    given = {**START, "magnetometer_dropout_probability": 0.3}
+    path, late = write(tmp_path / "a.mcap", (given, 2.5)), recorded(0.1)
+    found = certify(Bag(path))
+    since = found.segments[0].segment.start_ns + 500_000_000
+    found = verdict(
+        path, tmp_path, lambda ms: late([m for m in ms if m.topic not in ("/pose", "/twist") or m.log_time < since])
+    )
+    assert found.passed, found.messages
+    assert found.segments[0].samples < 100
+
+
 def keep(topic: str, when: Callable[[int], bool], messages: list[Message]) -> list[Message]:
     return [m for m in messages if m.topic != topic or when(m.log_time)]
