@@ -21,7 +21,15 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, disorder, held_against
+from lie_rigid_body.runs.recorded_estimate import (
+    LENIENCE_NS,
+    RecordedEstimate,
+    TrueMotion,
+    disorder,
+    held_against,
+    left_ahead,
+    passed_by,
+)
 from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -31,9 +39,6 @@ MOST_KEPT: Final = 100_000
 kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
 MOST_UNREAD: Final = 50_000
 """Messages that wait for a truth; the oldest are given up."""
-LENIENCE_NS: Final = NS
-"""How far the last estimate and the last pose heard may be apart, ns, as each has its way. The scenario tells the truth
-so far beyond the poses: stamps further on are of another clock. A filter is so late: one further behind has ended."""
 RECENT: Final = 40
 """Batches of poses by which the latest estimates are judged."""
 INTERIM: Final = 2000
@@ -61,6 +66,8 @@ class Kept:
     ----------
     count, disordered : int
         Rows that came, and those that were left out because they were stamped before an earlier one.
+    first_ns, last_ns : int
+        Stamps of the first row and of the last; 0 if there is none.
     stride : int
         One in so many is kept.
     """
@@ -71,13 +78,15 @@ class Kept:
         self._blocks: list[tuple[Integers, Array]] = []
         self._size = 0
         self._last: tuple[Integers, Array] | None = None
+        self.first_ns = self.last_ns = 0
 
     def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
         """Take rows, and return those of them that are in order."""
-        ordered = in_order(stamps_ns, int(self._last[0][0]) if self._last else None)
+        ordered = in_order(stamps_ns, self.last_ns if self.count else None)
         stamps, rows = stamps_ns[ordered], numbers[ordered]
         self.disordered += len(stamps_ns) - len(stamps)
         if len(stamps):
+            self.first_ns, self.last_ns = self.first_ns if self.count else int(stamps[0]), int(stamps[-1])
             chosen = slice(-self.count % self.stride, None, self.stride)
             self._blocks.append((stamps[chosen], rows[chosen]))
             self._size += len(stamps[chosen])
@@ -159,6 +168,9 @@ class LiveEstimate:
         self._pose_template: AttitudeTrack | None = None
         self.first_ns: int | None = None
         self.last_ns: int | None = None
+        self._has_begun = False
+        self._ahead: tuple[Integers, Array] | None = None
+        self._astray_s = np.empty(0)
 
     @property
     def span_s(self) -> float:
@@ -242,8 +254,13 @@ class LiveEstimate:
         """
         for _ in range(2 if most is None else 0):
             self.judge()
+        if most is None and self._ahead is not None:
+            self._take(*self._ahead)
+            self._ahead = None
         read = self._read(most)
-        track = read.track
+        track, due_ns = read.track, read.truth.last_ns
+        if self._duration_ns is not None and self.first_ns is not None:
+            due_ns = self.first_ns + self._duration_ns
         score = evaluate(
             track.stamps_ns,
             track.attitude_xyzw,
@@ -252,9 +269,13 @@ class LiveEstimate:
             covariance=read.covariance,
             covariance_axes=self._covariance_axes,
             bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
+            left_out=read.left_out,
+            due_ns=due_ns,
         )
         thinned = self._kept.stride > 1 or most is not None
-        return read, self.tally.exact(score) if thinned and self.tally.count else score
+        if not thinned or not self.tally.count:
+            return read, score
+        return read, self.tally.exact(score, self._kept.count + read.left_out, due_ns)
 
     def _read(self, most: int | None) -> RecordedEstimate:
         if not self.has_truth:
@@ -275,7 +296,8 @@ class LiveEstimate:
         if most is not None and truth.first_ns < stamps[0] <= truth.last_ns:
             truth.first_ns = int(stamps[0])
         read = held_against(track, true, truth)
-        return replace(read, notes=(*read.notes, *self._notes()))
+        left_out = self._kept.disordered + len(self._astray_s)
+        return replace(read, notes=(*read.notes, *self._notes()), left_out=left_out)
 
     def fault(self) -> str:
         """What is wrong about the attitudes that were left out, in a sentence without a full stop; empty if nothing."""
@@ -295,8 +317,10 @@ class LiveEstimate:
 
     def _notes(self) -> Iterator[str]:
         kept = self._kept
+        count = kept.count + kept.disordered + len(self._astray_s)
+        yield from left_ahead(self._astray_s, count)
         if kept.disordered:
-            yield disorder(kept.disordered, kept.count + kept.disordered)
+            yield disorder(kept.disordered, count)
         if self.unusable:
             yield f"{self.fault()}."
         if self._given_up:
@@ -354,19 +378,67 @@ class LiveEstimate:
                 self._recent += [ordered] if len(ordered[0]) else []
 
     def _read_estimates(self) -> list[tuple[Integers, Array]]:
+        stamps, numbers = self._timely(self._decoded())
+        return self._take(stamps, numbers) if len(stamps) else []
+
+    def _decoded(self) -> tuple[Integers, Array] | None:
+        """Stamps, ns, attitudes and covariances of the messages that were not read yet."""
         if not self._heard.unread:
-            return []
+            return None
         found = attitudes_of(self._heard.topic, self._heard.message_type, self._heard.taken())
         track = found.get(self._chosen(found))
         if track is None or not track.stamps_ns.size:
-            return []
+            return None
         self._template = self._template or track
         numbers = track.attitude_xyzw
         if track.covariance is not None:
             numbers = np.concatenate([numbers, track.covariance.reshape(-1, 9)], axis=1)
-        stamps, usable = track.stamps_ns, _usable(track.attitude_xyzw)
-        if self.first_ns is None and usable.any():
-            self.first_ns = int(stamps[usable][0])
+        return track.stamps_ns, numbers
+
+    def _timely(self, new: tuple[Integers, Array] | None) -> tuple[Integers, Array]:
+        """What is not stamped ahead of the truth heard; that waits, and is left out if later ones are not ahead.
+
+        One wrong stamp would put all that follow it out of order, and complete the duration.
+        """
+        parts = [rows for rows in (self._ahead, new) if rows is not None]
+        if not parts:
+            return np.empty(0, dtype=np.int64), np.empty((0, 4))
+        stamps, numbers = (np.concatenate(column) for column in zip(*parts, strict=True))
+        if not self._kept_poses.count:
+            return stamps, numbers
+        ahead = stamps > self._kept_poses.last_ns + LENIENCE_NS
+        astray = passed_by(ahead)
+        self._astray_s = np.concatenate([self._astray_s, (stamps[astray] - self._kept_poses.last_ns) / NS])
+        waits = ahead & ~astray
+        if np.count_nonzero(waits) > MOST_UNREAD:  # that is no wrong stamp, but another clock
+            ahead, waits = astray, np.zeros_like(ahead)
+        self._ahead = (stamps[waits], numbers[waits]) if waits.any() else None
+        self._complete_by(stamps[waits])
+        return stamps[~ahead], numbers[~ahead]
+
+    def _complete_by(self, ahead: Integers) -> None:
+        """Stamps of another clock, or of a time when the truth has ended, complete a duration too, but no leap does."""
+        if self._duration_ns is None or not len(ahead):
+            return
+        before = [] if self.last_ns is None else [self.last_ns]
+        steps = np.clip(np.diff(np.concatenate([np.array(before, dtype=np.int64), ahead])), 0, LENIENCE_NS)
+        span_ns = 0 if self.first_ns is None or self.last_ns is None else self.last_ns - self.first_ns
+        self.complete = self.complete or span_ns + int(steps.sum()) >= self._duration_ns
+
+    def _begin(self, stamps: Integers) -> None:
+        """Know the first estimate: that which is not stamped long before the truth, as soon as there is one."""
+        start = min(segment.start_ns for segment in self._segments.values()) if self._segments else None
+        least = (self._kept_poses.first_ns if start is None else start) - LENIENCE_NS
+        known = stamps[stamps >= least]
+        if len(known) and not self._has_begun:
+            self.first_ns, self._has_begun = int(known[0]), True
+        elif self.first_ns is None and len(stamps):
+            self.first_ns = int(stamps[0])
+
+    def _take(self, stamps: Integers, numbers: Array) -> list[tuple[Integers, Array]]:
+        """Keep those that can be used, within the duration and in order, and return them."""
+        usable = _usable(numbers[:, :4])
+        self._begin(stamps[usable])
         inside = self._within_duration(stamps)
         self._count_unusable(stamps[inside & ~usable])
         stamps, numbers = self._kept.add(stamps[inside & usable], numbers[inside & usable])
