@@ -26,7 +26,7 @@ from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wante
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import listed, short_repr, shown
 
 _TYPES: Final = (*ATTITUDE_TYPES, STRING)
 LENIENCE_NS: Final = NS
@@ -270,13 +270,13 @@ def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
         ours |= {true.segments[0].scenario.body_frame, str(parameters.get("imu_frame", "imu_link"))}
     if track.frame not in ours and not (track.message_type == IMU and not true.segments):
         yield (
-            f"The frame of the estimate is {track.frame!r}, that of the truth {world!r}: they are taken for the same. "
-            "Is it the right topic?"
+            f"The frame of the estimate is {shown(track.frame)}, that of the truth {shown(world)}: they are taken for "
+            "the same. Is it the right topic?"
         )
     if true.frames and track.child_frame and track.child_frame != true.frames[1]:
         yield (
-            f"The body of the estimate is {track.child_frame!r}, that of the truth {true.frames[1]!r}: they are taken "
-            "for the same. Is it the right body?"
+            f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(true.frames[1])}: they "
+            "are taken for the same. Is it the right body?"
         )
 
 

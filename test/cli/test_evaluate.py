@@ -320,6 +320,11 @@ def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):
     ("kind", "names", "note"),
     [
         (POSE, {"world": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
+        (
+            POSE,
+            {"world": "o" * 300},
+            "The frame of the estimate is 'ooooooooooooooooooooooo...oooooooooooooooooooooooo', that",
+        ),
         (IMU, {"sensor": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
         (ODOMETRY, {"body": "lidar"}, "The body of the estimate is 'lidar', that of the truth 'base_link'"),
     ],
@@ -436,6 +441,8 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
             assert "topic /estimate: message 0" in said
 
 
-def test_a_negative_limit_is_told_as_such(capsys):
+def test_a_negative_limit_and_a_second_one_are_told_as_such(capsys):
     assert "'-1deg' is not an angle" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "-1deg")
+    twice = refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "1deg", "--max-rms", "2deg")
+    assert "--max-rms is given 2 times, 1deg, 2deg: give one limit" in twice
     assert "'-1s' is not a time" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-after", "-1s:1deg")
