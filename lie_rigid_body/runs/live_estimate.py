@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
-from lie_rigid_body.evaluation.estimate import GAP, in_order, period_ns
+from lie_rigid_body.evaluation.estimate import GAP, period_ns
 from lie_rigid_body.evaluation.tally import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string
@@ -21,6 +21,7 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.runs.kept import MOST_KEPT, Kept
 from lie_rigid_body.runs.recorded_estimate import (
     LENIENCE_NS,
     RecordedEstimate,
@@ -34,9 +35,6 @@ from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
-MOST_KEPT: Final = 100_000
-"""Samples of the estimate, and of the poses, that are kept, a quarter of an hour at 100 Hz. Of more every second is
-kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
 MOST_UNREAD: Final = 50_000
 """Messages that wait for a truth; the oldest are given up."""
 RECENT: Final = 40
@@ -57,60 +55,6 @@ class Heard:
         """The unread messages, which are then forgotten."""
         taken, self.unread = self.unread, []
         return taken
-
-
-class Kept:
-    """Rows in order of time, of which evenly so many are kept that memory does not grow.
-
-    Attributes
-    ----------
-    count, disordered : int
-        Rows that came, and those that were left out because they were stamped before an earlier one.
-    first_ns, last_ns : int
-        Stamps of the first row and of the last; 0 if there is none.
-    stride : int
-        One in so many is kept.
-    """
-
-    def __init__(self, most: int = MOST_KEPT) -> None:
-        self.count = self.disordered = 0
-        self.stride, self._most = 1, most
-        self._blocks: list[tuple[Integers, Array]] = []
-        self._size = 0
-        self._last: tuple[Integers, Array] | None = None
-        self.first_ns = self.last_ns = 0
-
-    def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
-        """Take rows, and return those of them that are in order."""
-        ordered = in_order(stamps_ns, self.last_ns if self.count else None)
-        stamps, rows = stamps_ns[ordered], numbers[ordered]
-        self.disordered += len(stamps_ns) - len(stamps)
-        if len(stamps):
-            self.first_ns, self.last_ns = self.first_ns if self.count else int(stamps[0]), int(stamps[-1])
-            chosen = slice(-self.count % self.stride, None, self.stride)
-            self._blocks.append((stamps[chosen], rows[chosen]))
-            self._size += len(stamps[chosen])
-            self.count += len(stamps)
-            self._last = stamps[-1:], rows[-1:]
-        while self._size > self._most:
-            kept, values = self._joined()
-            self._blocks, self.stride = [(kept[::2].copy(), values[::2].copy())], 2 * self.stride
-            self._size = len(self._blocks[0][0])
-        if len(self._blocks) > MOST_BLOCKS:
-            self._blocks = [self._joined()]
-        return stamps, rows
-
-    def rows(self) -> tuple[Integers, Array]:
-        """Stamps, ns, and numbers of what is kept, and of the last row."""
-        assert self._last is not None
-        stamps, rows = self._joined()
-        if (self.count - 1) % self.stride:
-            return np.concatenate([stamps, self._last[0]]), np.concatenate([rows, self._last[1]])
-        return stamps, rows
-
-    def _joined(self) -> tuple[Integers, Array]:
-        stamps, rows = zip(*self._blocks, strict=True)
-        return np.concatenate(stamps), np.concatenate(rows)
 
 
 class LiveEstimate:
@@ -481,7 +425,3 @@ def _track(template: AttitudeTrack, stamps: Integers, numbers: Array) -> Attitud
     """Rows of attitudes, and of covariances where there are more numbers, as a track like another."""
     covariance = numbers[:, 4:].reshape(-1, 3, 3) if numbers.shape[1] > 4 else None
     return replace(template, stamps_ns=stamps, attitude_xyzw=numbers[:, :4], covariance=covariance)
-
-
-MOST_BLOCKS: Final = 2000
-"""Pieces of what is kept, before they are joined."""

@@ -18,7 +18,8 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.runs.live_estimate import Kept, LiveEstimate
+from lie_rigid_body.runs.kept import Kept
+from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
 
