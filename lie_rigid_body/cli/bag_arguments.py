@@ -8,7 +8,7 @@ from pathlib import Path
 
 def is_folder_of_bags(name: str) -> bool:
     """Whether an argument is a folder that is not one bag itself."""
-    from lie_rigid_body.recording.bag_folders import is_one_bag
+    from lie_rigid_body.recording.bag_files import is_one_bag
 
     return Path(name).is_dir() and not is_one_bag(Path(name))
 

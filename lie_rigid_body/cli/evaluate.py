@@ -34,5 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         covariance=read.covariance,
         covariance_axes=given.covariance_axes,
         bound=bound,
+        left_out=read.left_out,
+        due_ns=read.truth.last_ns,
     )
     return answer(given, given.run, read, score)

@@ -37,8 +37,10 @@ def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool
     except OverflowError:
         number = np.inf
     if not np.isfinite(number) or number < 0.0 or (number == 0.0 and not or_zero):
-        least = "from 0 on" if or_zero else "above 0"
-        raise InputError(f"{name}: {shown(value)} is not a finite number of {unit} {least}: give for example {example}")
+        fault = "is below 0" if or_zero else "is not above 0"
+        if not np.isfinite(number):
+            fault = f"is not a finite number of {unit} {'from 0 on' if or_zero else 'above 0'}"
+        raise InputError(f"{name}: {shown(value)} {fault}: give for example {example}")
     return number
 
 

@@ -66,9 +66,10 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
     Returns
     -------
     tuple of Finding
+        Empty if the errors grow when all causes are undone, as where most of them are of something else.
     """
-    found = []
-    before = np.degrees(comparison.angles(Misalignment()))
+    found: list[Finding] = []
+    before = given = np.degrees(comparison.angles(Misalignment()))
     fitted = _fitted(comparison, diagnosis.explanation)
     for cause, partial in _undone(diagnosis.explanation):
         # all constants are those of one fit: they hold together, and the last finding tells what they leave
@@ -76,7 +77,7 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
         sentence, doubt = _sentence(cause, comparison, diagnosis, fitted), _doubt(diagnosis, cause)
         found.append(Finding(_code(cause, fitted), f"{sentence} ({gain(before, after)}){doubt}.", rms(after)))
         before = after
-    return tuple(found)
+    return tuple(found) if rms(before) <= rms(given) else ()
 
 
 def clock_finding(comparison: Comparison, clock: Clock) -> Finding:

@@ -18,6 +18,8 @@ from lie_rigid_body.wording import short_repr, shown
 ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
 """Units of a limit, in degrees and in seconds."""
+LEAST_SHARE: Final = 0.5
+"""Share of the estimates given, and of the time they are due, that limits hold for: of less a score says little."""
 NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
 
 
@@ -111,6 +113,30 @@ class Limits:
                 sentences.append(
                     f"the error is {size:.4g}° at {when:g} s, above the limit of {limit:g}° after {start:g} s"
                 )
+        return tuple(sentences)
+
+    def too_little(self, compared: int, given: int, span_s: float, due_s: float) -> tuple[str, ...]:
+        """One sentence for each way in which too little was compared to keep any limit; none without a limit.
+
+        Parameters
+        ----------
+        compared, given : int
+            Estimates.
+        span_s, due_s : float
+            Times from the first of those compared to the last, and until which they are due, s.
+        """
+        if self == Limits():
+            return ()
+        sentences = []
+        if compared < LEAST_SHARE * given:
+            sentences.append(
+                f"only {compared} of {given} estimates were compared: limits hold for at least half of them"
+            )
+        if span_s < LEAST_SHARE * due_s:
+            sentences.append(
+                f"only {span_s:.4g} of {due_s:.4g} s since the first estimate were compared: limits hold for at least "
+                "half of them"
+            )
         return tuple(sentences)
 
 

@@ -159,6 +159,8 @@ def evaluate(
     longest_lag_s: float | None = None,
     diagnosed: bool = True,
     bound: UnavoidableError | None = None,
+    left_out: int = 0,
+    due_ns: int | None = None,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
 
@@ -183,6 +185,11 @@ def evaluate(
         Whether lag and mistaken conventions are looked for, which takes most of the time.
     bound : UnavoidableError, optional
         What the sensors' noise leaves at best, on the same clock.
+    left_out : int
+        Further estimates that were given, and left out before: limits are broken where most were.
+    due_ns : int, optional
+        The stamp until which estimates are due: limits are broken by those that end before half of the time from the
+        first on. By default they may end at any time.
 
     Returns
     -------
@@ -197,7 +204,7 @@ def evaluate(
         longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
     if converged_deg is not None:
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
-    whole = Estimate.read(stamps_ns, attitude_xyzw)
+    whole, limits = Estimate.read(stamps_ns, attitude_xyzw), limits or Limits()
     known = truth.covers(whole.stamps_ns)
     if not known.any():
         raise InputError(_apart(whole.stamps_ns, truth))
@@ -209,6 +216,7 @@ def evaluate(
     uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
+    given, due_s = np.size(stamps_ns) + left_out, 0.0 if due_ns is None else (due_ns - int(estimate.stamps_ns[0])) / 1e9
     (lag_s, lag_standard_error_s), found, turns = (
         _diagnosis(estimate, whole, truth, true, longest_lag_s, statistics) if diagnosed else ((None, None), (), ())
     )
@@ -233,12 +241,12 @@ def evaluate(
         lag_s=lag_s,
         lag_standard_error_s=lag_standard_error_s,
         findings=(*(Finding(r.code, r.message, statistics.rms) for r in remarks), *found),
-        broken=(limits or Limits()).broken(t_s, total),
+        broken=(*limits.broken(t_s, total), *limits.too_little(len(t_s), given, float(t_s[-1]), due_s)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
         best=None if bound is None else BestPossible.of(bound, estimate.stamps_ns, statistics.rms),
-        limits=limits or Limits(),
+        limits=limits,
     )
 
 

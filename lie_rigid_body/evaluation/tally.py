@@ -57,11 +57,22 @@ class Tally:
         """One sentence for each limit that the samples so far break."""
         return self.limits.broken_by(float(self.rms_deg[0]), self._worst, (self._last_ns - self._first_ns) / 1e9)
 
-    def exact(self, score: Score) -> Score:
-        """A score of some of the samples, with what is known of all: RMS, largest error, limits."""
+    def exact(self, score: Score, given: int, due_ns: int) -> Score:
+        """A score of some of the samples, with what is known of all: RMS, largest error, limits.
+
+        Parameters
+        ----------
+        score : Score
+        given : int
+            Estimates, of which those that were compared were added.
+        due_ns : int
+            The stamp until which they are due.
+        """
+        span_s, due_s = ((end - self._first_ns) / 1e9 for end in (self._last_ns, due_ns))
+        broken = (*self.broken(), *self.limits.too_little(self.count, given, span_s, due_s))
         parts = score.total_deg, score.heading_deg, score.inclination_deg
         total, heading, inclination = map(_with, parts, self.rms_deg.tolist(), self._largest.tolist())
-        return replace(score, total_deg=total, heading_deg=heading, inclination_deg=inclination, broken=self.broken())
+        return replace(score, total_deg=total, heading_deg=heading, inclination_deg=inclination, broken=broken)
 
 
 def _with(statistics: Statistics, rms: float, largest: float) -> Statistics:

@@ -25,6 +25,9 @@ METADATA: Final = "metadata.yaml"
 
 _SHORT: Final = 8 * 2**20
 """Bytes of files below which reading them takes less than a second."""
+SUFFIXES: Final = (".mcap", SUFFIX)
+"""Of the names of bags."""
+
 LARGEST_METADATA: Final = 2**20
 """Its largest size, bytes."""
 
@@ -98,18 +101,32 @@ class BagFiles:
             folder_metadata.hold(self._metadata, self._information, contents)
 
 
+def is_one_bag(folder: Path) -> bool:
+    """Whether a folder is that of one rosbag2 recording, by its metadata or by the names of its files.
+
+    Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
+    """
+    if (folder / METADATA).exists():
+        return True
+    for suffix in SUFFIXES:
+        files = {path.name for path in folder.glob(f"*{suffix}")}
+        if files:
+            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
+    return False
+
+
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     """The files of a bag, in the order of recording."""
     if not path.is_dir():
         return [path]
-    files = (
-        sorted(path.glob("*.mcap") if any(path.glob("*.mcap")) else path.glob(f"*{SUFFIX}"), key=natural_order)
-        if information is None
-        else [path / str(name) for name in information["relative_file_paths"]]
-    )
+    if information is not None:
+        return [path / str(name) for name in information["relative_file_paths"]]
+    files = sorted((file for suffix in SUFFIXES for file in path.glob(f"*{suffix}")), key=natural_order)
     if not files:
         raise BagError(f"{path} is a folder without MCAP files: give a bag")
-    return files
+    if len(files) > 1 and not is_one_bag(path):
+        raise BagError(f"{path} holds {len(files)} bags, not one recording: give one of them")
+    return [file for file in files if file.suffix == SUFFIXES[0]] or files
 
 
 def _information(metadata: Path) -> Mapping[str, Any] | None:

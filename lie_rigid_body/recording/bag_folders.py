@@ -6,27 +6,8 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
 
-from lie_rigid_body.recording.bag_files import METADATA, natural_order
-from lie_rigid_body.recording.sqlite_reader import SUFFIX
-
-SUFFIXES: Final = (".mcap", SUFFIX)
-"""Of the names of bags."""
-
-
-def is_one_bag(folder: Path) -> bool:
-    """Whether a folder is that of one rosbag2 recording, by its metadata or by the names of its files.
-
-    Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
-    """
-    if (folder / METADATA).exists():
-        return True
-    for suffix in SUFFIXES:
-        files = {path.name for path in folder.glob(f"*{suffix}")}
-        if files:
-            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
-    return False
+from lie_rigid_body.recording.bag_files import SUFFIXES, is_one_bag, natural_order
 
 
 def whole_of(file: Path) -> Path | None:

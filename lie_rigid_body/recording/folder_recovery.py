@@ -6,8 +6,7 @@ import shutil
 from pathlib import Path
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.bag_files import natural_order
-from lie_rigid_body.recording.bag_folders import is_one_bag
+from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.recovery import NothingWholeError, Recovery, recover
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
@@ -51,6 +52,9 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
         _parser().error("the following arguments are required: --estimate")
+    if given.max_rms and len(given.max_rms) > 1:
+        raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
+    given.max_rms = given.max_rms[0] if given.max_rms else None
     console.require_suffix("--plot", given.plot, ".png")
     console.require_suffix("--report", given.report, ".html")
     return given
@@ -75,7 +79,9 @@ def _parser() -> console.Parser:
     parser.add_argument(
         "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
     )
-    parser.add_argument("--max-rms", metavar="ANGLE", help="largest RMS of the total error, such as 1deg")
+    parser.add_argument(
+        "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
+    )
     parser.add_argument(
         "--max-after",
         metavar="TIME:ANGLE",

@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error, evaluate
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
-from lie_rigid_body.evaluation.estimate import GAP, in_order, period_ns
+from lie_rigid_body.evaluation.estimate import GAP, period_ns
 from lie_rigid_body.evaluation.tally import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string
@@ -21,19 +21,22 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, disorder, held_against
+from lie_rigid_body.runs.kept import MOST_KEPT, Kept
+from lie_rigid_body.runs.recorded_estimate import (
+    LENIENCE_NS,
+    RecordedEstimate,
+    TrueMotion,
+    disorder,
+    held_against,
+    left_ahead,
+    passed_by,
+)
 from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
-MOST_KEPT: Final = 100_000
-"""Samples of the estimate, and of the poses, that are kept, a quarter of an hour at 100 Hz. Of more every second is
-kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
 MOST_UNREAD: Final = 50_000
 """Messages that wait for a truth; the oldest are given up."""
-LENIENCE_NS: Final = NS
-"""How far the last estimate and the last pose heard may be apart, ns, as each has its way. The scenario tells the truth
-so far beyond the poses: stamps further on are of another clock. A filter is so late: one further behind has ended."""
 RECENT: Final = 40
 """Batches of poses by which the latest estimates are judged."""
 INTERIM: Final = 2000
@@ -52,56 +55,6 @@ class Heard:
         """The unread messages, which are then forgotten."""
         taken, self.unread = self.unread, []
         return taken
-
-
-class Kept:
-    """Rows in order of time, of which evenly so many are kept that memory does not grow.
-
-    Attributes
-    ----------
-    count, disordered : int
-        Rows that came, and those that were left out because they were stamped before an earlier one.
-    stride : int
-        One in so many is kept.
-    """
-
-    def __init__(self, most: int = MOST_KEPT) -> None:
-        self.count = self.disordered = 0
-        self.stride, self._most = 1, most
-        self._blocks: list[tuple[Integers, Array]] = []
-        self._size = 0
-        self._last: tuple[Integers, Array] | None = None
-
-    def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
-        """Take rows, and return those of them that are in order."""
-        ordered = in_order(stamps_ns, int(self._last[0][0]) if self._last else None)
-        stamps, rows = stamps_ns[ordered], numbers[ordered]
-        self.disordered += len(stamps_ns) - len(stamps)
-        if len(stamps):
-            chosen = slice(-self.count % self.stride, None, self.stride)
-            self._blocks.append((stamps[chosen], rows[chosen]))
-            self._size += len(stamps[chosen])
-            self.count += len(stamps)
-            self._last = stamps[-1:], rows[-1:]
-        while self._size > self._most:
-            kept, values = self._joined()
-            self._blocks, self.stride = [(kept[::2].copy(), values[::2].copy())], 2 * self.stride
-            self._size = len(self._blocks[0][0])
-        if len(self._blocks) > MOST_BLOCKS:
-            self._blocks = [self._joined()]
-        return stamps, rows
-
-    def rows(self) -> tuple[Integers, Array]:
-        """Stamps, ns, and numbers of what is kept, and of the last row."""
-        assert self._last is not None
-        stamps, rows = self._joined()
-        if (self.count - 1) % self.stride:
-            return np.concatenate([stamps, self._last[0]]), np.concatenate([rows, self._last[1]])
-        return stamps, rows
-
-    def _joined(self) -> tuple[Integers, Array]:
-        stamps, rows = zip(*self._blocks, strict=True)
-        return np.concatenate(stamps), np.concatenate(rows)
 
 
 class LiveEstimate:
@@ -159,6 +112,9 @@ class LiveEstimate:
         self._pose_template: AttitudeTrack | None = None
         self.first_ns: int | None = None
         self.last_ns: int | None = None
+        self._has_begun = False
+        self._ahead: tuple[Integers, Array] | None = None
+        self._astray_s = np.empty(0)
 
     @property
     def span_s(self) -> float:
@@ -242,8 +198,13 @@ class LiveEstimate:
         """
         for _ in range(2 if most is None else 0):
             self.judge()
+        if most is None and self._ahead is not None:
+            self._take(*self._ahead)
+            self._ahead = None
         read = self._read(most)
-        track = read.track
+        track, due_ns = read.track, read.truth.last_ns
+        if self._duration_ns is not None and self.first_ns is not None:
+            due_ns = self.first_ns + self._duration_ns
         score = evaluate(
             track.stamps_ns,
             track.attitude_xyzw,
@@ -252,9 +213,13 @@ class LiveEstimate:
             covariance=read.covariance,
             covariance_axes=self._covariance_axes,
             bound=None if most else bound_of(read.segments, read.truth, track.stamps_ns),
+            left_out=read.left_out,
+            due_ns=due_ns,
         )
         thinned = self._kept.stride > 1 or most is not None
-        return read, self.tally.exact(score) if thinned and self.tally.count else score
+        if not thinned or not self.tally.count:
+            return read, score
+        return read, self.tally.exact(score, self._kept.count + read.left_out, due_ns)
 
     def _read(self, most: int | None) -> RecordedEstimate:
         if not self.has_truth:
@@ -275,7 +240,8 @@ class LiveEstimate:
         if most is not None and truth.first_ns < stamps[0] <= truth.last_ns:
             truth.first_ns = int(stamps[0])
         read = held_against(track, true, truth)
-        return replace(read, notes=(*read.notes, *self._notes()))
+        left_out = self._kept.disordered + len(self._astray_s)
+        return replace(read, notes=(*read.notes, *self._notes()), left_out=left_out)
 
     def fault(self) -> str:
         """What is wrong about the attitudes that were left out, in a sentence without a full stop; empty if nothing."""
@@ -295,8 +261,10 @@ class LiveEstimate:
 
     def _notes(self) -> Iterator[str]:
         kept = self._kept
+        count = kept.count + kept.disordered + len(self._astray_s)
+        yield from left_ahead(self._astray_s, count)
         if kept.disordered:
-            yield disorder(kept.disordered, kept.count + kept.disordered)
+            yield disorder(kept.disordered, count)
         if self.unusable:
             yield f"{self.fault()}."
         if self._given_up:
@@ -354,19 +322,67 @@ class LiveEstimate:
                 self._recent += [ordered] if len(ordered[0]) else []
 
     def _read_estimates(self) -> list[tuple[Integers, Array]]:
+        stamps, numbers = self._timely(self._decoded())
+        return self._take(stamps, numbers) if len(stamps) else []
+
+    def _decoded(self) -> tuple[Integers, Array] | None:
+        """Stamps, ns, attitudes and covariances of the messages that were not read yet."""
         if not self._heard.unread:
-            return []
+            return None
         found = attitudes_of(self._heard.topic, self._heard.message_type, self._heard.taken())
         track = found.get(self._chosen(found))
         if track is None or not track.stamps_ns.size:
-            return []
+            return None
         self._template = self._template or track
         numbers = track.attitude_xyzw
         if track.covariance is not None:
             numbers = np.concatenate([numbers, track.covariance.reshape(-1, 9)], axis=1)
-        stamps, usable = track.stamps_ns, _usable(track.attitude_xyzw)
-        if self.first_ns is None and usable.any():
-            self.first_ns = int(stamps[usable][0])
+        return track.stamps_ns, numbers
+
+    def _timely(self, new: tuple[Integers, Array] | None) -> tuple[Integers, Array]:
+        """What is not stamped ahead of the truth heard; that waits, and is left out if later ones are not ahead.
+
+        One wrong stamp would put all that follow it out of order, and complete the duration.
+        """
+        parts = [rows for rows in (self._ahead, new) if rows is not None]
+        if not parts:
+            return np.empty(0, dtype=np.int64), np.empty((0, 4))
+        stamps, numbers = (np.concatenate(column) for column in zip(*parts, strict=True))
+        if not self._kept_poses.count:
+            return stamps, numbers
+        ahead = stamps > self._kept_poses.last_ns + LENIENCE_NS
+        astray = passed_by(ahead)
+        self._astray_s = np.concatenate([self._astray_s, (stamps[astray] - self._kept_poses.last_ns) / NS])
+        waits = ahead & ~astray
+        if np.count_nonzero(waits) > MOST_UNREAD:  # that is no wrong stamp, but another clock
+            ahead, waits = astray, np.zeros_like(ahead)
+        self._ahead = (stamps[waits], numbers[waits]) if waits.any() else None
+        self._complete_by(stamps[waits])
+        return stamps[~ahead], numbers[~ahead]
+
+    def _complete_by(self, ahead: Integers) -> None:
+        """Stamps of another clock, or of a time when the truth has ended, complete a duration too, but no leap does."""
+        if self._duration_ns is None or not len(ahead):
+            return
+        before = [] if self.last_ns is None else [self.last_ns]
+        steps = np.clip(np.diff(np.concatenate([np.array(before, dtype=np.int64), ahead])), 0, LENIENCE_NS)
+        span_ns = 0 if self.first_ns is None or self.last_ns is None else self.last_ns - self.first_ns
+        self.complete = self.complete or span_ns + int(steps.sum()) >= self._duration_ns
+
+    def _begin(self, stamps: Integers) -> None:
+        """Know the first estimate: that which is not stamped long before the truth, as soon as there is one."""
+        start = min(segment.start_ns for segment in self._segments.values()) if self._segments else None
+        least = (self._kept_poses.first_ns if start is None else start) - LENIENCE_NS
+        known = stamps[stamps >= least]
+        if len(known) and not self._has_begun:
+            self.first_ns, self._has_begun = int(known[0]), True
+        elif self.first_ns is None and len(stamps):
+            self.first_ns = int(stamps[0])
+
+    def _take(self, stamps: Integers, numbers: Array) -> list[tuple[Integers, Array]]:
+        """Keep those that can be used, within the duration and in order, and return them."""
+        usable = _usable(numbers[:, :4])
+        self._begin(stamps[usable])
         inside = self._within_duration(stamps)
         self._count_unusable(stamps[inside & ~usable])
         stamps, numbers = self._kept.add(stamps[inside & usable], numbers[inside & usable])
@@ -409,7 +425,3 @@ def _track(template: AttitudeTrack, stamps: Integers, numbers: Array) -> Attitud
     """Rows of attitudes, and of covariances where there are more numbers, as a track like another."""
     covariance = numbers[:, 4:].reshape(-1, 3, 3) if numbers.shape[1] > 4 else None
     return replace(template, stamps_ns=stamps, attitude_xyzw=numbers[:, :4], covariance=covariance)
-
-
-MOST_BLOCKS: Final = 2000
-"""Pieces of what is kept, before they are joined."""

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
@@ -18,6 +18,7 @@ from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
@@ -25,9 +26,12 @@ from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wante
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import listed, short_repr, shown
 
 _TYPES: Final = (*ATTITUDE_TYPES, STRING)
+LENIENCE_NS: Final = NS
+"""How far the last estimate and the last pose heard may be apart, ns, as each has its way. The scenario tells the truth
+so far beyond the poses: stamps further on are of another clock. A filter is so late: one further behind has ended."""
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 
@@ -48,6 +52,8 @@ class RecordedEstimate:
         The estimator's own, if it gives one at every sample that can be used.
     notes : tuple of str
         What a reader of the score should know, one sentence each.
+    left_out : int
+        Further estimates that there were: out of order.
     """
 
     track: AttitudeTrack
@@ -56,6 +62,7 @@ class RecordedEstimate:
     segments: tuple[Segment, ...]
     covariance: Array | None
     notes: tuple[str, ...]
+    left_out: int = 0
 
     __repr__ = short_repr
 
@@ -69,7 +76,8 @@ def recorded_estimate(
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
 
-    Estimates that are stamped before an earlier one are left out, with a note.
+    Estimates that are stamped before an earlier one are left out, with a note, and so are those that are stamped far
+    ahead of the truth where later ones are not.
 
     Parameters
     ----------
@@ -103,21 +111,41 @@ def recorded_estimate(
         truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
         true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
     track = read_attitudes(path, contents, topic, true.frames)
-    ordered = _ordered(track)
+    # the truth of a scenario alone has no end that a stamp could be ahead of
+    last_ns = int((track if true.poses is None else true.poses).stamps_ns.max())
+    astray = passed_by(track.stamps_ns > last_ns + LENIENCE_NS)
+    sound = _part(track, ~astray)
+    ordered = _part(sound, in_order(sound.stamps_ns))
     read = held_against(ordered, true, true.until(int(ordered.stamps_ns.max())))
-    count = len(track.stamps_ns)
-    late = count - len(ordered.stamps_ns)
-    return replace(read, notes=(*read.notes, disorder(late, count))) if late else read
+    count, late = len(track.stamps_ns), len(sound.stamps_ns) - len(ordered.stamps_ns)
+    ahead_s = (track.stamps_ns[astray] - last_ns) / NS
+    told = (*left_ahead(ahead_s, count), *((disorder(late, count),) if late else ()))
+    return replace(read, notes=(*read.notes, *told), left_out=late + len(ahead_s))
 
 
-def _ordered(track: AttitudeTrack) -> AttitudeTrack:
-    """A track without what is stamped before an earlier message."""
-    kept, P = in_order(track.stamps_ns), track.covariance
+def _part(track: AttitudeTrack, kept: Booleans) -> AttitudeTrack:
+    """Some of the messages of a track."""
+    P = track.covariance
     return replace(
         track,
         stamps_ns=track.stamps_ns[kept],
         attitude_xyzw=track.attitude_xyzw[kept],
         covariance=None if P is None else P[kept],
+    )
+
+
+def passed_by(ahead: Booleans) -> Booleans:
+    """Which of the messages that are stamped ahead of the truth came before one that is not: their stamps are wrong."""
+    return np.asarray(ahead & np.logical_or.accumulate(~ahead[::-1])[::-1])
+
+
+def left_ahead(ahead_s: Array, count: int) -> tuple[str, ...]:
+    """What a reader of a score should know of estimates that are stamped so far ahead, s, and left out; of all."""
+    if not len(ahead_s):
+        return ()
+    return (
+        f"Left out of {count} estimates: {len(ahead_s)} stamped far ahead of the truth, the first by "
+        f"{ahead_s[0]:.12g} s, where later ones are not: find out what stamped them.",
     )
 
 
@@ -242,13 +270,13 @@ def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
         ours |= {true.segments[0].scenario.body_frame, str(parameters.get("imu_frame", "imu_link"))}
     if track.frame not in ours and not (track.message_type == IMU and not true.segments):
         yield (
-            f"The frame of the estimate is {track.frame!r}, that of the truth {world!r}: they are taken for the same. "
-            "Is it the right topic?"
+            f"The frame of the estimate is {shown(track.frame)}, that of the truth {shown(world)}: they are taken for "
+            "the same. Is it the right topic?"
         )
     if true.frames and track.child_frame and track.child_frame != true.frames[1]:
         yield (
-            f"The body of the estimate is {track.child_frame!r}, that of the truth {true.frames[1]!r}: they are taken "
-            "for the same. Is it the right body?"
+            f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(true.frames[1])}: they "
+            "are taken for the same. Is it the right body?"
         )
 
 

@@ -190,6 +190,39 @@ def test_limits_are_the_exit_status(bag, capsys):
     assert "give for example 10s:2deg" in refused(capsys, *given, "--max-after", "10s")
 
 
+FAR = 2**31 * 10**9 - 10**9
+"""A stamp of the year 2038, ns."""
+LITTLE: dict[str, Any] = {
+    "stamps are 0": (lambda t, q: (0 * t, q), "only 1 of 250 estimates"),
+    "reversed": (lambda t, q: (t[::-1], q[::-1]), "only 1 of 250 estimates"),
+    "in microseconds": (lambda t, q: (1000 * t, q), "only 1 of 250 estimates"),
+    "ends early": (lambda t, q: (t[:6], q[:6]), "only 0.2 of 10 s since the first estimate"),
+}
+
+
+@pytest.mark.parametrize("case", LITTLE)
+def test_a_limit_is_not_kept_by_the_little_that_could_be_compared(case, own, run, stamps, tmp_path, capsys):
+    change, said = LITTLE[case]
+    q = run.attitude().at(stamps)
+    bag = beside(own, tmp_path / "little.mcap", (POSE, HOW[POSE], "/estimate", *change(stamps, q)))
+    given = bag, "--estimate", "/estimate"
+    assert scored(capsys, *given)["broken"] == []
+    content = scored(capsys, *given, "--max-rms", "180deg", status=1)
+    assert said in content["broken"][0]
+    late = beside(own, tmp_path / "late.mcap", (POSE, HOW[POSE], "/estimate", stamps[200:], q[200:]))
+    assert scored(capsys, late, "--estimate", "/estimate", "--max-rms", "1deg")["passed"]
+
+
+def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_path, capsys):
+    t, q = stamps.copy(), run.attitude().at(stamps)
+    t[3] = FAR
+    bag = beside(own, tmp_path / "far.mcap", (POSE, HOW[POSE], "/estimate", t, q))
+    content = scored(capsys, bag, "--estimate", "/estimate", "--max-rms", "1deg")
+    assert content["samples"] == 249
+    [note] = content["notes"]
+    assert note.startswith("Left out of 250 estimates: 1 stamped far ahead of the truth, the first by 21474836")
+
+
 def test_a_finding_is_told_with_what_to_do(own, stamps, noisy, tmp_path, capsys):
     inverse = (POSE, HOW[POSE], "/inverse", stamps, quaternion.conjugate(noisy))
     bag = beside(own, tmp_path / "inverse.mcap", inverse)
@@ -287,6 +320,11 @@ def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):
     ("kind", "names", "note"),
     [
         (POSE, {"world": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
+        (
+            POSE,
+            {"world": "o" * 300},
+            "The frame of the estimate is 'ooooooooooooooooooooooo...oooooooooooooooooooooooo', that",
+        ),
         (IMU, {"sensor": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
         (ODOMETRY, {"body": "lidar"}, "The body of the estimate is 'lidar', that of the truth 'base_link'"),
     ],
@@ -403,6 +441,8 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
             assert "topic /estimate: message 0" in said
 
 
-def test_a_negative_limit_is_told_as_such(capsys):
+def test_a_negative_limit_and_a_second_one_are_told_as_such(capsys):
     assert "'-1deg' is not an angle" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "-1deg")
+    twice = refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "1deg", "--max-rms", "2deg")
+    assert "--max-rms is given 2 times, 1deg, 2deg: give one limit" in twice
     assert "'-1s' is not a time" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-after", "-1s:1deg")

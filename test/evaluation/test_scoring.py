@@ -167,3 +167,14 @@ def test_refusals_are_one_line(stamps, estimate, message):
     with pytest.raises(InputError, match=message) as error:
         evaluate(stamps, estimate, truth_of(MOTION))
     assert "\n" not in str(error.value)
+
+
+def test_a_finding_that_would_leave_larger_errors_is_not_told():
+    """The median of a small offset, beside errors of something else that undoing it makes larger."""
+    large = np.arange(len(STAMPS)) % 5 < 2
+    turn = np.radians(np.where(large, -100.0, 3.0))
+    q = quaternion.multiply(quaternion.exp(turn[:, None] * [0.0, 0.0, 1.0]), NOISY)
+    score = evaluate(STAMPS, q, truth_of(MOTION))
+    assert [finding.code for finding in score.findings if finding.rms_deg_after > score.total_deg.rms] == []
+    alone = evaluate(STAMPS[~large], q[~large], truth_of(MOTION))
+    assert "heading_offset" in [finding.code for finding in alone.findings]

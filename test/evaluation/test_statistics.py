@@ -84,6 +84,26 @@ def test_limits_name_what_breaks_them():
     )
 
 
+def test_a_limit_is_not_kept_where_little_was_compared():
+    limits = Limits(1.0)
+    assert limits.too_little(500, 1000, 10.0, 20.0) == ()
+    assert Limits().too_little(1, 1000, 0.04, 20.0) == ()
+    assert limits.too_little(3, 1000, 0.04, 20.0) == (
+        "only 3 of 1000 estimates were compared: limits hold for at least half of them",
+        "only 0.04 of 20 s since the first estimate were compared: limits hold for at least half of them",
+    )
+    assert limits.too_little(1, 1, 0.0, 0.0) == ()
+    stamps = np.arange(9, dtype=np.int64)
+    truth = SampledTruth(stamps[:4], np.tile([0.0, 0.0, 0.0, 1.0], (4, 1)))
+    given = stamps, np.tile([0.0, 0.0, 0.0, 1.0], (9, 1)), truth
+    assert evaluate(*given, diagnosed=False).passed
+    for score in (
+        evaluate(*given, limits=limits, diagnosed=False),
+        evaluate(stamps[:4], given[1][:4], truth, limits=limits, left_out=5, diagnosed=False),
+    ):
+        assert score.broken == ("only 4 of 9 estimates were compared: limits hold for at least half of them",)
+
+
 def test_what_is_wrong_all_the_time_has_not_converged():
     stamps = np.arange(100) * 10_000_000
     truth = np.tile([0.0, 0.0, 0.0, 1.0], (100, 1))

@@ -13,8 +13,10 @@ from bags import MakeBag
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
+from lie_rigid_body import Run
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 Rename = Callable[[str], str | None]
 
@@ -126,7 +128,7 @@ def folder(tmp_path: Path, *names: str) -> Path:
 @pytest.mark.parametrize("with_metadata", [True, False])
 def test_a_rosbag2_folder_of_several_files_is_one_bag(make_bag: MakeBag, tmp_path: Path, with_metadata: bool) -> None:
     own = make_bag(count=30)
-    names = [f"run_{i}.mcap" for i in range(11)]
+    names = [f"folder_{i}.mcap" for i in range(11)]
     bag = folder(tmp_path, *names)
     for i, name in enumerate(names):
         rewrite(own, bag / name, keep=lambda number, topic, i=i: i == min(number // 5, 10))  # type: ignore[misc]
@@ -134,6 +136,17 @@ def test_a_rosbag2_folder_of_several_files_is_one_bag(make_bag: MakeBag, tmp_pat
         (bag / "metadata.yaml").unlink()
     recording = read_bag(bag)
     assert recording.poses.stamps_ns.tolist() == read_bag(own).poses.stamps_ns.tolist()
+
+
+def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) -> None:
+    """As ``check`` sees it: what two recordings tell is never merged into one run."""
+    (tmp_path / "folder").mkdir()
+    make_bag("folder/a.mcap", count=3)
+    assert len(read_bag(tmp_path / "folder").poses.stamps_ns) == 3
+    make_bag("folder/b.mcap", count=3)
+    for read in (read_bag, Run.from_bag, lambda path: recorded_estimate(path, "/pose")):
+        with pytest.raises(BagError, match="folder holds 2 bags, not one recording: give one of them"):
+            read(tmp_path / "folder")
 
 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:

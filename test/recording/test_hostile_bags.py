@@ -200,8 +200,8 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
     path = tmp_path / "folder"
     path.mkdir()
     for i in range(3):
-        make_bag(f"folder/{i}.mcap", count=200)
-    one = BagFiles(path / "0.mcap").contents(of_types([POSE_STAMPED])).kept
+        make_bag(f"folder/folder_{i}.mcap", count=200)
+    one = BagFiles(path / "folder_0.mcap").contents(of_types([POSE_STAMPED])).kept
     monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one)
     monkeypatch.setattr(mcap_contents, "_KEPT_PER_BYTE", 0)
     assert BagFiles(path).contents(of_types([POSE_STAMPED])).kept == 3 * one

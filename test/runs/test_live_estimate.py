@@ -18,7 +18,8 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.runs.live_estimate import Kept, LiveEstimate
+from lie_rigid_body.runs.kept import Kept
+from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
 
@@ -279,6 +280,48 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     assert [*complete, live.complete] == [False, True]
     score = live.score()[1]
     assert (score.t_s[-1], score.samples, live.unusable) == (2.0, 51, 1)
+
+
+@pytest.mark.parametrize("most", [10**5, 50])
+@pytest.mark.parametrize(("at", "stamp"), [(0, 2**31 * NS - NS), (40, 2**31 * NS - NS), (0, -(10**9) * NS)])
+def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, stamps, noisy):
+    wrong, q = stamps.copy(), noisy.copy()
+    wrong[at], q[100:] = stamp, [0.0, 0.0, 0.0, 1.0]
+    how = HOW[POSE_STAMPED]
+    estimates = [bytes(STORE.serialize_cdr(how(*each), POSE_STAMPED)) for each in zip(wrong.tolist(), q, strict=True)]
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=5.0, most=most)
+    live.hear_scenario(next(payload for topic, payload in of(own) if topic.endswith("/scenario")))
+    poses = [payload for topic, payload in of(own) if topic == "/pose"]
+    complete = []
+    for i, message in enumerate(estimates):
+        live.hear_poses("/pose", POSE_STAMPED, poses[i : i + 1])
+        live.hear_estimates([message])
+        live.judge()
+        complete.append(live.complete)
+    assert complete.index(True) == 125 + (at == 0)
+    read, score = live.score()
+    assert live.tally.count == 126 - (at > 0)
+    assert score.total_deg.max > 10.0
+    assert score.broken[0].startswith("the error is ")
+    assert len(score.broken) == 3  # with the limit after 100 s
+    assert [note[:12] for note in read.notes if "far ahead" in note] == ["Left out of "] * (stamp > 0)
+
+
+def test_limits_ask_for_half_of_the_duration(own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:60], noisy[:60]))
+    said = "only 2.36 of 60 s since the first estimate were compared: limits hold for at least half of them"
+    for most in (10**5, 50):
+        assert followed(bag, POSE_STAMPED, duration_s=60.0, most=most).score()[1].broken[-1] == said
+        assert "only" not in str(followed(bag, POSE_STAMPED, duration_s=4.0, most=most).score()[1].broken)
+
+
+def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
+    ahead = stamps + 10**18
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
+    live = followed(bag, POSE_STAMPED, duration_s=5.0)
+    assert live.complete
+    with pytest.raises(InputError, match="none of its 126 stamps is within the truth"):
+        live.score()
 
 
 @pytest.mark.parametrize("duration_s", [None, 4.0])
