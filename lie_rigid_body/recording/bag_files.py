@@ -91,7 +91,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
         else [path / str(name) for name in information["relative_file_paths"]]
     )
     if not files:
-        raise BagError(f"{path} is a folder without MCAP files: give a bag")
+        raise BagError(f"{path} is a folder without MCAP or SQLite files: give a bag")
     return files
 
 

@@ -119,7 +119,7 @@ def test_json_of_several_has_what_each_has_alone(runs, capsys):
 
 
 def test_a_folder_without_bags_is_unusable(tmp_path, capsys):
-    assert "folder without MCAP files" in answer(capsys, tmp_path)[2][0]
+    assert "folder without MCAP or SQLite files" in answer(capsys, tmp_path)[2][0]
     assert main([str(tmp_path)]) == 2
 
 

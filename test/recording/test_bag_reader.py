@@ -112,7 +112,7 @@ def test_a_rosbag2_folder_of_several_files_is_one_bag(make_bag: MakeBag, tmp_pat
 
 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match="is a folder without MCAP files"):
+    with pytest.raises(BagError, match="is a folder without MCAP or SQLite files"):
         read_bag(tmp_path)
     with pytest.raises(BagError, match=r"none.mcap does not exist"):
         read_bag(folder(tmp_path, "none.mcap"))
