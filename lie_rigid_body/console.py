@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.wording import LONGEST_LINE, listed, shortened, shown, suggestion
+from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -168,9 +168,8 @@ def silence(stream: TextIO) -> None:
 
 def _printable(line: str, stream: TextIO) -> str:
     """A line with escapes in place of what a stream cannot encode and of what would control a terminal."""
-    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
     encoding = getattr(stream, "encoding", None) or "utf-8"
-    return shown.encode(encoding, "backslashreplace").decode(encoding)
+    return printable(line).encode(encoding, "backslashreplace").decode(encoding)
 
 
 def _open_standard_streams() -> None:

@@ -85,6 +85,11 @@ def shown(value: object, most: int = LONGEST_VALUE) -> str:
     return shortened(_SHORT.repr(value), most)
 
 
+def printable(text: str) -> str:
+    """A text with escapes in place of what would control a terminal, and of bytes of a name that are no characters."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
     """A text on one line of bounded length.
 

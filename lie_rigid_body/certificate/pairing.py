@@ -126,7 +126,7 @@ class Pairing:
 
 
 def stamped_values(
-    batches: Iterable[tuple[PoseTrack, TwistTrack]], clock: SampleClock, *, logged_at_stamps: bool
+    batches: Iterable[tuple[PoseTrack, TwistTrack]], clock: SampleClock, bag: str, *, logged_at_stamps: bool
 ) -> Iterator[tuple[StampedValues, StampedValues]]:
     """Poses and twists with their stamps, batch by batch.
 
@@ -138,6 +138,8 @@ def stamped_values(
         Of a bag.
     clock : SampleClock
         Of the first segment.
+    bag : str
+        Its name, for errors.
     logged_at_stamps : bool
         Whether every message is to be logged at its stamp.
 
@@ -165,7 +167,7 @@ def stamped_values(
         stamps, rates = stamps[both:], rates[both:]
     if len(stamps) or len(rates):
         raise BagError(
-            f"{counts[1]} twists without stamps cannot be paired with {counts[0]} poses: "
+            f"{bag}: {counts[1]} twists without stamps cannot be paired with {counts[0]} poses: "
             "run the node with stamped_twist true, or record with it"
         )
 

@@ -14,15 +14,25 @@ from lie_rigid_body.certificate.stamps import number_samples
 from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSegment, segment_parts, tally_pairs
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, Bag, PoseTrack, Recording, TakeReadings, TwistTrack
+from lie_rigid_body.recording.bag_reader import (
+    MOST_SEGMENTS,
+    UNNAMED,
+    Bag,
+    PoseTrack,
+    Recording,
+    TakeReadings,
+    TwistTrack,
+)
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
 _RECORDER: Final = "libmcap "
 """How the library name of a file by `ros2 bag record` begins."""
 
 
-def declared_segments(scenario_texts: Iterable[str]) -> dict[str, Segment]:
+def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict[str, Segment]:
     """The segments by the texts that declare them, in the order of their starts; repeats of a text count once.
+
+    Errors call the bag by the name that is given.
 
     Raises
     ------
@@ -33,13 +43,13 @@ def declared_segments(scenario_texts: Iterable[str]) -> dict[str, Segment]:
     """
     texts = dict.fromkeys(scenario_texts)
     if len(texts) > MOST_SEGMENTS:
-        raise BagError(f"the bag declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
+        raise BagError(f"{bag} declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
     try:
         segments = {text: Segment.from_json(text) for text in texts}
     except ParameterError:
         raise
     except InputError as error:
-        raise BagError(f"the bag does not explain itself: {error}: record it anew") from None
+        raise BagError(f"{bag} does not explain itself: {error}: record it anew") from None
     return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
 
 
@@ -119,7 +129,7 @@ class Surveyor:
     """A survey of a bag that is made while the samples pass. See `survey` for parameters and errors."""
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
-        declared = declared_segments(text for _, text in bag.scenario_texts)
+        declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag, self._own, self._facts = bag, as_written(bag), _Facts()
         self._facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
         self._segments = [_with_inertia(segment, inertia) for segment in declared.values()]
@@ -149,7 +159,7 @@ class Surveyor:
     def samples(self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None) -> Iterator[Block]:
         """Read the bag, and give its samples as they are counted, without numbers."""
         pairing, batches = Pairing(), self._facts.counted(self._bag.batches(sensors, take))
-        for topics in stamped_values(batches, self._segments[0].clock(), logged_at_stamps=self._own):
+        for topics in stamped_values(batches, self._segments[0].clock(), self._bag.name, logged_at_stamps=self._own):
             self._count(topics)
             yield self._paired(pairing.add(*topics), pairing)
         yield self._paired(pairing.finish(), pairing)
@@ -168,12 +178,15 @@ class Surveyor:
         segments, first_ns = self._segments, self._facts.first_ns
         if first_ns < segments[0].start_ns:
             raise BagError(
-                f"a sample is stamped {first_ns} ns, before the first scenario message's start at "
+                f"{self._bag.name}: a sample is stamped {first_ns} ns, before the first scenario message's start at "
                 f"{segments[0].start_ns} ns: record the scenario topic from the start"
             )
         found = list(self._surveyed())
         if not any(segment.count for segment in found):
-            raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
+            raise BagError(
+                f"{self._bag.name}: no sample has both a pose and a twist of the same stamp: "
+                "record both topics together"
+            )
         return self._facts.survey(found, segments, as_written=self._own)
 
     def _surveyed(self) -> Iterator[SurveyedSegment]:
@@ -236,7 +249,8 @@ def numbered_blocks(
     Sensors' messages are read with them, and taken as in `Bag.batches`.
     """
     pairing = Pairing()
-    topics = stamped_values(bag.batches(sensors, take), segments[0].clock(), logged_at_stamps=as_written(bag))
+    batches = bag.batches(sensors, take)
+    topics = stamped_values(batches, segments[0].clock(), bag.name, logged_at_stamps=as_written(bag))
     samples = (pairing.add(*values) for values in topics)
     return _numbered(segments, itertools.chain(samples, (pairing.finish() for _ in range(1))))
 

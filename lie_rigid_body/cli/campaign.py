@@ -182,10 +182,13 @@ def _require_a_score(campaign: Campaign, rows: Sequence[Row], most: int) -> None
 
     errors = [row.scores.get(ERROR) for row in rows]
     if len(errors) == most and None not in errors:
-        said = shortened(f"{errors[0]}", 70)
-        raise InputError(
-            f"estimator {campaign.estimator} gave no score in {most} runs: {said}: mend it, and give a new folder"
-        )
+        raise _without_a_score(campaign, f"{most} runs", f"{errors[0]}")
+
+
+def _without_a_score(campaign: Campaign, runs: str, error: str) -> InputError:
+    """That an estimator gave no score, and why not in the first of its runs."""
+    said = f"{campaign.estimator} gave no score in {runs}: {shortened(error, 70)}"
+    return InputError(f"estimator {said}: mend it, and give a new folder")
 
 
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
@@ -220,7 +223,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     if broken:
         return NOT_CERTIFIED
     if campaign.estimator is not None and not tally.totals_deg:
-        raise InputError(f"estimator {campaign.estimator} gave no score in any run: mend it, and give a new folder")
+        raise _without_a_score(campaign, "any run", tally.first_error)
     return console.SUCCESS
 
 
@@ -233,6 +236,7 @@ class _Tally:
     broken: list[int] = field(default_factory=list)
     totals_deg: array[float] = field(default_factory=lambda: array("d"))
     unscored: str = ""
+    first_error: str = ""
 
     @classmethod
     def of(cls, rows: Iterable[Row]) -> _Tally:
@@ -250,6 +254,7 @@ class _Tally:
                 tally.totals_deg.append(float(row.scores["total_rms_deg"] or 0.0))
             elif error is not None:
                 tally.unscored = tally.unscored or f"; run {row.run} is not: {error}"
+                tally.first_error = tally.first_error or f"{error}"
         return tally
 
     def of_scores(self) -> str:

@@ -12,10 +12,12 @@ from lie_rigid_body.wording import counted
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Of the columns of `law_cells`."""
-_COLUMNS: Final = " {:<34}{:>8}{:>8} {:<3}{:>8}{:>10} {}"
+_COLUMNS: Final = " {:<34} {:>7} {:>7} {:<3} {:>7} {:>9} {}"
 _UNIT: Final = 3
 """Characters of the column of units; a longer one stands behind the name."""
 _TWO_DIGITS: Final = 99.0
+_TIME: Final = 9
+"""Characters of the column of times."""
 _LONGEST_COUNT: Final = 1e7
 """Counts from here on do not fit into their column."""
 _WIDTH: Final = 80
@@ -144,11 +146,17 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     """
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
-        sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), f"{time_s:.7g}")
+        sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), _time(time_s))
     verdict = "holds" if law.holds else "BROKEN"
     is_long = len(law.unit) > _UNIT
     name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
     return name, _quantity(law.worst), f"{law.limit:.2g}", unit, sample, time, verdict
+
+
+def _time(time_s: float) -> str:
+    """Seven digits, or as many as there is room for: such as of a small time that does not end."""
+    texts = (f"{time_s:.{digits}g}" for digits in range(7, 0, -1))
+    return next(text for text in texts if len(text) <= _TIME)
 
 
 def _quantity(value: float) -> str:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bag_progress import PASSES, progress_bar, size
+from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.wording import short_repr
 
@@ -43,7 +44,7 @@ class Judgement:
         Its namespace, where the bag has several bodies.
     certificate : Certificate or None
     reason : str
-        Why the bag cannot be judged, in one line.
+        Why the bag cannot be judged, in one line that begins with the bag.
     """
 
     bag: str
@@ -82,7 +83,8 @@ def judge(
     except Exception as error:
         if os.environ.get(console.DEBUG):
             traceback.print_exc()
-        return [Judgement(bag, None, None, console.explanation(error))]
+        reason = console.explanation(error)
+        return [Judgement(bag, None, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")]
 
 
 def judge_all(
@@ -104,7 +106,7 @@ def judge_all(
         for i, judgements in enumerate(found):
             if judgements is None:  # a process that died took others with it: each again, in a process of its own
                 (again,) = _by_processes(one, [bags[i]], 1, interruption)
-                found[i] = again or [Judgement(bags[i], None, None, _KILLED)]
+                found[i] = again or [Judgement(bags[i], None, None, f"{bags[i]}: {_KILLED}")]
     return [judgement for judgements in found for judgement in judgements or []]
 
 

@@ -15,7 +15,7 @@ from lie_rigid_body.cli.judgement import Judgement
 from lie_rigid_body.wording import counted, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
-_COLUMNS: Final = "{verdict:<9}{samples:>10}{accuracy:>9} {law:<34}{used:>8}  {bag}"
+_COLUMNS: Final = "{verdict:<9} {samples:>9} {accuracy:>8} {law:<34} {used:>7}  {bag}"
 _MOST_TOLD: Final = 10
 """Number of broken bags of which the table is followed by what is broken, and of things that are not certified."""
 _NUMBERS: Final = re.compile(r" \(\d+ messages\)|: \d+$")

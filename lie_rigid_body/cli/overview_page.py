@@ -158,10 +158,13 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         shown = {id(line) for line in sorted(lines, key=lambda line: line._rank)[:MOST_LINES]}
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
-    yield html_page.table((*headings, "worst law", "of limit", "attitude, rad", ""), map(_row, lines))
+    yield html_page.table(
+        (*headings[:1], "", *headings[1:], "worst law", "of limit", "attitude, rad"), map(_row, lines)
+    )
 
 
 def _row(line: Line) -> tuple[tuple[str, ...], bool]:
     """The cells of a line, and whether it is certified: only then its attitudes are worth a bound."""
-    verdict = (f"{line.accuracy:.2g}", "certified") if line.certified else ("", "NOT CERTIFIED")
-    return (*line.cells, *line.worst, *verdict), line.certified
+    accuracy, verdict = (f"{line.accuracy:.2g}", "certified") if line.certified else ("", "NOT CERTIFIED")
+    name, *others = line.cells  # the verdict beside it: a wide table is cut off at the right
+    return (name, verdict, *others, *line.worst, accuracy), line.certified

@@ -123,7 +123,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
         return [path / str(name) for name in information["relative_file_paths"]]
     files = sorted((file for suffix in SUFFIXES for file in path.glob(f"*{suffix}")), key=natural_order)
     if not files:
-        raise BagError(f"{path} is a folder without MCAP files: give a bag")
+        raise BagError(f"{path} is a folder without MCAP or SQLite files: give a bag")
     if len(files) > 1 and not is_one_bag(path):
         raise BagError(f"{path} holds {len(files)} bags, not one recording: give one of them")
     return [file for file in files if file.suffix == SUFFIXES[0]] or files

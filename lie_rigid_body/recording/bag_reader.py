@@ -40,6 +40,8 @@ _TEXTS_AT_ONCE: Final = 1000
 """Messages about faults that are taken together."""
 _BATCH: Final = 32_768
 """Messages of poses and twists that a batch holds at least, but for the last one."""
+UNNAMED: Final = "the bag"
+"""What errors call a bag without a name."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
 _FORESEEN: Final = (
@@ -146,6 +148,8 @@ class Recording:
         The topics of the body's sensors, by their relative names.
     readings : dict of str to SensorMessages or FaultMessages
         Their messages.
+    name : str
+        What errors call it: its path, if it has one.
     """
 
     library: str
@@ -160,6 +164,7 @@ class Recording:
     was_cut_off: bool = False
     sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
     readings: Mapping[str, OfSensor] = field(default_factory=dict)
+    name: str = UNNAMED
 
     __repr__ = short_repr
 
@@ -216,6 +221,8 @@ class Bag:
     ----------
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
+    name : str
+        Its path.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
     sensors
         As in `Recording`.
@@ -293,7 +300,7 @@ class Bag:
         return tuple(bags)
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
-        self._path, self._files, self.body = files.path, files, body.name
+        self._path, self._files, self.body, self.name = files.path, files, body.name, str(files.path)
         self._verify: Callable[[McapContents], tuple[Bag, ...]] | None = None
         self._read: Bag | None = None
         self.is_verified = True
@@ -467,6 +474,7 @@ class Bag:
                     for name in self._of_faults
                 },
             },
+            self.name,
         )
 
     def _layout(self, key: tuple[str, str]) -> tuple[Booleans, bool]:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """How the name of a file that is to replace an older one begins and ends until it is whole."""
-_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of writing to where there is no room left."""
 
 
 class OutputFile:
@@ -176,7 +177,12 @@ def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:
         out.discard()  # part of it is of no use, and would stand in the way of the next one
         if not isinstance(error, OSError):
             raise
-        raise BagError(f"{path} cannot be written: {reason(error)}: {remedy(error)}, or give another place") from None
+        raise unwritten(path, error) from None
+
+
+def unwritten(path: str | Path, error: OSError) -> BagError:
+    """That a file cannot be written, why not, and what to do."""
+    return BagError(f"{path} cannot be written: {reason(error)}: {remedy(error)}, or give another place")
 
 
 def reason(error: Exception) -> str:
@@ -186,7 +192,7 @@ def reason(error: Exception) -> str:
 
 def remedy(error: OSError) -> str:
     """What to do about an error of writing."""
-    return "make room" if error.errno in _NO_ROOM else "look after the disk"
+    return "make room" if error.errno in NO_ROOM else "look after the disk"
 
 
 def rescue() -> str:

@@ -26,7 +26,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.chunk import MAGIC, Entries, RawChunk
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
-from lie_rigid_body.recording.output_file import OutputFile, reason
+from lie_rigid_body.recording.output_file import NO_ROOM, OutputFile, reason, unwritten
 from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
@@ -136,8 +136,10 @@ def _written(broken: Path, stream: BinaryIO, out: OutputFile) -> Recovery:
         if recovery is None:
             raise NothingWholeError(f"{broken} holds no whole message: record it again")
         out.commit()
-    except BaseException:
+    except BaseException as error:
         out.discard()
+        if isinstance(error, OSError) and error.errno in NO_ROOM:  # reading needs none
+            raise unwritten(out.path, error) from None
         raise
     return recovery
 

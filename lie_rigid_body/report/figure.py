@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Any, Final
 
@@ -10,7 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.estimate import GAP
-from lie_rigid_body.wording import counted
+from lie_rigid_body.wording import counted, printable, shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +24,8 @@ COLOURS: Final = {"total": "#333333", "heading": "#0072B2", "inclination": "#D55
 _LIMIT: Final = "#CC2222"
 _MOST_POINTS: Final = 4000
 """Points of a curve: more are drawn as the largest of neighbours, so that no peak is lost."""
+_LONGEST_LINE: Final = 110
+"""Characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic."""
 
@@ -28,7 +33,8 @@ _WIDE_SPAN: Final = 30.0
 def png(title: str, score: Score) -> bytes:
     """The picture as a PNG."""
     out = BytesIO()
-    _draw(title, score).savefig(out, format="png", dpi=120)
+    with _without_glyphs():
+        _draw(title, score).savefig(out, format="png", dpi=120)
     return out.getvalue()
 
 
@@ -38,10 +44,18 @@ def svg(title: str, score: Score) -> str:
 
     out = StringIO()
     # the same bytes for the same score, and text that a browser can search
-    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
+    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}), _without_glyphs():
         _draw(title, score).savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
     return text[text.index("<svg") :]
+
+
+@contextmanager
+def _without_glyphs() -> Iterator[None]:
+    """No warnings of characters that the font lacks, such as Chinese ones of a name: a PNG shows boxes for them."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
+        yield
 
 
 def _draw(title: str, score: Score) -> Figure:
@@ -62,8 +76,14 @@ def _draw(title: str, score: Score) -> Figure:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, borderaxespad=0.1)
     (rest[0] if rest else parts).set_xlabel("time since the first estimate [s]")
     rms = score.total_deg.rms
-    figure.suptitle(f"{title}\nattitude error {rms:.4g}° rms, {counted(score.samples, 'sample')}", fontsize=11)
+    _name(figure, f"{title}\nattitude error {rms:.4g}° rms, {counted(score.samples, 'sample')}")
     return figure
+
+
+def _name(figure: Figure, text: str) -> None:
+    """Write the title, which has the names of a file and a topic: they may hold anything, and ``$`` is no formula."""
+    lines = (shortened(printable(line), _LONGEST_LINE) for line in text.rsplit("\n", 1))
+    figure.suptitle("\n".join(lines), fontsize=11, parse_math=False)
 
 
 def _draw_angles(axes: Axes, score: Score, names: tuple[str, ...]) -> None:

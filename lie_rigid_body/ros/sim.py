@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.ros.node import SimulatorNode
     from lie_rigid_body.ros.publishing.announcement import Names
     from lie_rigid_body.ros.publishing.recorder import Recorder
+    from lie_rigid_body.scenario import Scenario
 
 REQUIRED_PACKAGES: Final = (
     *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),
@@ -119,7 +120,7 @@ def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption
         paused=values["paused"],
     )
     node.serve(RunControl(run, mailbox, interruption))
-    _say(announcement(scenario, _names(node), path))
+    _say(announcement(scenario, _names(node, scenario), path))
     try:
         run.run()
     finally:
@@ -178,12 +179,14 @@ def _finished(node: SimulatorNode) -> Iterator[None]:
         node.publisher.finish()
 
 
-def _names(node: SimulatorNode) -> Names:
+def _names(node: SimulatorNode, scenario: Scenario) -> Names:
+    from lie_rigid_body.messages.batch import sensor_topics
     from lie_rigid_body.ros.publishing.announcement import Names
 
-    pose, twist, scenario = node.publisher.topics
-    domain = node.context.get_domain_id()
-    return Names(node.get_fully_qualified_name(), pose, twist, scenario, node.reset_service, domain)
+    pose, twist, latched = node.publisher.topics
+    full_names, domain = node.publisher.sensor_topics, node.context.get_domain_id()
+    sensors = tuple(full_names[topic] for topic in sensor_topics(scenario.sensors))
+    return Names(node.get_fully_qualified_name(), pose, twist, latched, node.reset_service, domain, sensors)
 
 
 def _say(text: str) -> None:

@@ -223,7 +223,9 @@ def _true_motion(
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
         segments = tuple(
-            declared_segments(text for _, text in texts(path, scenario.topic, taken(path, scenario))).values()
+            declared_segments(
+                (text for _, text in texts(path, scenario.topic, taken(path, scenario))), f"{path}"
+            ).values()
         )
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
     pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)

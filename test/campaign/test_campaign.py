@@ -303,7 +303,7 @@ def test_an_estimator_without_any_score_is_an_error(
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
     said = capsys.readouterr()
     assert "0 scored; run 0 is not: it is lost" in said.out
-    assert "gave no score in any run" in said.err
+    assert "gave no score in any run: it is lost: mend it" in said.err
     assert table_of(copy)["estimator_error"].to_pylist() == ["it is lost"] * 6
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.cli.certificate_text import law_cells
+from lie_rigid_body.cli.certificate_text import _row, law_cells
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
@@ -102,6 +102,16 @@ def test_the_table_fits_into_eighty_columns(tmp_path, capsys, parameters):
 @pytest.mark.parametrize(("worst", "said"), [(300.0, "300"), (99.5, "1e+02"), (2.51e-16, "2.5e-16"), (1e7, "1e+07")])
 def test_a_count_has_all_its_digits(worst, said):
     assert law_cells(LawResult("stamps", "gap", worst, 0.0, 1, 1, 1, 1), 1.0)[1] == said
+
+
+@pytest.mark.parametrize(
+    ("time_s", "said"), [(1 / 120, "0.0083333"), (-1 / 12e6, "-8.33e-08"), (1792.0123456, "1792.012"), (1e-9, "1e-09")]
+)
+def test_columns_never_run_into_each_other(time_s, said):
+    law = LawResult("IMU stamps", "gap", 1.26e300, 1.26e-300, 12345678901, 1, 1, 1)
+    cells = law_cells(law, time_s)
+    assert cells[5] == said
+    assert _row(law, time_s).split()[2:] == [cell for cell in cells[1:] if cell]
 
 
 def test_a_bag_that_breaks_a_law(tmp_path, capsys):

@@ -119,7 +119,7 @@ def test_json_of_several_has_what_each_has_alone(runs, capsys):
 
 
 def test_a_folder_without_bags_is_unusable(tmp_path, capsys):
-    assert "folder without MCAP files" in answer(capsys, tmp_path)[2][0]
+    assert "folder without MCAP or SQLite files" in answer(capsys, tmp_path)[2][0]
     assert main([str(tmp_path)]) == 2
 
 
@@ -238,7 +238,37 @@ def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})
     found = judge_all(["a", "deadly", "b", "c"])
     assert [(each.bag, each.status) for each in found] == [("a", 0), ("deadly", 2), ("b", 0), ("c", 0)]
-    assert "was killed" in found[1].reason
+    assert found[1].reason.startswith("deadly: the process that read it was killed")
+
+
+def with_scenario(target: Path, source: Path, message: bytes) -> None:
+    """A bag with another message on the scenario topic."""
+    with target.open("wb") as stream, source.open("rb") as content:
+        writer = Writer(stream)
+        writer.start("ros2", "a recorder")
+        for schema, channel, each in make_reader(content).iter_messages(log_time_order=False):
+            assert schema is not None
+            own = writer.register_schema(schema.name, schema.encoding, schema.data)
+            number = writer.register_channel(channel.topic, channel.message_encoding, own)
+            data = message if channel.topic.endswith("/scenario") else each.data
+            writer.add_message(number, each.log_time, data, each.publish_time)
+        writer.finish()
+
+
+def test_each_line_about_one_of_several_begins_with_its_bag(tmp_path, monkeypatch, capsys):
+    good, late = write_bag(tmp_path / "good", 3), write_bag(tmp_path / "late", 3, epoch_ns=10**18)
+    with late.open("rb") as content:
+        ((_, _, scenario),) = make_reader(content).iter_messages(topics=["/lie_rigid_body/scenario"])
+    with_scenario(tmp_path / "a.mcap", good, scenario.data)
+    with_scenario(tmp_path / "b.mcap", good, b"\0\1\0\0\3\0\0\0{}\0")
+    (tmp_path / "c.mcap").write_bytes(good.read_bytes()[:-9])
+    monkeypatch.chdir(tmp_path)
+    *_, err = answer(capsys, ".")
+    said = [line.partition(": error: ")[2] for line in err]
+    assert [line.split(" ")[0] for line in said] == ["a.mcap:", "b.mcap", "c.mcap"]
+    assert all(line.count(".mcap") == 1 for line in said)
+    assert "before the first scenario message's start" in said[0]
+    assert "does not explain itself" in said[1]
 
 
 def children_of(process: int) -> list[int]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import html
 import json
+import os
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,6 +19,7 @@ from lie_rigid_body.cli.bag_progress import progress_bar
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.report.figure import svg
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SIZE = np.radians(0.5)
@@ -239,18 +242,28 @@ def test_picture_and_page(bag, tmp_path, capsys):
     assert main([*given, "--report", str(page)]) == 0
     assert f"wrote {picture}\nwrote {page}" in capsys.readouterr().out
     assert picture.read_bytes().startswith(b"\x89PNG")
-    html = page.read_text(encoding="utf-8")
-    assert html.count("<svg") == 1
-    assert "tumbling" not in html
+    content = page.read_text(encoding="utf-8")
+    assert content.count("<svg") == 1
+    assert "tumbling" not in content
     for wanted in ("PASSED", "inclination", "NEES", "&quot;inertia&quot;", "</html>"):
-        assert wanted in html
+        assert wanted in content
     # it needs no other file: nothing is loaded from anywhere
-    assert not re.search(r"<(script|link|img|iframe)|url\(h|@import|src=", html)
+    assert not re.search(r"<(script|link|img|iframe)|url\(h|@import|src=", content)
     for option, file in (("--plot", picture), ("--report", page)):  # before the work
         assert "exists and is kept" in refused(capsys, "absent.mcap", "--estimate", "/filter/Imu", option, file)
     assert main([*given, "--force"]) == 0
     assert "only PNG is written" in refused(capsys, *given[:3], "--plot", "a.svg")
     assert "only HTML is written" in refused(capsys, *given[:3], "--report", "a.pdf")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_picture_has_any_name(score):
+    name = os.fsdecode(b"'$\\frac{$ <b>&r\xff\n\x1b") + "日本.mcap"
+    title = re.search(r"<text[^>]*>('[^<]*)</text>", svg(f"{name}: {300 * 'm'}", score))
+    assert title is not None
+    said = html.unescape(title[1])
+    assert said.startswith(r"'$\frac{$ <b>&r\udcff\n\x1b日本.mcap: mmm")
+    assert len(said) <= 110
 
 
 def test_the_series_are_in_the_json_on_request(bag, stamps, capsys):

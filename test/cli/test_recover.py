@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -72,6 +73,17 @@ def test_an_existing_file_is_kept_without_force(broken: Path, capsys: pytest.Cap
     assert fixed.read_text() == "precious"
     assert recover([str(broken), "-o", str(fixed), "--force"]) == 0
     assert check([str(fixed)]) == 0
+
+
+def test_an_output_without_room_is_blamed_itself(broken: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fixed, before = broken.with_name("fixed.mcap"), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    try:
+        assert recover([str(broken), "-o", str(fixed)]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "fixed.mcap cannot be written: File too large: make room, or" in capsys.readouterr().err
+    assert not fixed.exists()
 
 
 @pytest.mark.parametrize("name", ["broken.mcap", "link.mcap"])

@@ -269,7 +269,7 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     bound = certify(read_bag(bag)).attitude_accuracy
     assert f"The attitudes of the bags that are certified are within {bound:.2g} rad" in text
     assert f"<li>&lt;b&gt;poor: {escape(poor.messages[0])}</li>" in text
-    [cells] = re.findall(r"<tr class=broken><td>&lt;b&gt;poor</td><td>(.*?)</td><td>NOT CERTIFIED", text)
+    [cells] = re.findall(r"<tr class=broken><td>&lt;b&gt;poor</td><td>NOT CERTIFIED</td><td>(.*?)</td></tr>", text)
     law, used, attitude = cells.split("</td><td>")
     assert law.split(" [")[0] in {broken.name for broken in poor.laws if not broken.holds}
     assert (float(used) > 1.0, attitude) == (True, "")

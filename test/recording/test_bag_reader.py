@@ -150,7 +150,7 @@ def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) 
 
 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match="is a folder without MCAP files"):
+    with pytest.raises(BagError, match="is a folder without MCAP or SQLite files"):
         read_bag(tmp_path)
     with pytest.raises(BagError, match=r"none.mcap does not exist"):
         read_bag(folder(tmp_path, "none.mcap"))

@@ -24,6 +24,8 @@ class Names:
     node, pose, twist, scenario, reset : str
     domain : int
         The ROS domain.
+    sensors : tuple of str
+        Full names of the topics of the sensors that are on, and of their faults.
     """
 
     node: str
@@ -32,6 +34,7 @@ class Names:
     scenario: str
     reset: str
     domain: int
+    sensors: tuple[str, ...] = ()
 
 
 def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
@@ -55,6 +58,7 @@ def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
         f"  {names.pose}  PoseStamped in {scenario.world_frame}",
         f"  {names.twist}  {twist} in {scenario.body_frame}",
         f"  {names.scenario}  the whole scenario, latched",
+        *([f"  {' '.join(names.sensors)}  of the sensors"] if names.sensors else []),
         *([f"records {record_path}"] if record_path else []),
         "listen and reset from another terminal",
         *(f"  {command}" for command in commands(names)),

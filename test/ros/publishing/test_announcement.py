@@ -54,7 +54,13 @@ def test_no_bag_is_told_of_where_there_is_none() -> None:
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     text = announcement(scenario, NAMES, "")
     assert "records" not in text
+    assert "of the sensors" not in text
     assert DEFAULT_METHOD not in text
+
+
+def test_topics_of_sensors_are_told_in_a_line() -> None:
+    text = announcement(Scenario.from_parameters({}), replace(NAMES, sensors=("/a/imu/data_raw", "/a/top/faults")), "")
+    assert "  /a/imu/data_raw /a/top/faults  of the sensors\n" in text
 
 
 @pytest.mark.parametrize("ros2", ["/opt/ros/bin/ros2", None])
