@@ -263,7 +263,7 @@ def _conventions(comparison: Comparison, error: float, named: Explanation) -> Ex
     medians = [max(float(np.median(quarter)) for quarter in np.array_split(angles, 3)) for angles in left]
     first, second = np.argsort(medians)[:2]
     turned = float(np.median(from_mean(late.true_states(0.0)[0])))
-    most = min(CONVENTIONS_LEFT, CONVENTIONS_SHARE * error, UNLIKE_MOUNTED * turned, medians[second] / 2.0)
+    most = min(CONVENTIONS_LEFT, CONVENTIONS_SHARE * error, UNLIKE * turned, medians[second] / 2.0)
     found = Explanation(ALONE[first], frozenset(), Misalignment(), float(np.median(left[first])))
     if len(found.causes) < 2 or medians[first] > most or named.convention == found.convention:
         return named
