@@ -52,21 +52,25 @@ class Convention:
         Its world has x north, y east, z down.
     frd_body : bool
         Its body has x forward, y right, z down. It goes with an NED world.
+    conjugated_last : bool
+        It is inverted as if its scalar came last, though it comes first: w changes its place, then x, y, z as read
+        their signs.
     """
 
     scalar_first: bool = False
     inverted: bool = False
     ned_world: bool = False
     frd_body: bool = False
+    conjugated_last: bool = False
 
     __repr__ = short_repr
 
     def undo(self, given_xyzw: Array) -> Array:
         """The estimate in the convention of this package, shape (..., 4)."""
-        q = given_xyzw
+        q = quaternion.conjugate(given_xyzw) if self.conjugated_last else given_xyzw
         if self.scalar_first:
             q = np.roll(q, -1, axis=-1)
-        if self.inverted:
+        if self.inverted and not self.conjugated_last:
             q = quaternion.conjugate(q)
         if self.ned_world:
             q = quaternion.multiply(ENU_TO_NED, q)
@@ -77,9 +81,11 @@ class Convention:
         q = quaternion.multiply(attitude_xyzw, FLU_TO_FRD) if self.frd_body else attitude_xyzw
         if self.ned_world:
             q = quaternion.multiply(ENU_TO_NED, q)
-        if self.inverted:
+        if self.inverted and not self.conjugated_last:
             q = quaternion.conjugate(q)
-        return np.roll(q, 1, axis=-1) if self.scalar_first else q
+        if self.scalar_first:
+            q = np.roll(q, 1, axis=-1)
+        return quaternion.conjugate(q) if self.conjugated_last else q
 
 
 @dataclass(frozen=True)

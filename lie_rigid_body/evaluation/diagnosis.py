@@ -7,7 +7,8 @@ little. A cause with a fitted constant must also be constant: fitted to three qu
 median of the fourth, for each choice of the fourth; only the first quarter is excused, where a filter still converges.
 Drifts fail that, and so do 97 of 100 random walks. What fails is not replaced by a cause that leaves more, and what
 leaves more than `LARGEST_LEFT` over the cube of its number of causes explains nothing. A median below `NEGLIGIBLE` is
-not explained at all.
+not explained at all. Several conventions without constants, of which there are few, may leave as much as errors of
+sensors do, in each quarter but the first, and are taken instead of what needs constants to leave hardly less.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from lie_rigid_body.evaluation.alignment import (
     lag_standard_error,
     separable,
 )
-from lie_rigid_body.evaluation.search import CONVENTIONS, Grid, from_mean, spread, written
+from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, Grid, from_mean, spread, written
 from lie_rigid_body.wording import short_repr
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -44,6 +45,13 @@ Of n causes together, this over n³: many fit something else to some degrees."""
 
 SHARE_OF_EACH: Final = 0.25
 """Several causes that leave a larger share of the median than this to the power of their number are not the cause."""
+
+CONVENTIONS_LEFT: Final = float(np.radians(10.0))
+"""The same for several conventions without constants: as much as errors of MEMS sensors leave of a filter, rad."""
+CONVENTIONS_SHARE: Final = 0.125
+"""They leave no larger share of the median error; other conventions leave at least twice as much."""
+BY_EACH_CONSTANT: Final = 4.0
+"""What leaves so many times less by each constant that it fits, or more, is taken instead of such conventions."""
 
 UNLIKE: Final = 0.5
 """Nor is what leaves a larger share of the median that an attitude leaves which does not follow the body."""
@@ -113,6 +121,8 @@ class Explanation:
             "ned_world": self.convention.ned_world,
         }
         named = [name for name, holds in of_convention.items() if holds]
+        if self.convention.conjugated_last:
+            named[:2] = reversed(named[:2])
         return (*named, *(name for name in (HEADING, MOUNTING, LAG) if name in self.free))
 
     @property
@@ -144,6 +154,7 @@ class Explanation:
             self.convention.inverted and cause != "inverted",
             self.convention.ned_world and cause != "ned_world",
             self.convention.frd_body and cause != "ned_world",
+            self.convention.conjugated_last and cause not in {"scalar_first", "inverted"},
         )
 
 
@@ -205,7 +216,7 @@ def diagnose(comparison: Comparison) -> Diagnosis:
     if len(few.stamps_ns) >= FEWEST_SAMPLES and plain.median > NEGLIGIBLE:
         tried = tuple(sorted(_explanations(few, plain), key=lambda e: e.cost))
     limit = AT_LIMIT * comparison.longest_lag_s
-    best = _named(few, tried, limit)
+    best = _conventions(few, plain.median, _named(few, tried, limit))
     most = TIE_FACTOR * min((e.median for e in tried if abs(e.misalignment.lag_s) >= limit), default=np.inf)
     at_limit = max(best.median, NEGLIGIBLE) > most
     lag_s, standard_error_s = _lag(comparison, best)
@@ -240,6 +251,24 @@ def _named(comparison: Comparison, tried: tuple[Explanation, ...], limit_s: floa
             return e
         unconstant.append(e)
     return plain
+
+
+def _conventions(comparison: Comparison, error: float, named: Explanation) -> Explanation:
+    """Several conventions that alone explain nearly all, instead of what is named, or that."""
+    if error <= CONVENTIONS_LEFT or len(comparison.stamps_ns) < FEWEST_SAMPLES:
+        return named
+    # in the first quarter a filter may converge
+    late = comparison.part(slice(len(comparison.stamps_ns) // 4, None))
+    left = [written(late, convention).angles(Misalignment()) for convention in ALONE]
+    medians = [max(float(np.median(quarter)) for quarter in np.array_split(angles, 3)) for angles in left]
+    first, second = np.argsort(medians)[:2]
+    turned = float(np.median(from_mean(late.true_states(0.0)[0])))
+    most = min(CONVENTIONS_LEFT, CONVENTIONS_SHARE * error, UNLIKE * turned, medians[second] / 2.0)
+    found = Explanation(ALONE[first], frozenset(), Misalignment(), float(np.median(left[first])))
+    if len(found.causes) < 2 or medians[first] > most or named.convention == found.convention:
+        return named
+    least = max(named.median, NEGLIGIBLE) * BY_EACH_CONSTANT ** len(named.free)
+    return found if not named.causes or found.median <= least else named
 
 
 def _explains(explanation: Explanation, error: float, turned: float) -> bool:

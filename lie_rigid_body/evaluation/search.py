@@ -18,6 +18,8 @@ CONVENTIONS: Final = tuple(
     for first, inverse, world in product((False, True), (False, True), WORLDS)
 )
 """Every convention that an estimate is tried in; the first is that of this package."""
+ALONE: Final = (*CONVENTIONS, *(Convention(True, True, **world, conjugated_last=True) for world in WORLDS))
+"""Those that are tried without constants, where they must explain nearly all."""
 
 HEADINGS: Final = np.linspace(-np.pi, np.pi, 18, endpoint=False)
 """Heading offsets of the grid, rad."""

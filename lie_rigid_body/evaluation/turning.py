@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import CONVENTIONS, spread
+from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -44,6 +44,8 @@ BY_A_CLOCK: Final = (2.0, 0.5)
 """Those that another clock of a body that turns evenly makes as well."""
 WRITTEN: Final = tuple(convention for convention in CONVENTIONS if not convention.ned_world)
 """Conventions that change the turns; another world changes none, other body axes are a mounting."""
+OTHERWISE_WRITTEN: Final = tuple(convention for convention in ALONE if convention.scalar_first or convention.inverted)
+"""Those that may feign other turns without a mounting."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
@@ -89,7 +91,7 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, sure
     fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
     if len({scale for scale, _ in fitting}) != 1 or (surely and fitting[0][0] in BY_A_CLOCK):
         return ()
-    if surely and _missed_by_conventions(estimate_xyzw, true_xyzw, few) <= most:
+    if _missed_by_conventions(estimate_xyzw, true_xyzw, few, mounted=surely) <= most:
         return ()
     scale, axes = fitting[0]
     times = f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
@@ -130,11 +132,14 @@ def _predicted(scale: float, steps: Array) -> Array:
     return quaternion.exp(scale * np.einsum("aij,nj->ani", AXES, steps))
 
 
-def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers) -> float:
-    """The least that a convention, with the mounting that suits it best, misses the turns by."""
+def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers, *, mounted: bool) -> float:
+    """The least that a convention, alone or with the mounting that suits it best, misses the turns by."""
     true, least = _steps(true_xyzw, few), np.inf
-    for convention in WRITTEN:
+    for convention in WRITTEN if mounted else OTHERWISE_WRITTEN:
         ours = _steps(convention.undo(estimate_xyzw), few)
+        if not mounted:
+            least = min(least, float(_missed(ours, true)))
+            continue
         # W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A 32 (1976) 922
         U, _, V = np.linalg.svd(quaternion.log(ours).T @ quaternion.log(true))
         mounting = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V

@@ -147,6 +147,32 @@ def test_a_fault_beside_the_errors_of_tactical_sensors_has_its_name_alone(scenar
         assert ("its body forward-right-down" in finding.message) == (fault == "NED and FRD")
 
 
+TWO_CONVENTIONS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], list[str]]] = {
+    "inverse, then scalar first": (lambda q: np.roll(quaternion.conjugate(q), 1, -1), ["scalar_first", "inverted"]),
+    "scalar first, then inverse": (lambda q: quaternion.conjugate(np.roll(q, 1, -1)), ["inverted", "scalar_first"]),
+    "NED and inverse": (lambda q: quaternion.conjugate(quaternion.multiply(NED, q)), ["inverted", "ned_world"]),
+    "NED and scalar first": (lambda q: np.roll(quaternion.multiply(NED, q), 1, -1), ["scalar_first", "ned_world"]),
+}
+"""Two mistakes at once, and their names in the order of undoing."""
+FAST = {("prolate_top", "inverse, then scalar first"), ("prolate_top", "NED and inverse")}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "faults"),
+    [
+        pytest.param(scenario, faults, marks=() if (scenario, faults) in FAST else pytest.mark.slow)
+        for scenario in ("prolate_top", "asymmetric_top", "tumbling_cubesat")
+        for faults in TWO_CONVENTIONS
+    ],
+)
+def test_two_conventions_beside_the_errors_of_mems_sensors_are_both_named_and_nothing_else(scenario, faults):
+    run = recorded(scenario, "mems", 1)
+    change, names = TWO_CONVENTIONS[faults]
+    found = told(run, change(corrected(run, run.gyro)))
+    assert [finding.code for finding in found] == names
+    assert found[-1].rms_deg_after < 15.0
+
+
 def test_the_errors_of_a_gyro_are_no_clock():
     """Of an even top 1 % of scale, and biases, turn the estimate as a clock of another rate nearly does."""
     run = recorded("symmetric_top", "mems")
