@@ -161,7 +161,7 @@ FAST = {("prolate_top", "inverse, then scalar first"), ("prolate_top", "NED and 
     ("scenario", "faults"),
     [
         pytest.param(scenario, faults, marks=() if (scenario, faults) in FAST else pytest.mark.slow)
-        for scenario in ("prolate_top", "asymmetric_top", "tumbling_cubesat")
+        for scenario in ("prolate_top", "asymmetric_top")
         for faults in TWO_CONVENTIONS
     ],
 )
