@@ -39,7 +39,7 @@ def test_sensors_are_the_same_in_many_chunks_and_files(whole: Path, tmp_path: Pa
         inside = range(70 * part, 1000 if part == 2 else 70 * (part + 1))
         rewrite(
             whole,
-            tmp_path / f"{part}.mcap",
+            tmp_path / f"{tmp_path.name}_{part}.mcap",
             keep=lambda number, topic, inside=inside: number in inside,  # type: ignore[misc]
             chunk_size=chunk_size,
         )

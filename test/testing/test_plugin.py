@@ -139,7 +139,7 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run):
         ({"max_rms_deg": float("nan")}, "max_rms_deg: nan is not a finite number of degrees above 0"),
         ({"max_rms_deg": "1deg"}, "max_rms_deg: '1deg' is not"),
         ({"max_after": 5}, "5 is not a time and an angle"),
-        ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is not"),
+        ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is below 0"),
         ({"max_rms_deg": 1.0, "after_s": float("nan")}, "after_s: nan is not"),
         ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' is not"),
         ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan is not"),
