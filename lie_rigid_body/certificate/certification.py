@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -28,8 +26,7 @@ from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
-from lie_rigid_body.recording.bag_files import Progress, unheard
-from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -208,43 +205,6 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         sensors.topics,
         uncovered(bag, surveyed, sensors),
     )
-
-
-def certified(
-    path: str | Path,
-    inertia: Sequence[float] | None = None,
-    progress: Progress = unheard,
-    topics: Mapping[str, str] = NO_TOPICS,
-    opened: Callable[[Sequence[Bag]], object] = lambda bags: None,
-) -> tuple[tuple[Bag, ...], tuple[Certificate, ...]]:
-    """All bodies of a bag, each with the certificate that `certify` gives.
-
-    A bag of one body is verified while it is certified, where its summary tells beforehand what is in it.
-
-    Parameters
-    ----------
-    path, progress, topics
-        As of `Bag.all_of`.
-    inertia : sequence of float, optional
-        To be used in place of the declared one, kg m².
-    opened : callable, optional
-        Called with the bodies that are going to be certified.
-
-    Raises
-    ------
-    BagError
-        See `Bag` and `certify`.
-    """
-    foreseen = Bag.foreseen(path, progress, topics)
-    if foreseen is not None:
-        opened((foreseen,))
-        with suppress(Exception):  # whatever is wrong, reading the bag anew tells it
-            certificate = certify(foreseen, inertia)
-            if foreseen.is_verified:
-                return (foreseen,), (certificate,)
-    bags = Bag.all_of(path, progress, topics)
-    opened(bags)
-    return bags, tuple(certify(bag, inertia) for bag in bags)
 
 
 def passes(bag: Bag, watch: Watch | None = None) -> int:

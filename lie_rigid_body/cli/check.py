@@ -39,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if len(given.bags) > 1 or is_folder_of_bags(given.bags[0]):
         return _several(given, inertia, topics)
 
-    from lie_rigid_body.certificate import certified, certify
+    from lie_rigid_body.certificate import certify
     from lie_rigid_body.certificate.certification import passes
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
@@ -50,18 +50,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         require_count(given.prove)
     residuals = None if given.report is None else ResidualsOverTime()
     with progress_bar(given.bags) as bar:
-
-        def opened(bodies: Sequence[Bag], watch: ResidualsOverTime | None = None, of_the_page: int = 0) -> None:
-            bar.total = bar.n + size(given.bags[0]) * (sum(passes(body, watch) for body in bodies) + of_the_page)
-
-        if residuals is None:
-            bodies, certificates = certified(given.bags[0], inertia, bar.update, topics, opened)
-        else:
-            bodies = Bag.all_of(given.bags[0], bar.update, topics)
-            watch, of_the_page = (residuals, 2) if len(bodies) == 1 else (None, 0)
-            opened(bodies, watch, of_the_page)
-            certificates = tuple(certify(body, inertia, watch) for body in bodies)
+        bodies = Bag.all_of(given.bags[0], bar.update, topics)
         alone = len(bodies) == 1
+        watch = residuals if alone else None
+        of_the_page = 0 if watch is None else 2
+        bar.total = size(given.bags[0]) * (1 + sum(passes(body, watch) for body in bodies) + of_the_page)
+        certificates = [certify(body, inertia, watch) for body in bodies]
         drawn = alone and residuals is not None and certificates[0].segments
         pieces = thinned_segments(bodies[0], inertia) if drawn else []
     if alone:

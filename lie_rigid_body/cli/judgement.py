@@ -74,12 +74,12 @@ def judge(
     inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
 ) -> list[Judgement]:
     """The judgements of all bodies of a bag; whatever is wrong with it is its judgement."""
-    from lie_rigid_body.certificate import certified
+    from lie_rigid_body.certificate import certify
+    from lie_rigid_body.recording.bag_reader import Bag
 
     try:
-        bodies, certificates = certified(bag, inertia, progress, topics)
-        names = [each.body or "/" if len(bodies) > 1 else None for each in bodies]
-        return [Judgement(bag, name, found) for name, found in zip(names, certificates, strict=True)]
+        bags = Bag.all_of(bag, progress, topics)
+        return [Judgement(bag, each.body or "/" if len(bags) > 1 else None, certify(each, inertia)) for each in bags]
     except Exception as error:
         if os.environ.get(console.DEBUG):
             traceback.print_exc()

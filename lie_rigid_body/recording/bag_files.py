@@ -12,10 +12,9 @@ from lie_rigid_body.bounded_input import load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.mcap_contents import McapContents, Wanted
-from lie_rigid_body.recording.mcap_reader import TakeChunk, read_file
+from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
-from lie_rigid_body.recording.summary import add_foreseen
 
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
@@ -23,8 +22,6 @@ Progress: TypeAlias = Callable[[int], object]
 METADATA: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
-_SHORT: Final = 8 * 2**20
-"""Bytes of files below which reading them takes less than a second."""
 SUFFIXES: Final = (".mcap", SUFFIX)
 """Of the names of bags."""
 
@@ -61,13 +58,12 @@ class BagFiles:
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
-    def read(self, contents: McapContents, wanted: Wanted, take: TakeChunk | None = None) -> Iterator[int]:
+    def read(self, contents: McapContents, wanted: Wanted) -> Iterator[int]:
         """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
         for file in self._files:
             before = 0
-            is_database = file.suffix == SUFFIX
-            of_file = read_database(file, wanted, contents) if is_database else read_file(file, wanted, contents, take)
-            for position in of_file:
+            read = read_database if file.suffix == SUFFIX else read_file
+            for position in read(file, wanted, contents):
                 self.progress(position - before)
                 before = position
                 yield position
@@ -83,22 +79,9 @@ class BagFiles:
         contents = McapContents()
         for _ in self.read(contents, wanted):
             pass
-        self.hold(contents)
-        return contents
-
-    def foreseen(self) -> McapContents | None:
-        """What all files say in their summaries that they hold, or None of short ones; see `add_foreseen`."""
-        if sum(file.stat().st_size for file in self._files) < _SHORT:
-            return None
-        contents = McapContents()
-        for file in self._files:
-            add_foreseen(file, contents)
-        return contents
-
-    def hold(self, contents: McapContents) -> None:
-        """Refuse contents of all files that the folder's metadata do not fit."""
         if self._information is not None:
             folder_metadata.hold(self._metadata, self._information, contents)
+        return contents
 
 
 def is_one_bag(folder: Path) -> bool:

@@ -44,19 +44,6 @@ UNNAMED: Final = "the bag"
 """What errors call a bag without a name."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
-_FORESEEN: Final = (
-    "body",
-    "_pose",
-    "_twist",
-    "_outlines",
-    "pose_count",
-    "twist_count",
-    "library",
-    "scenario_texts",
-    "expected_samples",
-    "was_cut_off",
-)
-"""What of a bag is used, beside its sensors, before it has been read to its end."""
 _OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
@@ -226,8 +213,6 @@ class Bag:
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
     sensors
         As in `Recording`.
-    is_verified : bool
-        Whether it is as its files were found, read to their ends. See `foreseen`.
     pose_topic, twist_topic : str
     pose_count, twist_count : int
         Messages of each.
@@ -259,34 +244,7 @@ class Bag:
     ) -> tuple[Bag, ...]:
         """A bag for each body of a file or folder, which is read once to find them."""
         files = BagFiles(path, progress)
-        return cls._of(files, files.contents(nothing), topics)
-
-    @classmethod
-    def foreseen(
-        cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
-    ) -> Bag | None:
-        """A bag of one body as the summaries of its files have it, of which nothing is verified.
-
-        It is read first by `batches`, once, and verified meanwhile. What came of it counts if `is_verified` then.
-
-        Returns
-        -------
-        Bag or None
-            None where that is not worth it, or cannot be: `all_of` reads the bag, and tells what is wrong with it.
-        """
-        try:
-            files = BagFiles(path, progress)
-            contents = files.foreseen()
-            if contents is None or not may_read_again(contents.outlines, contents.message_count):
-                return None
-            (bag,) = cls._of(files, contents, topics)
-        except Exception:  # of what is damaged anything may come
-            return None
-        bag._verify, bag.is_verified = partial(cls._of, files, topics=topics), False
-        return bag
-
-    @classmethod
-    def _of(cls, files: BagFiles, contents: McapContents, topics: Mapping[str, str]) -> tuple[Bag, ...]:
+        contents = files.contents(nothing)
         is_ours = partial(_is_ours, files.path, contents)
         found = bodies(files.path, contents, topics, is_ours)
         others = other_bodies(files.path, contents, found, is_ours) if topics else []
@@ -301,9 +259,6 @@ class Bag:
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         self._path, self._files, self.body, self.name = files.path, files, body.name, str(files.path)
-        self._verify: Callable[[McapContents], tuple[Bag, ...]] | None = None
-        self._read: Bag | None = None
-        self.is_verified = True
         self._topics = tuple(contents.tracks)
         own, sensors = body.tracks, body.sensors
         known = (*own, *sensors.values())
@@ -361,11 +316,7 @@ class Bag:
             yield self._kept
             return
         keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
-        if self._verify is not None:
-            found = one_ahead(
-                self._batches_first(self._verify, self._pose, self._twist, *keys.values()), self._outlines
-            )
-        elif may_read_again(
+        if may_read_again(
             self._outlines, self.pose_count + self.twist_count + sum(self.sensors[name].count for name in sensors)
         ):
             found = self._batches_again(self._pose, self._twist, *keys.values())
@@ -376,8 +327,6 @@ class Bag:
         for poses, twists, *readings in found:
             take(dict(zip(keys, readings, strict=True)))
             yield self._pose_track(poses), self._twist_track(twists)
-        if self._read is not None:
-            self._become(self._read)
 
     def _batches(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
         for pieces in self._pieces(*keys):
@@ -406,34 +355,10 @@ class Bag:
                 yield reader.taken()
         yield reader.taken()
 
-    def _batches_first(
-        self, bags_of: Callable[[McapContents], tuple[Bag, ...]], *keys: tuple[str, str]
-    ) -> Iterator[list[TopicMessages]]:
-        """The same of a bag that was foreseen, verified as it is read to its end."""
-        reader = TopicsReader(self._path, [Topic(key, *self._layout(key)) for key in keys])
-        contents, data = McapContents(), list[bytes]()
-        for _ in self._files.read(contents, nothing, data.append):
-            reader.add(data.pop(), self._outlines[len(contents.outlines)].channels)
-            if reader.count >= _BATCH:
-                yield reader.taken()
-        self._files.hold(contents)
-        (self._read,) = bags_of(contents)
-        yield reader.taken()
-
-    def _become(self, read: Bag) -> None:
-        """Take what was found of the bag when it was read, in place of what was foreseen."""
-        pairs = ((getattr(self, name), getattr(read, name)) for name in _FORESEEN)
-        read.is_verified = self._sensor_counts == read._sensor_counts and all(own == other for own, other in pairs)
-        vars(self).update(vars(read))
-
     def messages_of(self, wanted: Wanted) -> McapContents:
         """All messages that are wanted, undecoded, in memory; nothing is read if there are none, or texts alone."""
         are_there = any(wanted(*key) for key in self._topics if key[1] != STRING)
         return self._files.contents(wanted) if are_there else McapContents()
-
-    @property
-    def _sensor_counts(self) -> dict[str, tuple[str, str, int]]:
-        return {name: (sensor.topic, sensor.message_type, sensor.count) for name, sensor in self.sensors.items()}
 
     @property
     def _of_faults(self) -> list[str]:

@@ -12,7 +12,7 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final, TypeAlias, TypeVar
+from typing import BinaryIO, Final, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
@@ -51,7 +51,6 @@ from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import counted
 
 T = TypeVar("T")
-TakeChunk: TypeAlias = Callable[[bytes], object]
 _HEAD: Final = struct.Struct("<BQ")
 _MOST_LOOSE_BYTES: Final = 2**20
 """Messages of a file without chunks are taken in pieces of this size."""
@@ -80,7 +79,7 @@ _OTHER_FORMATS: Final = {
 }
 
 
-def read_file(path: Path, wanted: Wanted, into: McapContents, take: TakeChunk | None = None) -> Iterator[int]:
+def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     """Add a file's messages to the tracks, chunk by chunk.
 
     Parameters
@@ -89,8 +88,6 @@ def read_file(path: Path, wanted: Wanted, into: McapContents, take: TakeChunk | 
     wanted : callable
         Which messages are kept until they are taken. See `Wanted`.
     into : McapContents
-    take : callable, optional
-        Takes the records of each chunk that has messages, which are sound, before the next position comes.
 
     Yields
     ------
@@ -104,7 +101,7 @@ def read_file(path: Path, wanted: Wanted, into: McapContents, take: TakeChunk | 
     """
     with opened(path) as stream:
         try:
-            yield from _FileReader(path, stream, wanted, into, take).read()
+            yield from _FileReader(path, stream, wanted, into).read()
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
 
@@ -136,10 +133,8 @@ def opened(path: Path) -> BinaryIO:
 class _FileReader:
     """One file, read from its start to its end."""
 
-    def __init__(
-        self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents, take: TakeChunk | None
-    ) -> None:
-        self._path, self._stream, self._wanted, self._into, self._take_chunk = path, stream, wanted, into, take
+    def __init__(self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents) -> None:
+        self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
         self._size = stream.seek(0, 2)
         into.allow(self._size)
         self._records, self._most_records = 0, most_records(self._size)
@@ -314,8 +309,6 @@ class _FileReader:
         self._inventory.chunk(chunk, table, self._position, length)
         self._bare_chunks += not chunk.uncompressed_crc
         self._messages(table)
-        if self._take_chunk is not None and len(table.starts):
-            self._take_chunk(data)
 
     def _count_records(self, count: int) -> None:
         """Count records in chunks: small ones that repeat are inflated to far more than their file."""

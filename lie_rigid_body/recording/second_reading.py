@@ -23,10 +23,10 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated_unverified
+from lie_rigid_body.recording.inflation import inflated_unverified
 from lie_rigid_body.recording.inventory import MessageTable
 from lie_rigid_body.recording.mcap_contents import McapContents, Outline, RawMessages
-from lie_rigid_body.recording.mcap_reader import LARGEST_RECORD, opened, state_of
+from lie_rigid_body.recording.mcap_reader import opened, state_of
 from lie_rigid_body.recording.message_loops import FIND, HEAD, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
 from lie_rigid_body.recording.output_file import reason
@@ -310,13 +310,11 @@ def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Ou
                 for place in outline.chunks:
                     stream.seek(place)
                     _, length = _RECORD.unpack(stream.read(_RECORD.size))
-                    content = stream.read(min(length, LARGEST_RECORD))
+                    content = stream.read(length)
                     progress(stream.tell() - before)
                     before = stream.tell()
-                    chunk = Chunk.read(ReadDataStream(BytesIO(content)))
-                    if chunk.uncompressed_size > min(outline.largest_chunk, LARGEST_CHUNK):
-                        raise _changed(outline)
-                    yield outline, inflated_unverified(chunk)
+                    data = inflated_unverified(Chunk.read(ReadDataStream(BytesIO(content))))
+                    yield outline, data
                 _require_same(outline, stream)
             except BagError:
                 raise
