@@ -103,6 +103,11 @@ def written(comparison: Comparison, convention: Convention) -> Comparison:
     return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))
 
 
+def angles_of(rotations: Array) -> Array:
+    """Angles of rotations of shape (..., 4), rad."""
+    return np.asarray(np.sqrt(np.sum(quaternion.log(rotations) ** 2, axis=-1)))
+
+
 def from_mean(attitude_xyzw: Array) -> Array:
     """Angles from the attitude that is nearest to all of shape (N, 4), rad: what one leaves that does not follow."""
     cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))

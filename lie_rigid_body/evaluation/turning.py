@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
+from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, angles_of, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -55,7 +55,7 @@ AXES: Final = np.array(
 def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
     """That an estimate does not turn, if the body does; shapes as those of `turning`."""
     whole = _whole(stamps_ns)
-    turned, turn = (float(_angles(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
+    turned, turn = (float(angles_of(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
     if len(whole) < FEWEST_STEPS or turn < LEAST_TURN or turned >= STUCK * turn:
         return ()
     message = (
@@ -82,7 +82,7 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, sure
     whole = _whole(stamps_ns)
     few = whole[spread(len(whole), STEPS)]
     ours, true = (_steps(q, few) for q in (estimate_xyzw, true_xyzw))
-    if len(whole) < FEWEST_STEPS or _angles(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
+    if len(whole) < FEWEST_STEPS or angles_of(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
         return ()
     missed = _missed(ours, np.stack([_predicted(scale, quaternion.log(true)) for scale in SCALES]))
     most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
@@ -118,10 +118,6 @@ def _steps(attitude_xyzw: Array, first: Integers) -> Array:
     return quaternion.multiply(quaternion.conjugate(attitude_xyzw[first]), attitude_xyzw[first + 1])
 
 
-def _angles(rotations: Array) -> Array:
-    return np.asarray(np.sqrt(np.sum(quaternion.log(rotations) ** 2, axis=-1)))
-
-
 def _whole(stamps_ns: Integers) -> Integers:
     """First samples of the steps that are no gaps."""
     return np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
@@ -152,6 +148,6 @@ def _missed(ours: Array, predicted: Array) -> Array:
 
     Axes about which the body turns for a short time only, as that of a flip, count by this, and not by a median.
     """
-    size = _angles(quaternion.multiply(quaternion.conjugate(predicted), ours))
-    turned = max(float(np.median(_angles(ours))), 1e-300)
+    size = angles_of(quaternion.multiply(quaternion.conjugate(predicted), ours))
+    turned = max(float(np.median(angles_of(ours))), 1e-300)
     return np.asarray(np.sqrt(np.mean(np.minimum(size / turned, 2.0) ** 2, axis=-1)))

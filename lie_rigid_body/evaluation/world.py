@@ -13,7 +13,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.findings import Finding, gain
-from lie_rigid_body.evaluation.search import from_mean, mean
+from lie_rigid_body.evaluation.search import angles_of, from_mean, mean
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 
@@ -34,7 +34,7 @@ def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> tuple[Finding, ...]:
     quarters = np.array_split(np.arange(len(turns)), 4)[1:]  # in the first a filter may converge
     late = np.concatenate(quarters)
     turn = mean(turns[late])
-    before, after = _angles(turns), _angles(quaternion.multiply(quaternion.conjugate(turn), turns))
+    before, after = angles_of(turns), angles_of(quaternion.multiply(quaternion.conjugate(turn), turns))
     error, unlike = float(np.median(before[late])), float(np.median(from_mean(true_xyzw[late])))
     left = max(float(np.median(after[quarter])) for quarter in quarters)
     tilt = 2.0 * float(np.arctan2(np.hypot(turn[0], turn[1]), np.hypot(turn[2], turn[3])))
@@ -49,7 +49,3 @@ def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> tuple[Finding, ...]:
         f"nothing corrects a wrong first attitude ({gain(np.degrees(before), np.degrees(after))})."
     )
     return (Finding("world_turned", message, rms(np.degrees(after))),)
-
-
-def _angles(rotations: Array) -> Array:
-    return np.asarray(np.sqrt(np.sum(quaternion.log(rotations) ** 2, axis=-1)))
