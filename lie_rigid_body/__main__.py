@@ -73,8 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _main(arguments: list[str]) -> int:
     if not arguments:
-        print(usage(), file=sys.stderr)
-        return console.UNUSABLE
+        raise InputError(f"give a verb: {', '.join(VERBS)}; '{PROGRAM} --help' explains them")
     name, *rest = arguments
     if name in VERBS:
         return run(name, rest)

@@ -265,7 +265,7 @@ def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str,
         if not (name and topic):
             raise InputError(f"--topic {shown(text)}: not NAME:=/TOPIC; give for example --topic pose:=/truth/pose")
         if name not in known:
-            raise InputError(f"--topic {text}: no topic {name!r}: {suggestion(name, list(known), 'topics of a body')}")
+            raise InputError(f"--topic {text}: no topic {name!r}: {suggestion(name, known, 'topics of a body')}")
         if found.setdefault(name, topic) != topic:
             raise InputError(f"--topic {text}: {name} is {found[name]} already: give {listed([name])} once")
     return found

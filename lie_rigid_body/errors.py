@@ -18,6 +18,11 @@ class LieRigidBodyError(Exception):
         super().__init__(shortened(message))
 
 
+def said(error: BaseException) -> str:
+    """What an error says, with its kind where it is none of the package."""
+    return str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}"
+
+
 class InputError(LieRigidBodyError, ValueError):
     """An argument, a parameter or a command line is at fault."""
 

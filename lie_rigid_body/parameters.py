@@ -197,7 +197,7 @@ def read_table(table: Sequence[Parameter], given: Mapping[str, object]) -> dict[
     names = dict.fromkeys(parameter.name for parameter in table)
     for name in given:
         if name not in names:
-            raise ParameterError(str(name), f"no such parameter: {suggestion(str(name), [*names], 'parameters')}")
+            raise ParameterError(str(name), f"no such parameter: {suggestion(str(name), names, 'parameters')}")
     return {p.name: p.read(given[p.name]) if p.name in given else p.default for p in table}
 
 

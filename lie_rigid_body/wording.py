@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import reprlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from itertools import islice
 from typing import Any, Final
 
@@ -156,13 +156,13 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def suggestion(name: str, known: Sequence[str], kind: str) -> str:
+def suggestion(name: str, known: Collection[str], kind: str) -> str:
     """What to give instead of an unknown name: those most like it, or else the first of all.
 
     Parameters
     ----------
     name : str
-    known : sequence of str
+    known : collection of str
     kind : str
         What the names are called, in the plural.
 

@@ -14,6 +14,7 @@ from multiprocessing import active_children, resource_tracker
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
+from lie_rigid_body.campaign.connection import Connection
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
@@ -32,6 +33,9 @@ MOST_FAILURES: Final = 20
 LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
 """More than the 9 s in which Dask asks a worker to end, and then kills it."""
+
+_NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
+"""Loggers that tell of a connection that is lost; Dask's configuration gives each a level of its own."""
 
 _DEAD: Final = "every process that tried it died"
 
@@ -92,7 +96,8 @@ def client_of(
     import dask
     from distributed import Client, LocalCluster
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said in the rows
+    for name in _NOISY:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said in the rows
     dask.config.set(_QUIET)
     if scheduler is not None:
         try:
@@ -159,6 +164,7 @@ def finished(
     bags: bool,
     elsewhere: bool,
     lost: Callable[[int], object],
+    alone: Callable[[str], object],
 ) -> Iterator[tuple[int, Row | BaseException]]:
     """Carry out runs, and yield their numbers and rows as they are finished, in any order.
 
@@ -176,6 +182,8 @@ def finished(
         Whether workers may be on machines that do not see the folder: then each bag comes over the network.
     lost : callable
         Is told how many runs were lost with a process that died, and are tried again at the end.
+    alone : callable
+        Is told the address of a scheduler elsewhere that has no worker, once until it has one.
 
     Yields
     ------
@@ -183,6 +191,11 @@ def finished(
     Row or BaseException
         The latter is what the run failed of, where it has no row, such as the death of every worker that tried it. No
         more are begun after `MOST_FAILURES` in a row.
+
+    Raises
+    ------
+    SchedulerGoneError
+        If the scheduler no longer answers; all that came from it is yielded before.
     """
     from distributed import KilledWorker, as_completed
 
@@ -193,37 +206,42 @@ def finished(
         else partial(carry_out, campaign, folder=str(folder) if bags else None)
     )
 
-    def submitted(count: int) -> list[Any]:
-        """The next runs on their way, together, as each way takes Dask milliseconds."""
-        some = list(islice(waiting, count))
+    def submitted(some: list[int]) -> Any:
+        """Runs on their way, together, as each way takes Dask milliseconds."""
         futures = client.map(do, some, pure=False) if some else []
         numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
         return futures
 
-    at_once = RUNS_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
-    pool = as_completed(submitted(at_once), with_results=True, raise_errors=False)
-    for count, (future, result) in enumerate(pool, 1):
-        if count % (at_once // 2) == 0:
-            pool.update(submitted(at_once // 2))
-        run, error = numbers.pop(future.key), result[1] if future.status == "error" else result
-        in_a_row = in_a_row + 1 if isinstance(error, BaseException) else 0
-        if isinstance(error, KilledWorker):
-            killed.append(run)
-            lost(len(killed))
-        else:
-            yield run, error if isinstance(error, BaseException) else _row(result, folder)
+    def outcome(future: Any, result: Any) -> tuple[int, Any]:
+        """The number of a run and what came of it, which is forgotten elsewhere."""
+        found = result[1] if future.status == "error" else result
         future.release()
-        if in_a_row == MOST_FAILURES + at_once:
-            yield from ((run, BagError(_DEAD)) for run in killed)
-            return
-    for run in killed:  # alone: those that waited at a process for another run's end died with it
-        future = client.submit(do, run, pure=False)
-        try:
-            yield run, _row(future.result(), folder)
-        except KilledWorker:
-            yield run, BagError(_DEAD)
-        except Exception as error:  # as that of a run which failed at first
-            yield run, error
+        return numbers.pop(future.key), found
+
+    connection = Connection(client, alone if elsewhere else None)
+    pooled = partial(as_completed, with_results=True, raise_errors=False)
+    with connection.needed():
+        at_once = RUNS_AHEAD * max(1, len(client.nthreads()))
+        pool = pooled(submitted([*islice(waiting, at_once)]))
+        for count, arrived in enumerate(connection.arriving(pool), 1):
+            if count % (at_once // 2) == 0 and not connection.is_lost:
+                pool.update(submitted([*islice(waiting, at_once // 2)]))
+            run, found = outcome(*arrived)
+            in_a_row = in_a_row + 1 if isinstance(found, BaseException) else 0
+            if isinstance(found, KilledWorker):
+                killed.append(run)
+                lost(len(killed))
+            else:
+                yield run, found if isinstance(found, BaseException) else _row(found, folder)
+            if in_a_row == MOST_FAILURES + at_once:
+                yield from ((run, BagError(_DEAD)) for run in killed)
+                return
+        for again in killed:  # alone: those that waited at a process for another run's end died with it
+            for arrived in connection.arriving(pooled(submitted([again]))):
+                run, found = outcome(*arrived)
+                if isinstance(found, KilledWorker):
+                    found = BagError(_DEAD)
+                yield run, found if isinstance(found, BaseException) else _row(found, folder)
 
 
 def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:

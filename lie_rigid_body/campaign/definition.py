@@ -17,7 +17,7 @@ from lie_rigid_body.parameters import Value, exact_duration
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
-from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
 MOST_RUNS: Final = 1_000_000
@@ -28,7 +28,6 @@ OF_TABLE: Final = b"lie_rigid_body.campaign"
 """The key in the table's metadata under which the campaign is, and the version that drew its runs, as JSON."""
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
-_NAMES: Final = tuple(parameter.name for parameter in PARAMETERS)
 
 
 @dataclass(frozen=True)
@@ -72,12 +71,14 @@ class Campaign:
         _require_integer("runs", self.runs, 1, MOST_RUNS)
         _require_integer("seed", self.seed, 0, LARGEST_SEED)
         self.exact_duration  # noqa: B018 refuses what is no duration
+        if not isinstance(self.scenario, str | None):
+            raise InputError(f"scenario: {shown(self.scenario)} is no name: give that of a shipped scenario")
         for name, given in (("parameters", self.parameters), ("vary", self.vary)):
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
-        unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in _NAMES), None)
+        unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME), None)
         if unknown is not None:
-            raise InputError(f"there is no parameter {shown(unknown)}: {suggestion(unknown, _NAMES, 'parameters')}")
+            raise InputError(f"there is no parameter {shown(unknown)}: {suggestion(unknown, BY_NAME, 'parameters')}")
         both = sorted(set(self.parameters) & set(self.vary))
         if both:
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
@@ -90,6 +91,10 @@ class Campaign:
         self._draws  # noqa: B018 refuses what is no distribution
         if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
+        try:
+            self.to_json()
+        except TypeError as error:
+            raise InputError(f"parameters and vary: {error}: give numbers, texts, lists and mappings") from None
 
     @classmethod
     def from_file(cls, path: str | Path) -> Campaign:

@@ -70,7 +70,7 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(f"{what} is not a distribution: give for example {{distribution: uniform, low: 0, high: 1}}")
     name = given["distribution"]
     if name not in DISTRIBUTIONS:
-        hint = suggestion(name, list(DISTRIBUTIONS), "distributions")
+        hint = suggestion(name, DISTRIBUTIONS, "distributions")
         raise InputError(f"{what}: there is no distribution {shown(name)}: {hint}")
     required, make = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
@@ -158,6 +158,9 @@ def _loguniform(what: str, given: Mapping[str, object]) -> Draw:
     low, high = _range(what, given["low"], given["high"])
     if low <= 0.0:
         raise InputError(f"{what}: low {low:g} has no logarithm: give a number above 0")
+    if not math.isfinite(high / low):
+        first, last = math.log(low), math.log(high)
+        return lambda u: min(max(math.exp(first + u.next() * (last - first)), low), high)
     return lambda u: min(max(low * (high / low) ** u.next(), low), high)
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.errors import InputError, said
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.wording import shortened, shown
@@ -19,6 +19,8 @@ from lie_rigid_body.wording import shortened, shown
 Estimator: TypeAlias = Callable[[Run], Any]
 Scores: TypeAlias = dict[str, float | str | None]
 
+MENDED: Final = "mend it"
+"""What to do about an estimator that cannot be imported, at the end of the line that says so."""
 ERROR: Final = "estimator_error"
 """The column that says why there is no score."""
 SCORES: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s")
@@ -44,7 +46,7 @@ def estimator(name: str) -> Estimator:
     try:
         found = getattr(import_module(module), function, None)
     except (Exception, SystemExit) as error:
-        raise InputError(f"estimator {shown(name)} cannot be imported: {_said(error)}: mend it") from None
+        raise InputError(f"estimator {shown(name)} cannot be imported: {shortened(said(error))}: {MENDED}") from None
     if not callable(found):
         raise InputError(f"estimator {shown(name)}: {shown(module)} has no function {shown(function)}: define it there")
     estimate: Estimator = found
@@ -54,14 +56,15 @@ def estimator(name: str) -> Estimator:
 def scores(campaign: Campaign, scenario: Scenario) -> Scores:
     """The scores of the campaign's estimator in the run of a scenario, by column; empty without an estimator.
 
-    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it.
+    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
+    raise anything, also KeyboardInterrupt: no signal raises that here, in a thread of a worker.
     """
     if campaign.estimator is None:
         return {}
     try:
         return {**_scored(estimator(campaign.estimator), simulate(scenario, duration=campaign.duration)), ERROR: None}
-    except (Exception, SystemExit) as error:
-        return {**dict.fromkeys(SCORES), ERROR: _said(error)}
+    except BaseException as error:
+        return {**dict.fromkeys(SCORES), ERROR: shortened(said(error))}
 
 
 def _scored(estimate: Estimator, run: Run) -> Scores:
@@ -74,7 +77,3 @@ def _scored(estimate: Estimator, run: Run) -> Scores:
     score = run.score(attitude_xyzw, t_ns, diagnosed=False)
     errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
     return dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True))
-
-
-def _said(error: BaseException) -> str:
-    return shortened(str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}")

@@ -19,7 +19,7 @@ from lie_rigid_body.campaign.estimator import ERROR
 from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
-from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 
 JOURNAL: Final = "runs.jsonl"
 """The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
@@ -70,8 +70,7 @@ class Journal:
         """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
         try:
             with (folder / JOURNAL).open("rb") as file:
-                heading = _heading(campaign)
-                return file.read(len(heading)) == heading
+                return _equal(file.readline(), _heading(campaign))
         except OSError:
             return False
 
@@ -86,11 +85,15 @@ class Journal:
     def _read(self) -> None:
         self._file.seek(0)
         first = self._file.readline()
+        if first and not _equal(first, self._heading):
+            if not self._is_bare(first):
+                raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
+            self._file.truncate(0)
+            first = b""
         if not first:
             self._write(self._heading)
             return
-        if first != self._heading:
-            raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
+        self._heading = first  # as it was written, so that the table has the same bytes whoever ends it
         place = len(first)
         for line in self._file:
             if not line.endswith(b"\n"):  # the end of the process cut it off: that run is done anew
@@ -98,6 +101,14 @@ class Journal:
                 break
             self._note(self._row(line, place).run, place)
             place += len(line)
+
+    def _is_bare(self, first: bytes) -> bool:
+        """Whether a campaign was begun here, and ended before it had a run, as where there was no scheduler."""
+        try:
+            begun = {"campaign", "software"} == {*json.loads(first)}
+        except (TypeError, ValueError, RecursionError):
+            return False
+        return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _note(self, run: int, place: int) -> None:
         self._count += self._places[run] == _NONE
@@ -205,6 +216,24 @@ def _heading(campaign: Campaign) -> bytes:
     return f"{json.dumps(content)}\n".encode()
 
 
+def _equal(heading: bytes, other: bytes) -> bool:
+    """Whether two headings say the same, however their numbers are written: 5 or 5.0."""
+    try:
+        return heading == other or (heading.endswith(b"\n") and _canonical(heading) == _canonical(other))
+    except (ValueError, RecursionError):
+        return False
+
+
+def _canonical(heading: bytes) -> str:
+    """A heading in which equal numbers are equal text; a negative zero, whose sign is kept in a run, is another."""
+
+    def number(text: str) -> int | float:
+        value = float(text)
+        return int(value) if value.is_integer() and str(value) != "-0.0" else value
+
+    return json.dumps(json.loads(heading, parse_float=number))
+
+
 def _schema(row: Row) -> Any:
     """The columns of the table, which are those of any row."""
     import pyarrow
@@ -216,10 +245,9 @@ def _schema(row: Row) -> Any:
         "string": pyarrow.string(),
         "bool": pyarrow.bool_(),
     }
-    of_parameters = {parameter.name: parameter.kind for parameter in PARAMETERS}
     columns = {
         "run": "int",
-        **{name: of_parameters[name] for name in row.parameters},
+        **{name: BY_NAME[name].kind for name in row.parameters},
         "certified": "bool",
         "attitude_accuracy_rad": "double",
         "bag": "string",

@@ -3,7 +3,7 @@
 - `survey`, `stamps`, `segments`: a recording cut at its resets, its samples numbered, paired and complete;
 - `tolerance`, `propagation`: the limit of each law for the declared motion;
 - `laws`, `law_result`: the laws, and how near each came to its limit;
-- `readings`, `sensor_topics`, `sensors`: what sensors should have read, and their messages held against it;
+- `readings`, `imu_readings`, `sensor_topics`, `sensors`: what sensors should have read, and their messages beside it;
 - `certification`: the verdict on a bag.
 """
 

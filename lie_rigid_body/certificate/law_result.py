@@ -105,10 +105,12 @@ class Judgement:
             self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
         self._checked += residuals.size
-        broken = ~(residuals <= limits)
-        weights = np.where(np.isnan(residuals), np.inf, residuals)
-        self._largest.add(weights, residuals, limits, samples, stamps_ns)
-        if broken.any():
+        holds = residuals <= limits
+        if holds.all():
+            self._largest.add(residuals, residuals, limits, samples, stamps_ns)
+        else:
+            broken, weights = ~holds, np.where(np.isnan(residuals), np.inf, residuals)
+            self._largest.add(weights, residuals, limits, samples, stamps_ns)
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
             self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
             self._broken.add(samples[broken])

@@ -19,8 +19,8 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 
-_BLOCK: Final = 16_384
-"""Samples that are compared at once."""
+_BLOCK: Final = 65_536
+"""Samples that are compared at once: those of a batch of a bag are, but for bags of large chunks."""
 
 
 class _Law(NamedTuple):

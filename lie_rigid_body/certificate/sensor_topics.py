@@ -11,13 +11,12 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.erring_clocks import shown_ns
+from lie_rigid_body.certificate.imu_readings import BiasReadings, ImuReadings
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
 from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
 from lie_rigid_body.certificate.readings import (
     BLOCK,
-    BiasReadings,
     FieldReadings,
-    ImuReadings,
     Readings,
     sensor_clock,
 )

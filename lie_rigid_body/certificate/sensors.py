@@ -20,8 +20,9 @@ from lie_rigid_body.certificate.surveyed_segment import segment_parts
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.bag_reader import Bag, OfSensor, Recording
+from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.tracks import OfSensor, Recording
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 

@@ -40,7 +40,9 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     ndarray of int64, shape (N,)
     """
     # in two parts, as the product of a long time and a rate exceeds 53 bits
-    whole, rest = np.divmod(stamps_ns - clock.epoch_ns, NS)
+    elapsed = stamps_ns - clock.epoch_ns
+    whole = elapsed // NS  # half of the time of `divmod`
+    rest = elapsed - whole * NS
     if float(clock.rate).is_integer():
         rate = int(clock.rate)
         return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)

@@ -14,15 +14,8 @@ from lie_rigid_body.certificate.stamps import number_samples
 from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSegment, segment_parts, tally_pairs
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.recording.bag_reader import (
-    MOST_SEGMENTS,
-    UNNAMED,
-    Bag,
-    PoseTrack,
-    Recording,
-    TakeReadings,
-    TwistTrack,
-)
+from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, Bag
+from lie_rigid_body.recording.tracks import UNNAMED, PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
 _RECORDER: Final = "libmcap "
@@ -219,7 +212,7 @@ class _Facts:
                 if track.stamps_ns is not None and len(track.stamps_ns):
                     self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
                     self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
-            self._moved += int(np.count_nonzero(poses.positions) + np.count_nonzero(twists.linear))
+            self._moved += sum(int(np.count_nonzero(column)) for column in (*poses.positions.T, *twists.linear.T))
             yield poses, twists
 
     def survey(self, segments: list[SurveyedSegment], declared: list[Segment], *, as_written: bool) -> Survey:

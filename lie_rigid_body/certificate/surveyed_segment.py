@@ -171,10 +171,10 @@ def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[
     if not len(stamps_ns):
         return
     starts = np.array([segment.start_ns for segment in segments])
-    at = np.searchsorted(starts, stamps_ns, side="right") - 1
-    lowest, highest = int(at.min()), int(at.max())
+    lowest, highest = np.searchsorted(starts, [stamps_ns.min(), stamps_ns.max()], side="right") - 1
     if lowest == highest >= 0:
-        yield lowest, slice(None)
+        yield int(lowest), slice(None)
         return
+    at = np.searchsorted(starts, stamps_ns, side="right") - 1
     for i in np.unique(at[at >= 0]).tolist():
         yield i, at == i

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, shortened, shown
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from lie_rigid_body.campaign.journal import Journal
     from lie_rigid_body.campaign.run import Row
 
-NOT_CERTIFIED: Final = 1
 MOST_TRIED: Final = 1000
 """Runs whose parameters are tried before the first is begun: each takes some milliseconds."""
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
@@ -143,6 +142,8 @@ def _carry_out(
     from tqdm import tqdm
 
     from lie_rigid_body.campaign.cluster import MOST_FAILURES, client_of, finished
+    from lie_rigid_body.campaign.connection import SchedulerGoneError
+    from lie_rigid_body.campaign.journal import RESUMED
 
     failed: dict[int, BaseException] = {}
     first: list[Row] = []
@@ -162,18 +163,33 @@ def _carry_out(
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
             lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
+            alone=_say_alone,
         )
-        for run, row in rows:
-            if isinstance(row, BaseException):
-                failed[run] = row
-                journal.require_intact()
-            else:
-                journal.add(row)
-                if len(first) < MOST_FAILURES:
-                    first.append(row)
-                    _require_a_score(campaign, first, MOST_FAILURES)
-            bar.update()
+        try:
+            for run, row in rows:
+                if isinstance(row, BaseException):
+                    failed[run] = row
+                    journal.require_intact()
+                else:
+                    journal.add(row)
+                    if len(first) < MOST_FAILURES:
+                        first.append(row)
+                        _require_a_score(campaign, first, MOST_FAILURES)
+                bar.update()
+        except SchedulerGoneError as error:
+            if len(journal) + len(failed) < campaign.runs:
+                kept = f"{len(journal)} of {campaign.runs} runs are kept in {journal.folder}"
+                raise BagError(f"{error}; {kept}: start one, and {RESUMED}") from None
     return failed
+
+
+def _say_alone(address: str) -> None:
+    from tqdm import tqdm
+
+    with tqdm.external_write_mode(sys.stderr):
+        console.complain(
+            console.program("campaign"), f"no worker at {address}: waiting for one; Ctrl-C ends it", "warning"
+        )
 
 
 def _require_a_score(campaign: Campaign, rows: Sequence[Row], most: int) -> None:
@@ -187,22 +203,28 @@ def _require_a_score(campaign: Campaign, rows: Sequence[Row], most: int) -> None
 
 def _without_a_score(campaign: Campaign, runs: str, error: str) -> InputError:
     """That an estimator gave no score, and why not in the first of its runs."""
-    said = f"{campaign.estimator} gave no score in {runs}: {shortened(error, 70)}"
+    from lie_rigid_body.campaign.estimator import MENDED
+
+    said = f"{campaign.estimator} gave no score in {runs}: {shortened(error.removesuffix(f': {MENDED}'), 70)}"
     return InputError(f"estimator {said}: mend it, and give a new folder")
 
 
-def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
+def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
+    """That runs failed, and what the first of them failed of; the table has the others."""
     from lie_rigid_body.campaign.journal import RESUMED
 
+    reason = said(failed[min(failed)]).partition("; ")[0]  # without the rescue of its bag, as the run is done again
+    named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
+    kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
+    return BagError(
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {shortened(reason, 70)}; {kept}: mend that, and "
+        f"{RESUMED}"
+    )
+
+
+def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
     if failed:
-        first = failed[min(failed)]
-        reason = str(first) if isinstance(first, LieRigidBodyError) else f"{type(first).__name__}: {first}"
-        reason = shortened(reason.partition("; ")[0], 70)  # without the rescue of its bag, as the run is done again
-        named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
-        kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
-        raise BagError(
-            f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
-        )
+        raise _failure(campaign, journal, failed)
     table, tally = journal.write_table(), _Tally.of(journal.rows())
     broken, certified = tally.broken, tally.count - len(tally.broken)
     lines = [
@@ -221,7 +243,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         lines.append(f"wrote {given.report}")
     console.say("\n".join(lines), done=f"{table} is written")
     if broken:
-        return NOT_CERTIFIED
+        return console.BROKEN
     if campaign.estimator is not None and not tally.totals_deg:
         raise _without_a_score(campaign, "any run", tally.first_error)
     return console.SUCCESS

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 from lie_rigid_body.campaign import Campaign
@@ -36,8 +35,8 @@ def page(title: str, campaign: Campaign, rows: Sequence[Row]) -> bytes:
         )
         for row in rows
     ]
-    text = json.dumps(json.loads(campaign.to_json()), indent=2, ensure_ascii=False)
-    return overview_page.page(title, "runs", ("run", *campaign.vary), lines, [html_page.details("Campaign", text)])
+    declared = html_page.details("Campaign", campaign.to_json())
+    return overview_page.page(title, "runs", ("run", *campaign.vary), lines, [declared])
 
 
 def _shown(value: Value | Sequence[float]) -> str:

@@ -87,10 +87,10 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
         "bag": bag,
         "passed": certificate.passed,
         "certified": {
-            "attitude_rad": _number(certificate.attitude_accuracy),
-            "attitude_limit_rad": _number(_loosest(certificate)),
-            "kinetic_energy_relative": _number(certificate.accuracy("kinetic energy")),
-            "world_momentum_relative": _number(_momentum(certificate)),
+            "attitude_rad": finite(certificate.attitude_accuracy),
+            "attitude_limit_rad": finite(_loosest(certificate)),
+            "kinetic_energy_relative": finite(certificate.accuracy("kinetic energy")),
+            "world_momentum_relative": finite(_momentum(certificate)),
         }
         | {"attitude_worst": _worst_json(certificate)}
         if certificate.passed
@@ -204,8 +204,8 @@ def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
         "name": law.name,
         "unit": law.unit,
         "holds": law.holds,
-        "worst": _number(law.worst),
-        "limit": _number(law.limit),
+        "worst": finite(law.worst),
+        "limit": finite(law.limit),
         "sample": law.sample,
         "stamp_ns": law.stamp_ns,
         "time_s": time_s,
@@ -215,5 +215,6 @@ def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
     }
 
 
-def _number(value: float) -> float | None:
+def finite(value: float) -> float | None:
+    """A number for JSON, which has no infinity."""
     return value if math.isfinite(value) else None

@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_arguments import bags_of, is_folder_of_bags
-from lie_rigid_body.cli.bag_progress import progress_bar, size
+from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
 from lie_rigid_body.cli.judgement import Judgement, judge_all
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import listed

@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.segments import RecordedSegment
+from lie_rigid_body.cli.plotly_layout import COLOURS, GREY
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.wording import counted
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
     from mpl_toolkits.mplot3d.axes3d import Axes3D
-
-COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
-"""Colours of the x, y and z components, distinct in every kind of colour vision."""
 
 MOST_RESETS_AS_LINES: Final = 12
 """Largest number of resets drawn as lines through the curves; more are short marks at the upper edge."""
@@ -32,7 +30,6 @@ FEW_SAMPLES: Final = 3
 MANY_SAMPLES: Final = 20_000
 """Number of samples of a segment above which the curves of a fast motion fill whole areas."""
 
-_GREY: Final = "#555555"
 _VIEWS: Final = tuple(
     (elevation, quarter + azimuth)
     for elevation in (24.0, 45.0, -24.0)
@@ -115,7 +112,7 @@ def _draw_energy(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         start = float(scenario.body().kinetic_energy(scenario.start()))
         return (scenario.body().kinetic_energy(piece.states) - start) / (start or 1.0)
 
-    _draw_envelope(axes, pieces, np.concatenate([drift(piece) for piece in pieces]), _GREY)
+    _draw_envelope(axes, pieces, np.concatenate([drift(piece) for piece in pieces]), GREY)
     axes.set_ylabel("energy drift\n$(H - H_0)/H_0$")
 
 

@@ -17,7 +17,7 @@ from multiprocessing.connection import wait as wait_for
 from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_progress import PASSES, progress_bar, size
+from lie_rigid_body.cli.bags import PASSES, progress_bar, size
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.wording import short_repr

@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bag_progress import progress_bar
+from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 
 from lie_rigid_body.certificate.proved import Proof, ProvedSample
+from lie_rigid_body.cli.certificate_text import finite
 
 
 def as_sentence(proof: Proof) -> str:
@@ -30,7 +30,7 @@ def as_json(proof: Proof) -> dict[str, object]:
     """The proof as JSON-serialisable data; a bound that is infinite becomes null."""
     return {
         "passed": proof.passed,
-        "attitude_rad": None if proof.worst is None else _number(max(s.at_most for s in proof.samples)),
+        "attitude_rad": None if proof.worst is None else finite(max(s.at_most for s in proof.samples)),
         "samples": [_sample_json(sample) for sample in proof.samples],
     }
 
@@ -41,13 +41,9 @@ def _sample_json(sample: ProvedSample) -> dict[str, object]:
         "sample": sample.sample,
         "stamp_ns": sample.stamp_ns,
         "time_s": sample.time_s,
-        "attitude_at_least_rad": _number(sample.at_least),
-        "attitude_at_most_rad": _number(sample.at_most),
+        "attitude_at_least_rad": finite(sample.at_least),
+        "attitude_at_most_rad": finite(sample.at_most),
         "attitude_limit_rad": sample.limit,
-        "body_rate_at_most_rad_s": _number(sample.rate_at_most),
+        "body_rate_at_most_rad_s": finite(sample.rate_at_most),
         "holds": sample.holds,
     }
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None

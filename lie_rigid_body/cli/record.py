@@ -78,7 +78,7 @@ def _parser() -> console.Parser:
     parser.add_argument(
         "--chunk-size",
         metavar="BYTES",
-        default=str(256 * 1024),
+        default=str(512 * 1024),
         help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
     )
     parser.add_argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole")
@@ -89,7 +89,7 @@ def _parser() -> console.Parser:
 def _chunk_size(text: str) -> int:
     if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= LARGEST_CHUNK):
         raise InputError(
-            f"--chunk-size {text} is not a number of bytes from 1 to {LARGEST_CHUNK}: give for example 262144"
+            f"--chunk-size {text} is not a number of bytes from 1 to {LARGEST_CHUNK}: give for example 524288"
         )
     return int(text)
 

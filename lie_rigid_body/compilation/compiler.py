@@ -112,7 +112,7 @@ def fill(module: str, name: str, signature: str) -> None:
 
 
 def _compiled(function: Callable[..., None], signature: str, folder: Path | None) -> Callable[..., None] | None:
-    """The function compiled, or loaded from the cache; None if numba cannot be imported."""
+    """The function compiled, or loaded from the cache; None without numba or room in the cache."""
     try:
         numba: Any = importlib.import_module("numba")
         extending: Any = importlib.import_module("numba.extending")
@@ -126,6 +126,8 @@ def _compiled(function: Callable[..., None], signature: str, folder: Path | None
             made: Callable[..., None] = numba.njit(
                 signature, cache=folder is not None, error_model="numpy", nogil=True
             )(function)
+        except OSError:  # no room for it, where a cache that is marked is of the same source at another place
+            return None
         finally:
             numba.config.CACHE_DIR = previous
     return made

@@ -17,6 +17,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.evaluation.attitude_error import angles
+from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
@@ -101,8 +103,7 @@ class Misalignment:
     @property
     def mounting_angle(self) -> float:
         """Of the mounting, from 0 to π, rad."""
-        x, y, z, w = self.mounting
-        return 2.0 * float(np.arctan2(np.sqrt(x * x + y * y + z * z), abs(w)))
+        return float(angles(np.array(self.mounting)).total)
 
     def only(self, free: frozenset[str]) -> Misalignment:
         """With some of the constants, the others being none."""
@@ -150,6 +151,11 @@ class Comparison:
         """Some of the samples."""
         return replace(self, stamps_ns=self.stamps_ns[chosen], estimate_xyzw=self.estimate_xyzw[chosen])
 
+    def inner(self) -> Comparison:
+        """The samples that have a truth whatever the lag is, so that every lag is judged by the same ones."""
+        early, late = self.true_stamps(self.longest_lag_s), self.true_stamps(-self.longest_lag_s)
+        return self.part(np.flatnonzero(self.truth.covers(early) & self.truth.covers(late)))
+
     def true_stamps(self, lag_s: float) -> Integers:
         """The times before a lag."""
         return self.stamps_ns - round(lag_s * 1e9)
@@ -169,11 +175,15 @@ class Comparison:
             self._states[times] = self.truth.states(stamps)
         return self._states[times]
 
+    def fastest(self) -> float:
+        """Largest rate of the body at the samples, rad/s."""
+        return float(sizes(self.true_states(0.0)[1]).max())
+
     def angles(self, misalignment: Misalignment) -> Array:
         """Angles between predicted and given estimates where the truth is known, shape (≤ N,), rad."""
         stamps = self.true_stamps(misalignment.lag_s)
         known = np.flatnonzero(self.truth.covers(stamps))
-        return _norms(_residual(misalignment, self.truth.at(stamps[known]), self.estimate_xyzw[known]))
+        return sizes(_residual(misalignment, self.truth.at(stamps[known]), self.estimate_xyzw[known]))
 
 
 def columns(free: frozenset[str]) -> list[int]:
@@ -213,7 +223,7 @@ def fit(
     truth, rate = comparison.true_states(now.lag_s)
     for _ in range(steps):
         residual = _residual(now, truth, comparison.estimate_xyzw)
-        size = _norms(residual)
+        size = sizes(residual)
         if np.mean(size) < best_cost:
             best, best_cost = now, float(np.mean(size))
         J = _derivative(now, truth, rate)[..., chosen]
@@ -263,7 +273,7 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
     """
     truth, rate = comparison.true_states(misalignment.lag_s)
     residual = _residual(misalignment, truth, comparison.estimate_xyzw)
-    weights = _weights(_norms(residual))
+    weights = _weights(sizes(residual))
     J = _derivative(misalignment, truth, rate)[..., columns(free | {LAG})]
     normal, _ = _normal_equations(J, residual, weights)
     G = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1]
@@ -283,8 +293,7 @@ def _rms_over_shifts(weights: Array, errors: Array) -> float:
 
 def _residual(misalignment: Misalignment, truth: Array, estimate: Array) -> Array:
     """Rotation vector from the predicted to the given estimate on the body's axes, shape (N, 3), rad."""
-    predicted = misalignment.predict(truth)
-    return quaternion.log(quaternion.multiply(quaternion.conjugate(predicted), estimate))
+    return turns(misalignment.predict(truth), estimate)
 
 
 def _derivative(misalignment: Misalignment, truth: Array, rate: Array) -> Array:
@@ -304,10 +313,6 @@ def _weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians: far residuals hardly count."""
     scale = 3.0 * float(np.median(norms))
     return 1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms)
-
-
-def _norms(vectors: Array) -> Array:
-    return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
 
 
 LARGEST_INFLATION: Final = 10.0

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import real_numbers
+from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
@@ -35,7 +36,8 @@ class AttitudeError(NamedTuple):
     total : ndarray, shape (...)
         Angle of the rotation that takes the true attitude to the estimate, rad.
     heading : ndarray, shape (...)
-        Its part about the world's vertical, rad. An inclination error of π has no heading error; it is given as 0.
+        Its part about the world's vertical, rad. An inclination error of π has no heading error; within `ROUND_OFF` of
+        it 0 is given.
     inclination : ndarray, shape (...)
         Its part about a horizontal axis, rad: the angle between the true and the estimated vertical.
     """
@@ -66,6 +68,18 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
     InputError
         If the shapes do not go together, a number is not finite, or a quaternion is zero.
     """
+    estimate, truth = pairs(estimate_xyzw, truth_xyzw)
+    return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
+
+
+def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array]:
+    """Estimates and true attitudes, divided by their norms, of shapes that go together.
+
+    Raises
+    ------
+    InputError
+        As `attitude_error`.
+    """
     estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
     try:
         np.broadcast_shapes(estimate.shape, truth.shape)
@@ -74,14 +88,17 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
             f"estimate_xyzw of shape {estimate.shape} does not go with truth_xyzw of shape {truth.shape}: "
             "give both at the same instants, one row each"
         ) from None
-    return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
+    return estimate, truth
 
 
 def angles(error_xyzw: Array) -> AttitudeError:
     """The three angles of an error quaternion in the world frame, shape (..., 4)."""
-    x, y, z, w = np.moveaxis(np.abs(error_xyzw), -1, 0)
+    # of each component its own array: arctan2 of a strided one, on NumPy 1.26 with AVX-512, has other last bits where
+    # its result happens to lie behind it in memory
+    x, y, z, w = np.ascontiguousarray(np.moveaxis(np.abs(error_xyzw), -1, 0))
     tilt, turn = np.hypot(x, y), np.hypot(z, w)
-    return AttitudeError(2.0 * np.arctan2(np.hypot(tilt, z), w), 2.0 * np.arctan2(z, w), 2.0 * np.arctan2(tilt, turn))
+    heading = 2.0 * np.arctan2(np.where(turn > ROUND_OFF, z, 0.0), w)
+    return AttitudeError(2.0 * np.arctan2(np.hypot(tilt, z), w), heading, 2.0 * np.arctan2(tilt, turn))
 
 
 def world_error(estimate_xyzw: Array, truth_xyzw: Array) -> Array:
@@ -91,7 +108,7 @@ def world_error(estimate_xyzw: Array, truth_xyzw: Array) -> Array:
 
 def body_error(estimate_xyzw: Array, truth_xyzw: Array) -> Array:
     """Rotation vector of the error on the body's axes, log(q_truth⁻¹ ⊗ q_estimate), shape (..., 3), rad."""
-    return quaternion.log(quaternion.multiply(quaternion.conjugate(truth_xyzw), estimate_xyzw))
+    return turns(truth_xyzw, estimate_xyzw)
 
 
 def numbers(name: str, value: ArrayLike, *size: int) -> Array:
@@ -136,5 +153,7 @@ def unit(name: str, value: ArrayLike) -> Array:
     return quaternion.normalize(array)
 
 
+ROUND_OFF = 2e-15
+"""Of the components of a product of unit quaternions: z and w below it tell no heading, as their ratio is arbitrary."""
 SMALLEST_NORM = 1e-12
 """A quaternion below this norm is taken for one that nobody has set."""

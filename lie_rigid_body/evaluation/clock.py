@@ -9,16 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.alignment import LAG, Comparison, Misalignment, fit, lag_standard_error
-from lie_rigid_body.evaluation.diagnosis import LAG_SAMPLES, NEGLIGIBLE
+from lie_rigid_body.evaluation.attitudes import from_mean, sizes
 from lie_rigid_body.evaluation.estimate import FARTHEST_NS
+from lie_rigid_body.evaluation.explanation import NEGLIGIBLE
 from lie_rigid_body.evaluation.gyro_errors import left_by_gyro_errors
-from lie_rigid_body.evaluation.search import from_mean, spread
+from lie_rigid_body.evaluation.lag import LAG_SAMPLES
+from lie_rigid_body.evaluation.search import spread
+from lie_rigid_body.evaluation.statistics import FEWEST_SAMPLES, worst_quarter
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.wording import short_repr
 
@@ -31,7 +35,8 @@ AS_GOOD: Final = 1.25
 LEAST_COVERED: Final = 0.25
 """Nor what leaves a smaller share of the samples within the truth's times; with another rate `MOSTLY_COVERED`."""
 MOSTLY_COVERED: Final = 0.9
-FEWEST_SAMPLES: Final = 20
+MOST_STRAY: Final = 0.05
+"""Largest share of the samples at either end that may be stamped far from all others, and are then left out."""
 UNEVEN: Final = 3.0
 """Largest ratio of the median in a quarter of the run, from the second on, to that of all."""
 
@@ -93,7 +98,7 @@ class Clock:
     @property
     def cost(self) -> float:
         """As that of an `Explanation`: one cause, less simple than a heading; another rate, beside a lag, is two."""
-        return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(max(self.median, NEGLIGIBLE)))
+        return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(self.median))
 
     def moved(self, early: tuple[float, float], late: tuple[float, float]) -> Clock:
         """With lags, s, at two true times, s after the anchor, taken away."""
@@ -116,7 +121,7 @@ def other_clock(comparison: Comparison, error: float) -> Clock | None:
     -------
     Clock or None
     """
-    table = _Table.of(comparison.truth)
+    table, comparison = _Table.of(comparison.truth), _without_strays(comparison)
     if table is None or len(comparison.stamps_ns) < FEWEST_SAMPLES:
         return None
     found = []
@@ -130,12 +135,20 @@ def other_clock(comparison: Comparison, error: float) -> Clock | None:
     return best
 
 
+def _without_strays(comparison: Comparison) -> Comparison:
+    """Without the few samples that are farther from all others than these span, as by one wrong stamp."""
+    stamps, few = comparison.stamps_ns, round(MOST_STRAY * len(comparison.stamps_ns))
+    first, last = int(stamps[few]), int(stamps[-1 - few])
+    span = last - first
+    return comparison.part(np.flatnonzero((stamps >= first - span) & (stamps <= last + span)))
+
+
 def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
     """Whether the errors of a gyro explain as much as a clock of another rate."""
     known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
     if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES:
         return False
-    return left_by_gyro_errors(known) <= AS_GOOD * max(clock.median, NEGLIGIBLE)
+    return left_by_gyro_errors(known) <= AS_GOOD * clock.median
 
 
 def _lowest(costs: Array) -> list[int]:
@@ -181,8 +194,9 @@ def _grids(comparison: Comparison, table: _Table) -> Iterator[_Grid]:
     """All lags, and all rates by which the last sample is within the truth's times."""
     truth, step = comparison.truth, GRID_STEP * table.step_ns
     first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
-    lags = np.arange(np.ceil((first - table.last_ns) / step), (last - truth.first_ns) / step) * step / 1e9
-    if len(lags) <= MOST_CLOCKS:
+    begin, end = ceil((first - table.last_ns) / step), ceil((last - truth.first_ns) / step)
+    if end - begin <= MOST_CLOCKS:
+        lags = np.arange(begin, end, dtype=np.float64) * step / 1e9
         yield _Grid(first, np.ones(len(lags)), lags)
     for anchor in {first, truth.first_ns, 0}:
         count = int((truth.last_ns - anchor) / step) + 1
@@ -207,7 +221,7 @@ class _Table:
         some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
         some = some[truth.covers(some)]
         rate = truth.states(some)[1] if some.size else np.zeros((1, 3))
-        fastest = float(np.sqrt(np.max(np.sum(rate**2, axis=-1))))
+        fastest = float(sizes(rate).max())
         duration = truth.last_ns - truth.first_ns
         if fastest * duration < 1e9 * LEAST_TURN:
             return None
@@ -269,10 +283,9 @@ def _left(clock: Clock, comparison: Comparison) -> float:
     if len(true.stamps_ns) < max(FEWEST_SAMPLES, share * len(comparison.stamps_ns)):
         return np.inf
     angles, few = true.angles(Misalignment()), true.part(spread(len(true.stamps_ns), FIT_SAMPLES))
-    left, (attitude, rate) = float(np.median(angles)), few.true_states(0.0)
-    worst = max(float(np.median(quarter)) for quarter in np.array_split(angles, 4)[1:])
-    uneven = worst > UNEVEN * max(left, NEGLIGIBLE)
-    unlike = left > LARGEST_SHARE * min(float(np.median(from_mean(attitude))), _as_stamped(clock, comparison))
+    left, (attitude, rate) = max(float(np.median(angles)), NEGLIGIBLE), few.true_states(0.0)
+    uneven = worst_quarter(angles) > UNEVEN * left
+    unlike = left > LARGEST_SHARE * min(from_mean(attitude), _as_stamped(clock, comparison))
     feigned = _is_spin(rate) and not (_spans(clock, true) if clock.rate != 1.0 else _is_within_half_a_turn(clock, rate))
     return np.inf if uneven or unlike or feigned else left
 
@@ -289,13 +302,13 @@ def _as_stamped(clock: Clock, comparison: Comparison) -> float:
 
 def _is_spin(rate: Array) -> bool:
     """Whether a body turns about one axis, so that an error of the gyro's scale or bias turns the estimate alike."""
-    axes = rate / np.maximum(np.sqrt(np.sum(rate**2, axis=-1, keepdims=True)), 1e-300)
+    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
     return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
 
 
 def _is_within_half_a_turn(clock: Clock, rate: Array) -> bool:
     """Whether a lag is so short that the attitude is not that of a turn earlier or later as well."""
-    return abs(clock.lag_s) * float(np.sqrt(np.max(np.sum(rate**2, axis=-1)))) < np.pi
+    return abs(clock.lag_s) * float(sizes(rate).max()) < np.pi
 
 
 def _spans(clock: Clock, true: Comparison) -> bool:

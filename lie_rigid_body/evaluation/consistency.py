@@ -8,6 +8,7 @@ X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigatio
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import real_numbers
-from lie_rigid_body.evaluation.attitude_error import body_error, numbers, unit, world_error
+from lie_rigid_body.evaluation.attitude_error import body_error, numbers, pairs, world_error
 from lie_rigid_body.wording import short_repr, shown
 
 AXES: Final = {"world": "body", "body": "world"}
@@ -25,6 +26,11 @@ TELLING: Final = np.log(1.5)
 """Logarithm of the factor by which the mean NEES has to be off before other axes are asked."""
 BETTER: Final = 0.25
 """Share of that logarithm that the other axes may leave, to be named: errors of a filter are correlated in time."""
+
+SMALLEST_VARIANCE: Final = 1e-200
+"""Smaller ones, in the squared unit of the errors, are none: a NEES by them overflows."""
+ASYMMETRY: Final = 1e-6
+"""Largest difference of a covariance from its transpose, beside the standard deviations, that is round-off."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +96,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     covariance : array_like, shape (N, d, d) or (d, d)
         In the squared unit of the errors, on the same axes.
     probability : float
-        Of the bounds, two-sided.
+        Of the bounds, two-sided; between 0 and 1.
 
     Returns
     -------
@@ -99,10 +105,12 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     Raises
     ------
     InputError
-        If a shape is wrong, a number not finite, or a covariance not symmetric and positive definite.
+        If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
+        large beside it that the NEES overflows; or if the probability is not between 0 and 1.
     """
     from scipy.stats import chi2  # loading it takes longer than all the rest of the package
 
+    _require_probability(probability)
     e = real_numbers("errors", errors, "(N, d)")
     if e.ndim != 2:
         raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
@@ -112,12 +120,16 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
         raise InputError(
             f"covariance: shape {P.shape} is not ({d}, {d}) or ({len(e)}, {d}, {d}): give one, or one an error"
         )
-    values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
-    tails = np.array([0.5 - 0.5 * probability, 0.5 + 0.5 * probability])
-    low, high = chi2.ppf(tails, d).tolist()
-    mean_low, mean_high = (chi2.ppf(tails, len(e) * d) / len(e)).tolist()
+    with np.errstate(over="ignore"):
+        values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
+        mean = float(np.mean(values))
+    if not np.isfinite(mean):
+        raise InputError(f"errors: up to {np.abs(e).max():.3g}: the NEES overflows: give them in the covariance's unit")
+    tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
+    low, mean_low = (chi2.ppf(tail, d * samples) / samples).tolist()
+    high, mean_high = (chi2.isf(tail, d * samples) / samples).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
-    return Consistency(values, d, float(np.mean(values)), (mean_low, mean_high), (low, high), inside, probability)
+    return Consistency(values, d, mean, (mean_low, mean_high), (low, high), inside, probability)
 
 
 def attitude_nees(
@@ -153,7 +165,7 @@ def attitude_nees(
     """
     require_axes(axes)
     errors = {"world": world_error, "body": body_error}
-    estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
+    estimate, truth = pairs(estimate_xyzw, truth_xyzw)
     P, other = rotation_block(covariance), AXES[axes]
     found = nees(errors[axes](estimate, truth), P, probability)
     off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
@@ -173,8 +185,13 @@ def require_axes(axes: str) -> None:
     ------
     InputError
     """
-    if axes not in AXES:
+    if not isinstance(axes, str) or axes not in AXES:
         raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
+
+
+def _require_probability(probability: object) -> None:
+    if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
+        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
 
 
 def covariance_fault(covariance: Array) -> str:
@@ -210,12 +227,21 @@ def rotation_block(covariance: ArrayLike) -> Array:
 
 
 def _factor(P: Array) -> Array:
-    """Lower Cholesky factor, on axes scaled to unit variance to lose no digits."""
-    scale = np.sqrt(np.abs(np.diagonal(P, axis1=-2, axis2=-1)))
-    if not np.all(scale > 0.0) or not np.allclose(P, np.swapaxes(P, -1, -2), rtol=1e-6, atol=0.0):
-        raise InputError("covariance: not symmetric with positive variances: give one that has an inverse")
+    """Lower Cholesky factor of the symmetric part, on axes scaled to unit variance to lose no digits."""
+    variances = np.diagonal(P, axis1=-2, axis2=-1)
+    if not np.all(variances >= SMALLEST_VARIANCE):
+        least = f"{SMALLEST_VARIANCE:g} at least"
+        raise InputError(f"covariance: {variances.min():.3g} on its diagonal: give positive variances, {least}")
+    scale = np.sqrt(variances)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no covariance, and refused
+        scaled = P / scale[..., :, np.newaxis] / scale[..., np.newaxis, :]
+        transposed = np.swapaxes(scaled, -1, -2)
+        # beside the variances: what is round-off of R P Rᵀ may be all that there is of a correlation
+        symmetric = np.abs(scaled - transposed) <= ASYMMETRY
+    if not np.all(symmetric):
+        raise InputError("covariance: not symmetric: give one that has an inverse")
     try:
-        factor = np.linalg.cholesky(P / (scale[..., :, np.newaxis] * scale[..., np.newaxis, :]))
+        factor = np.linalg.cholesky(0.5 * scaled + 0.5 * transposed)
     except np.linalg.LinAlgError:
         raise InputError("covariance: not positive definite: give one that has an inverse") from None
     return np.asarray(scale[..., :, np.newaxis] * factor)

@@ -17,12 +17,16 @@ from lie_rigid_body.wording import short_repr
 
 GAP: Final = 2.5
 """Neighbouring stamps farther apart than this many median periods are a gap: two samples or more are missing."""
+_GAP_OF_EVEN: Final = 1.5
+"""The same of an estimate with even stamps, where one sample that is missing stands out."""
+_EVEN, _MOST_UNEVEN = 0.1, 0.1
+"""Stamps are even if all periods but so great a share are the median one to within so great a share of it."""
 
 FARTHEST_NS: Final = 2**31 * 10**9
 """The farthest stamp from 0 that a message can have, ns; differences of such stamps do not overflow."""
 
-NOT_UNIT: Final = 0.01
-"""Largest | |q|² − 1 | that is taken for unit norm: tf2 refuses a transform beyond it."""
+NOT_UNIT: Final = 0.002
+"""Largest | |q|² − 1 | that is taken for unit norm: what remains of one written with three decimals. tf2 takes 0.01."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,9 @@ def _doubles(stamps: Integers, new: Booleans) -> Remark | None:
 
 def _gaps(stamps: Integers) -> Remark | None:
     steps, period = np.diff(stamps), period_ns(stamps)
-    wide = np.flatnonzero(steps > GAP * period) if period else np.empty(0, dtype=np.int64)
+    uneven = np.count_nonzero(np.abs(steps - period) > _EVEN * period)
+    gap = _GAP_OF_EVEN if uneven <= _MOST_UNEVEN * len(steps) else GAP
+    wide = np.flatnonzero(steps > gap * period) if period else np.empty(0, dtype=np.int64)
     if not wide.size:
         return None
     longest = wide[np.argmax(steps[wide])]
@@ -165,7 +171,7 @@ def _norms(given: Array) -> Remark | None:
     return Remark(
         "not_unit",
         f"{np.count_nonzero(off)} of {len(norms)} quaternions are not of unit norm, the worst has {worst:.4g}; "
-        "they were divided by it here, but tf2 refuses them: let the filter normalise what it publishes.",
+        "they were divided by it here, and tf2 refuses 0.005 more or less: let the filter normalise what it publishes.",
     )
 
 

@@ -11,7 +11,9 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
 from lie_rigid_body.evaluation.clock import Clock, by_clock
-from lie_rigid_body.evaluation.diagnosis import Diagnosis, Explanation
+from lie_rigid_body.evaluation.diagnosis import Diagnosis
+from lie_rigid_body.evaluation.estimate import period_ns
+from lie_rigid_body.evaluation.explanation import Explanation
 from lie_rigid_body.evaluation.search import spread, written
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.turning import named
@@ -130,10 +132,7 @@ def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
 def _fitted(comparison: Comparison, explanation: Explanation) -> Misalignment:
     """All constants of an explanation, fitted together to up to `FITTED` samples."""
     ours = written(comparison, explanation.convention)
-    inside = ours.truth.covers(ours.true_stamps(ours.longest_lag_s)) & ours.truth.covers(
-        ours.true_stamps(-ours.longest_lag_s)
-    )
-    few = ours.part(np.flatnonzero(inside))
+    few = ours.inner()
     return fit(few.part(spread(len(few.stamps_ns), FITTED)), explanation.free, explanation.misalignment)
 
 
@@ -173,15 +172,23 @@ def _heading(fitted: Misalignment) -> str:
 
 def _mounting(fitted: Misalignment) -> str:
     mounting = np.array(fitted.mounting) * (1.0 if fitted.mounting[3] >= 0.0 else -1.0)
-    vector = quaternion.log(mounting)
+    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
+    doubt = (
+        "; biases, hard iron and axes of the sensors turn them as well" if fitted.mounting_angle < OF_SENSORS else ""
+    )
+    return (
+        f"The body axes of the estimate are turned by {angle_and_axis(mounting)} of the body: tell the "
+        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right{_places(mounting)}"
+        f"{doubt}"
+    )
+
+
+def angle_and_axis(rotation: Array) -> str:
+    """A rotation, shape (4,), in words."""
+    vector = quaternion.log(rotation)
     angle = float(np.sqrt(vector @ vector))
     axis = ", ".join(f"{v:.3g}" for v in (vector / angle if angle else vector) + 0.0)
-    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
-    return (
-        f"The body axes of the estimate are turned by {np.degrees(angle):.4g}° about ({axis}) of the body: tell the "
-        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right{_places(mounting)}"
-        f"{'; biases, hard iron and axes of the sensors turn them as well' if angle < OF_SENSORS else ''}"
-    )
+    return f"{np.degrees(angle):.4g}° about ({axis})"
 
 
 def _places(mounting: Array) -> str:
@@ -190,14 +197,14 @@ def _places(mounting: Array) -> str:
     nearest = np.round(axes)
     left = float(np.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0))))
     name = named(nearest)
-    if left > SAME_AXES_DEG or name == "x, y, z":
+    if left > SAME_AXES_DEG or name == "x, y, z" or np.abs(nearest).sum() != 3.0:
         return ""
     meaning = ", forward-right-down where the truth's are forward-left-up" if name == "x, -y, -z" else ""
     return f"; its x, y, z are {name} of the body{meaning}, but for {left:.2g}°"
 
 
 def _lag(comparison: Comparison, lag_s: float) -> str:
-    period = float(np.median(np.diff(comparison.stamps_ns))) / 1e9
+    period = period_ns(comparison.stamps_ns) / 1e9
     late = lag_s > 0.0
     remedy = (
         "stamp it with the time of the readings it is made of"

@@ -13,6 +13,8 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.attitude_error import world_error
+from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.search import spread
 from lie_rigid_body.lie import quaternion
 
@@ -32,13 +34,13 @@ def left_by_gyro_errors(comparison: Comparison) -> float:
     """
     few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
     true, given = few.truth.at(few.stamps_ns), few.estimate_xyzw
-    turns = quaternion.log(quaternion.multiply(quaternion.conjugate(true[:-1]), true[1:]))
-    read = np.concatenate([turns, np.diff(few.stamps_ns)[:, np.newaxis] / 1e9], axis=1)
+    true_turns = turns(true[:-1], true[1:])
+    read = np.concatenate([true_turns, np.diff(few.stamps_ns)[:, np.newaxis] / 1e9], axis=1)
     errors, start, least = np.zeros((3, 4)), true[0], np.inf
     for _ in range(ROUNDS):
-        predicted = _products(start, quaternion.exp(turns + read @ errors.T))
-        missed = quaternion.log(quaternion.multiply(given, quaternion.conjugate(predicted)))
-        least = min(least, float(np.median(np.sqrt(np.sum(missed**2, axis=-1)))))
+        predicted = _products(start, quaternion.exp(true_turns + read @ errors.T))
+        missed = world_error(given, predicted)
+        least = min(least, float(np.median(sizes(missed))))
         step = np.linalg.lstsq(_derivative(predicted, read), missed.ravel(), rcond=1e-10)[0]
         start = quaternion.multiply(quaternion.exp(step[:3]), start)
         errors = errors + step[3:].reshape(3, 4)

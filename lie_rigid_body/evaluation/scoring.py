@@ -16,8 +16,9 @@ from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_err
 from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.clock import Clock, clock_lag, other_clock
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
-from lie_rigid_body.evaluation.diagnosis import NEGLIGIBLE, Diagnosis, diagnose
+from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose, follows
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
+from lie_rigid_body.evaluation.explanation import TIE_FACTOR, Explanation
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
@@ -25,7 +26,7 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.evaluation.turning import stuck, turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.evaluation.world import world_turned
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import short_repr, shown
 
 LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
@@ -204,6 +205,8 @@ def evaluate(
         longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
     if converged_deg is not None:
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
+    if not isinstance(limits, Limits | None):
+        raise InputError(f"limits: {shown(limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
     whole, limits = Estimate.read(stamps_ns, attitude_xyzw), limits or Limits()
     known = truth.covers(whole.stamps_ns)
     if not known.any():
@@ -276,7 +279,7 @@ def _diagnosis(
     longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
     comparison, diagnosis = _within(estimate, truth, longest)
     if longest_lag_s is None and longest < quarter and diagnosis is not None and diagnosis.lag_at_limit:
-        wider, other = _within(estimate, truth, quarter)
+        wider, other = _within(estimate, truth, quarter, diagnosis.tried)
         if other is not None and LAG in other.explanation.free:
             comparison, diagnosis = wider, other
     if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
@@ -288,7 +291,9 @@ def _diagnosis(
     lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
     if not unlike or found:
         return lag, found, ()
-    return (lag, world, ()) if (world := world_turned(*turned[1:])) else (lag, (), turning(*turned))
+    if world := world_turned(*turned[1:]):
+        return lag, world, ()
+    return lag, (), () if diagnosis and follows(comparison, diagnosis) else turning(*turned)
 
 
 def _is_simple(diagnosis: Diagnosis) -> bool:
@@ -297,23 +302,23 @@ def _is_simple(diagnosis: Diagnosis) -> bool:
 
 
 def _is_better(clock: Clock, diagnosis: Diagnosis) -> bool:
-    """Whether another clock explains more than a diagnosis, and a far lag more than twice what a near one does.
+    """Whether another clock explains more than a diagnosis, and a far lag more than twice what a near one alone does.
 
-    A motion that nearly repeats has many lags about as good.
+    A motion that nearly repeats has many lags about as good. Beside further constants, as a mounting has three, a near
+    lag is only preferred if it leaves less by more than a tie: of an even top a mounting makes a far lag a near one.
     """
-    near = [e.median for e in diagnosis.tried if LAG in e.free and len(e.causes) <= 2]
-    doubtful = clock.rate == 1.0 and 2.0 * max(clock.median, NEGLIGIBLE) >= min(near, default=np.inf)
-    return clock.cost < diagnosis.explanation.cost and not doubtful
+    near = [e for e in diagnosis.tried if LAG in e.free and len(e.causes) <= 2]
+    as_good = any(clock.median >= e.median * (0.5 if e.free == {LAG} else TIE_FACTOR) for e in near)
+    return clock.cost < diagnosis.explanation.cost and not (clock.rate == 1.0 and as_good)
 
 
-def _within(estimate: Estimate, truth: Truth, longest_lag_s: float) -> tuple[Comparison, Diagnosis | None]:
+def _within(
+    estimate: Estimate, truth: Truth, longest_lag_s: float, nearer: tuple[Explanation, ...] = ()
+) -> tuple[Comparison, Diagnosis | None]:
     """The comparison with a limit to the lag, and its diagnosis if there are samples for one."""
-    stamps = estimate.stamps_ns
-    comparison = Comparison(stamps, estimate.attitude_xyzw, truth, longest_lag_s)
-    # every lag is judged by the same samples: those that have a truth whatever the lag is
-    shift = round(longest_lag_s * 1e9)
-    inner = np.flatnonzero(truth.covers(stamps - shift) & truth.covers(stamps + shift))
-    return comparison, diagnose(comparison.part(inner)) if inner.size else None
+    comparison = Comparison(estimate.stamps_ns, estimate.attitude_xyzw, truth, longest_lag_s)
+    inner = comparison.inner()
+    return comparison, diagnose(inner, nearer) if len(inner.stamps_ns) else None
 
 
 def _apart(stamps: Integers, truth: Truth) -> str:

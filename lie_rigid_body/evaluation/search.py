@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Final
@@ -10,6 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.attitudes import mean
 from lie_rigid_body.lie import quaternion
 
 WORLDS: Final[tuple[dict[str, bool], ...]] = ({}, {"ned_world": True}, {"ned_world": True, "frd_body": True})
@@ -26,11 +28,19 @@ HEADINGS: Final = np.linspace(-np.pi, np.pi, 18, endpoint=False)
 LAG_TURN: Final = 0.5
 """Turn of the body from one lag of the grid to the next, rad: a fit converges from half of that."""
 MOST_LAGS: Final = 61
-"""Largest number of lags on the grid."""
+"""Largest number of lags on the grid that tells which conventions to fit."""
+MOST_FINE_LAGS: Final = 181
+"""The same of the grid that tells where to begin the fits of a convention: ±1 s of a body with 45 rad/s."""
+MOST_STARTS: Final = 32
+"""Largest number of starts of one fit."""
+MARGIN: Final = LAG_TURN / 4.0
+"""Margin above the lowest cost, a mean sine of half angles, beyond which no fit begins: by half a step of the lag."""
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """The quaternion of no rotation, scalar last."""
 GRID_SAMPLES: Final = 120
 """Largest number of samples by which a point of the grid is judged."""
+FINE_SAMPLES: Final = 60
+"""The same of the grid with more lags, and of the first steps from its points."""
 
 
 @dataclass(frozen=True)
@@ -51,21 +61,15 @@ class Grid:
     truth_xyzw: Array
 
     @classmethod
-    def of(cls, comparison: Comparison) -> Grid:
-        """For the lags that a comparison allows, no farther apart than the motion asks for."""
-        few = comparison.part(spread(len(comparison.stamps_ns), GRID_SAMPLES))
-        rate = few.true_states(0.0)[1]
-        fastest = float(np.sqrt(np.max(np.sum(rate**2, axis=-1))))
-        half = min(max(int(np.ceil(few.longest_lag_s * fastest / LAG_TURN)), 1), MOST_LAGS // 2)
+    def of(cls, comparison: Comparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> Grid:
+        """For the lags that a comparison allows, no farther apart than the motion asks for, but for the most."""
+        few = comparison.part(spread(len(comparison.stamps_ns), most_samples))
+        half = min(max(int(np.ceil(few.longest_lag_s * few.fastest() / LAG_TURN)), 1), most_lags // 2)
         lags = np.linspace(-few.longest_lag_s, few.longest_lag_s, 2 * half + 1)
         return cls(few.estimate_xyzw, lags, few.truth.at(np.stack([few.true_stamps(lag) for lag in lags])))
 
     def best(self, convention: Convention, free: frozenset[str]) -> tuple[float, Misalignment]:
         """The best point of the grid for a convention and some free constants.
-
-        The mounting is not on the grid: for each heading and lag the best one is the eigenvector of the largest
-        eigenvalue of Σ q qᵀ (F. L. Markley and others, Averaging Quaternions, J. Guidance, Control, and Dynamics 30
-        (2007) 1193, eq. 13).
 
         Parameters
         ----------
@@ -78,6 +82,22 @@ class Grid:
             Mean of the sines of half of the remaining angles.
         start : Misalignment
         """
+        cost, points = self._by_lag(convention, free)
+        i = int(np.argmin(cost))
+        return float(cost[i]), points(i)
+
+    def starts(self, convention: Convention, free: frozenset[str]) -> list[Misalignment]:
+        """Where the cost by the lag is least nearby and hardly above the lowest of all, the lowest first."""
+        cost, points = self._by_lag(convention, free)
+        around = np.concatenate([[np.inf], cost, [np.inf]])
+        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + MARGIN))
+        return [points(int(i)) for i in lowest[np.argsort(cost[lowest], kind="stable")][:MOST_STARTS]]
+
+    def _by_lag(self, convention: Convention, free: frozenset[str]) -> tuple[Array, Callable[[int], Misalignment]]:
+        """The least cost at each lag, shape (L,) or (1,), and the point of the grid where it is.
+
+        The mounting is not on the grid: for each heading and lag the best one is the mean of what is left.
+        """
         middle = len(self.lags_s) // 2
         chosen = slice(None) if LAG in free else slice(middle, middle + 1)
         headings = HEADINGS if HEADING in free else np.zeros(1)
@@ -88,9 +108,13 @@ class Grid:
         mounting = mean(left) if MOUNTING in free else np.broadcast_to(IDENTITY, (*left.shape[:2], 4))
         cosine = np.einsum("lhna,lha->lhn", left, mounting)
         cost = np.mean(np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), axis=-1)
-        i, j = np.unravel_index(np.argmin(cost), cost.shape)
-        x, y, z, w = mounting[i, j].tolist()
-        return float(cost[i, j]), Misalignment(float(headings[j]), (x, y, z, w), float(self.lags_s[chosen][i]))
+        best = np.argmin(cost, axis=1)
+
+        def point(i: int) -> Misalignment:
+            x, y, z, w = mounting[i, best[i]].tolist()
+            return Misalignment(float(headings[best[i]]), (x, y, z, w), float(self.lags_s[chosen][i]))
+
+        return np.min(cost, axis=1), point
 
 
 def spread(count: int, most: int) -> Integers:
@@ -101,20 +125,3 @@ def spread(count: int, most: int) -> Integers:
 def written(comparison: Comparison, convention: Convention) -> Comparison:
     """The comparison with its estimates taken to be written in another convention."""
     return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))
-
-
-def angles_of(rotations: Array) -> Array:
-    """Angles of rotations of shape (..., 4), rad."""
-    return np.asarray(np.sqrt(np.sum(quaternion.log(rotations) ** 2, axis=-1)))
-
-
-def from_mean(attitude_xyzw: Array) -> Array:
-    """Angles from the attitude that is nearest to all of shape (N, 4), rad: what one leaves that does not follow."""
-    cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))
-    return np.asarray(2.0 * np.arccos(np.minimum(cosine, 1.0)))
-
-
-def mean(quaternions: Array) -> Array:
-    """The rotation that is nearest to all of shape (..., N, 4); see `Grid.best`."""
-    outer = np.einsum("...na,...nb->...ab", quaternions, quaternions)
-    return np.asarray(np.linalg.eigh(outer)[1][..., -1])

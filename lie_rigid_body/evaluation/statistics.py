@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.wording import short_repr
+
+FEWEST_SAMPLES: Final = 20
+"""Smallest number of samples whose quarters tell anything."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,16 @@ def rms(errors: Array) -> float:
     return largest * float(np.sqrt(np.mean((errors / largest) ** 2))) if largest else 0.0
 
 
+def later_quarters(count: int) -> list[Integers]:
+    """Which of so many samples are in each quarter of a run but the first, in which a filter may converge."""
+    return np.array_split(np.arange(count), 4)[1:]
+
+
+def worst_quarter(errors: Array) -> float:
+    """The largest median of a quarter of a run, of those but the first."""
+    return max(float(np.median(errors[quarter])) for quarter in later_quarters(len(errors)))
+
+
 def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
     """Statistics of the norm of a bias estimate's error.
 
@@ -66,8 +81,11 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
     InputError
         If a shape is wrong or a number is not finite.
     """
-    error = numbers("estimate", estimate, 3) - numbers("truth", truth, 3)
-    return Statistics.of(np.sqrt(np.sum(error**2, axis=-1)).reshape(-1))
+    given, true = numbers("estimate", estimate, 3), numbers("truth", truth, 3)
+    if given.shape != true.shape:
+        raise InputError(f"truth: shape {true.shape} is not {given.shape}: give the true bias of each estimate")
+    x, y, z = np.moveaxis(given - true, -1, 0)
+    return Statistics.of(np.hypot(np.hypot(x, y), z).reshape(-1))
 
 
 def settling_limit(t_s: Array, errors: Array) -> float:

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import unit
-from lie_rigid_body.evaluation.estimate import GAP, period_ns, read_stamps
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.evaluation.attitudes import angles_between, geodesic, turns
+from lie_rigid_body.evaluation.estimate import FARTHEST_NS, GAP, period_ns, read_stamps
+from lie_rigid_body.wording import shown
 
 
 class Truth(ABC):
@@ -40,12 +41,15 @@ class Truth(ABC):
         return np.asarray((stamps_ns >= self.first_ns) & (stamps_ns <= self.last_ns))
 
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
-        """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms."""
-        before = np.maximum(stamps_ns - DIFFERENCE_NS, self.first_ns)
-        after = np.minimum(stamps_ns + DIFFERENCE_NS, self.last_ns)
-        earlier, now, later = self.at(np.stack([before, stamps_ns, after]))
-        turn = quaternion.log(quaternion.multiply(quaternion.conjugate(earlier), later))
-        return now, turn / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
+        """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.
+
+        Of stamps outside of its times, which a fit of a lag may come by, those of the first or the last.
+        """
+        stamps = np.clip(stamps_ns, self.first_ns, self.last_ns)
+        before = np.maximum(stamps - DIFFERENCE_NS, self.first_ns)
+        after = np.minimum(stamps + DIFFERENCE_NS, self.last_ns)
+        earlier, now, later = self.at(np.stack([before, stamps, after]))
+        return now, turns(earlier, later) / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
 
 
 class ExactTruth(Truth):
@@ -57,13 +61,18 @@ class ExactTruth(Truth):
         Takes stamps in ns, shape (N,), never decreasing, and gives quaternions of shape (N, 4).
     first_ns, last_ns : int
         The times between which it may be asked.
+
+    Raises
+    ------
+    InputError
+        If it ends before it begins, or a time is none that a message can have.
     """
 
     def __init__(self, attitude_xyzw: Callable[[Integers], Array], first_ns: int, last_ns: int) -> None:
+        self.first_ns, self.last_ns = _time(first_ns), _time(last_ns)
         if last_ns < first_ns:
             raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns: exchange them")
         self._attitude = attitude_xyzw
-        self.first_ns, self.last_ns = int(first_ns), int(last_ns)
 
     def at(self, stamps_ns: Integers) -> Array:
         """The function's values, asked once and in order of time."""
@@ -135,14 +144,15 @@ class SampledTruth(Truth):
         if not near.any():
             return 0.0
         middle = geodesic(q[:-2], q[2:], (t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))
-        miss = quaternion.log(quaternion.multiply(quaternion.conjugate(middle), q[1:-1]))
-        return float(np.sqrt(np.sum(miss[near] ** 2, axis=-1)).max())
+        return float(angles_between(middle, q[1:-1])[near].max())
 
 
-def geodesic(start: Array, end: Array, fraction: Array) -> Array:
-    """The attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
-    turn = quaternion.log(quaternion.multiply(quaternion.conjugate(start), end))
-    return quaternion.multiply(start, quaternion.exp(turn * fraction[..., np.newaxis]))
+def _time(value: object) -> int:
+    if isinstance(value, int | np.integer) or (isinstance(value, float) and np.isfinite(value)):
+        time = int(value)
+        if abs(time) <= FARTHEST_NS:
+            return time
+    raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
 
 
 DIFFERENCE_NS = 100_000

@@ -13,8 +13,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, angles_of, spread
+from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -55,7 +56,7 @@ AXES: Final = np.array(
 def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
     """That an estimate does not turn, if the body does; shapes as those of `turning`."""
     whole = _whole(stamps_ns)
-    turned, turn = (float(angles_of(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
+    turned, turn = (float(sizes(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
     if len(whole) < FEWEST_STEPS or turn < LEAST_TURN or turned >= STUCK * turn:
         return ()
     message = (
@@ -82,9 +83,9 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, sure
     whole = _whole(stamps_ns)
     few = whole[spread(len(whole), STEPS)]
     ours, true = (_steps(q, few) for q in (estimate_xyzw, true_xyzw))
-    if len(whole) < FEWEST_STEPS or angles_of(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
+    if len(whole) < FEWEST_STEPS or sizes(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
         return ()
-    missed = _missed(ours, np.stack([_predicted(scale, quaternion.log(true)) for scale in SCALES]))
+    missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
     most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
     if missed.min() > LARGEST_MISS:
         return ()
@@ -114,18 +115,13 @@ def named(axes: Array) -> str:
 
 
 def _steps(attitude_xyzw: Array, first: Integers) -> Array:
-    """Rotations from some samples to the next, on the body's axes, shape (n, 4)."""
-    return quaternion.multiply(quaternion.conjugate(attitude_xyzw[first]), attitude_xyzw[first + 1])
+    """Turns from some samples to the next, on the body's axes, shape (n, 3), rad."""
+    return turns(attitude_xyzw[first], attitude_xyzw[first + 1])
 
 
 def _whole(stamps_ns: Integers) -> Integers:
     """First samples of the steps that are no gaps."""
     return np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
-
-
-def _predicted(scale: float, steps: Array) -> Array:
-    """The turns, shape (48, n, 4), of an estimate by a scale and each choice of axes."""
-    return quaternion.exp(scale * np.einsum("aij,nj->ani", AXES, steps))
 
 
 def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers, *, mounted: bool) -> float:
@@ -137,17 +133,17 @@ def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers
             least = min(least, float(_missed(ours, true)))
             continue
         # W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A 32 (1976) 922
-        U, _, V = np.linalg.svd(quaternion.log(ours).T @ quaternion.log(true))
+        U, _, V = np.linalg.svd(ours.T @ true)
         mounting = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
-        least = min(least, float(_missed(ours, quaternion.exp(quaternion.log(true) @ mounting.T))))
+        least = min(least, float(_missed(ours, true @ mounting.T)))
     return least
 
 
 def _missed(ours: Array, predicted: Array) -> Array:
-    """Root mean square by which turns (n, 4) are missed by predictions (..., n, 4), in median turns, two at most.
+    """Root mean square by which turns (n, 3) are missed by predictions (..., n, 3), in median turns, two at most.
 
     Axes about which the body turns for a short time only, as that of a flip, count by this, and not by a median.
     """
-    size = angles_of(quaternion.multiply(quaternion.conjugate(predicted), ours))
-    turned = max(float(np.median(angles_of(ours))), 1e-300)
-    return np.asarray(np.sqrt(np.mean(np.minimum(size / turned, 2.0) ** 2, axis=-1)))
+    missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
+    turned = max(float(np.median(sizes(ours))), 1e-300)
+    return np.asarray(np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1)))

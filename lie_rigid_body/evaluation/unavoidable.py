@@ -30,7 +30,9 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers, unit
+from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.estimate import read_stamps
+from lie_rigid_body.evaluation.kalman_covariances import covariances, padded
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
 from lie_rigid_body.wording import short_repr, shown
@@ -125,6 +127,8 @@ class AttitudeReadings:
     def whitening(self) -> Array:
         """What makes the error of a reading one of unit variance on each axis, shape (3, 3)."""
         covariance = numbers("covariance", self.covariance, 3, 3)
+        if covariance.ndim > 2:
+            raise InputError(f"covariance: shape {covariance.shape} is not (3, 3): give one for all readings")
         try:
             return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
         except np.linalg.LinAlgError:
@@ -176,6 +180,7 @@ def unavoidable_error(
     vectors: Sequence[VectorReadings] = (),
     attitudes: Sequence[AttitudeReadings] = (),
     initial: float = np.pi,
+    gyro_readings: ArrayLike | None = None,
 ) -> UnavoidableError:
     """Bound the errors of every estimator that reads a gyro at each sample, and vectors at some.
 
@@ -195,6 +200,8 @@ def unavoidable_error(
         The same.
     initial : float, optional
         Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
+    gyro_readings : array_like of int, shape (N,), optional
+        From how many readings of the gyro each turn is the sum, by default one: for the bound at some stamps of many.
 
     Returns
     -------
@@ -209,9 +216,12 @@ def unavoidable_error(
     _require(stamps, truth, gyro_bias, vectors, attitudes)
     deviation("gyro_noise", gyro_noise)
     deviation("initial", initial)
-    system = _System(stamps, truth, gyro_noise, gyro_bias, vectors, attitudes)
-    before, after = system.filter(initial)
-    smoothed = system.smooth(before, after)
+    readings = _readings(gyro_readings, len(stamps))
+    walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
+    system = _System(stamps, truth, gyro_noise / np.sqrt(readings), walk, gyro_bias, vectors, attitudes)
+    before, after, smoothed = system.covariances(initial)
+    # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
+    after += (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis] * (before - after)
     bias = after[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
     R = quaternion.to_matrix(truth[-1])
     unobserved = _unobserved(R @ after[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
@@ -237,6 +247,13 @@ def _require(
             raise InputError(f"{name}: {shown(given)} is not a list of {kind.__name__}: give a list of them")
 
 
+def _readings(given: ArrayLike | None, count: int) -> Array:
+    readings = np.ones(count) if given is None else numbers("gyro_readings", given, count)
+    if readings.shape != (count,) or readings.min() < 1.0:
+        raise InputError(f"gyro_readings: {shown(given)}: give a number of 1 or more for each of {count} stamps")
+    return readings
+
+
 def _unobserved(world_covariance: Array) -> str:
     """The directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
@@ -251,117 +268,92 @@ def _unobserved(world_covariance: Array) -> str:
 
 
 class _System:
-    """The linear system of the error state: what each step and each reading does to a covariance."""
+    """The linear system of the error state: what each step does to it, and what the readings of each sample tell."""
 
     def __init__(
         self,
         stamps: Integers,
         truth: Array,
-        gyro_noise: float,
+        gyro_noise: Array,
+        gyro_walk: Array,
         gyro_bias: BiasNoise,
         vectors: Sequence[VectorReadings],
         attitudes: Sequence[AttitudeReadings],
     ) -> None:
-        interval = np.diff(stamps, prepend=stamps[0]) / 1e9
-        turn = np.zeros((len(stamps), 3))
-        turn[1:] = quaternion.log(quaternion.multiply(quaternion.conjugate(truth[:-1]), truth[1:]))
-        self._back = so3.exp(-turn)
-        self._pushed = interval[:, np.newaxis, np.newaxis] * right_jacobian(turn)
-        self._gyro_variance = gyro_noise * gyro_noise
+        # a bias counts in units of its vector: the numbers are near those of angles, and rounding is small
+        units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
         biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
         places, size = [], 3
         for bias in biases:
             known = bias.turn_on == 0.0 and bias.step == 0.0
             places.append(None if known else size)
             size += 0 if known else 3
-        self.gyro_bias, *self._vector_biases = places
-        self.size = size
-        self._biases = [(place, bias) for place, bias in zip(places, biases, strict=True) if place is not None]
-        self._readings: list[list[tuple[Array, float]]] = [[] for _ in stamps]
-        self._bias_steps: list[list[tuple[int, float]]] = [[] for _ in stamps]
-        for sensor, place in zip(vectors, self._vector_biases, strict=True):
-            self._add(stamps, truth, sensor, place)
-        for tracker in attitudes:
-            seen = np.zeros((3, self.size))
-            seen[:, :3] = tracker.whitening()
-            for k in _at(stamps, tracker.stamps_ns):
-                self._readings[k].append((seen, 1.0))
-        if self.gyro_bias is not None:
-            for steps in self._bias_steps[1:]:
-                steps.append((self.gyro_bias, gyro_bias.step))
+        self.gyro_bias, *vector_biases = places
+        self.size, self._stamps = size, stamps
+        self._turn_on = [(p, bias.turn_on / unit) for p, bias, unit in zip(places, biases, units, strict=True) if p]
+        self._padding = (0, padded(len(stamps)) - len(stamps))
+        truth = np.pad(truth, (self._padding, (0, 0)), "edge")
+        interval = np.diff(np.pad(stamps, self._padding, "edge"), prepend=stamps[0]) / 1e9
+        turn = np.zeros((len(truth), 3))
+        turn[1:] = turns(truth[:-1], truth[1:])
+        self._back = so3.exp(-turn)
+        self._pushed = interval[:, np.newaxis, np.newaxis] * right_jacobian(turn)
+        self._gyro_variance = np.pad(gyro_noise**2, self._padding)
+        self._walks = [] if self.gyro_bias is None else [(self.gyro_bias, np.pad(gyro_walk**2, self._padding))]
+        self._vectors = [self._vector(*each, truth) for each in zip(vectors, vector_biases, strict=True)]
+        self._attitudes = [(self._count(each), each.whitening()) for each in attitudes]
 
-    def _add(self, stamps: Integers, truth: Array, sensor: VectorReadings, place: int | None) -> None:
-        body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64))
-        first = True
-        for k in _at(stamps, sensor.stamps_ns):
-            if place is not None and not first:
-                self._bias_steps[k].append((place, sensor.bias.step))
-            first = False
-            seen = np.zeros((3, self.size))
-            seen[:, :3] = -hat(body[k])
-            if place is not None:
-                seen[:, place : place + 3] = np.eye(3)
-            self._readings[k].append((seen, sensor.noise * sensor.noise))
+    def _count(self, readings: VectorReadings | AttitudeReadings) -> Array:
+        """How many readings count at each sample: the one before them, or with them. Those before the first do not."""
+        at = np.searchsorted(self._stamps, read_stamps("readings", readings.stamps_ns), side="right") - 1
+        return np.pad(np.bincount(at[at >= 0], minlength=len(self._stamps)).astype(np.float64), self._padding)
 
-    def step(self, k: int) -> tuple[Array, Array]:
-        """The transition from sample k − 1 to k, and the covariance of what is added."""
-        transition, added = np.eye(self.size), np.zeros((self.size, self.size))
-        transition[:3, :3] = self._back[k]
-        for place, deviation in self._bias_steps[k]:
-            added[place : place + 3, place : place + 3] += deviation * deviation * np.eye(3)
-        into = np.zeros((self.size, 3))
-        into[:3] = self._pushed[k]
+    def _vector(self, sensor: VectorReadings, place: int | None, truth: Array) -> tuple[Array, Array, int | None]:
+        """Of readings at each sample: what a turn does to them, over their noise, one over it, and their bias."""
+        count, unit = self._count(sensor), float(np.linalg.norm(sensor.vector))
+        if place is not None and count.any():
+            steps = count.copy()
+            steps[np.flatnonzero(count)[0]] -= 1.0
+            self._walks.append((place, (sensor.bias.step / unit) ** 2 * steps))
+        weight = np.sqrt(count) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
+        body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
+        return weight[:, np.newaxis] * body, weight, place
+
+    def steps(self, k: Integers) -> tuple[Array, Array, Array]:
+        """For samples by number: the transition to them, the covariance of what it adds, what their readings tell."""
+        transition = np.tile(np.eye(self.size), (len(k), 1, 1))
+        transition[:, :3, :3] = self._back[k]
+        added = np.zeros(transition.shape)
+        for place, walk in self._walks:
+            added[:, place : place + 3, place : place + 3] = walk[k, np.newaxis, np.newaxis] * np.eye(3)
+        pushed = np.asarray(self._pushed[k], dtype=np.float64)
         if self.gyro_bias is not None:
             columns = slice(self.gyro_bias, self.gyro_bias + 3)
-            transition[:3, columns] = self._pushed[k]
-            into[columns] = np.eye(3)  # a step of the bias acts on the turn of the same interval
-            walk = added[columns, columns].copy()
-            added[columns, columns] = 0.0
-            added += into @ walk @ into.T
-        added[:3, :3] += self._gyro_variance * self._pushed[k] @ self._pushed[k].T
-        return transition, added
+            transition[:, :3, columns] = pushed
+            # a step of the bias acts on the turn of the same interval
+            added[:, :3, columns] = pushed @ added[:, columns, columns]
+            added[:, columns, :3] = added[:, :3, columns].swapaxes(1, 2)
+            added[:, :3, :3] = added[:, :3, columns] @ pushed.swapaxes(1, 2)
+        added[:, :3, :3] += self._gyro_variance[k, np.newaxis, np.newaxis] * pushed @ pushed.swapaxes(1, 2)
+        return transition, added, self._seen(k)
 
-    def filter(self, initial: float) -> tuple[Array, Array]:
-        """Covariances before and after the readings of each sample."""
-        covariance = np.zeros((self.size, self.size))
-        covariance[:3, :3] = initial * initial * np.eye(3)
-        for place, bias in self._biases:
-            covariance[place : place + 3, place : place + 3] = bias.turn_on**2 * np.eye(3)
-        before = np.empty((len(self._readings), self.size, self.size))
-        after = np.empty_like(before)
-        for k, readings in enumerate(self._readings):
-            if k:
-                transition, added = self.step(k)
-                covariance = transition @ covariance @ transition.T + added
-            before[k] = covariance
-            for seen, variance in readings:
-                covariance = _updated(covariance, seen, variance)
-            after[k] = covariance
-        return before, after
+    def _seen(self, k: Integers) -> Array:
+        """What the readings of samples tell, of unit variance each: three rows of each sensor."""
+        seen = np.zeros((len(k), len(self._vectors) + len(self._attitudes), 3, self.size))
+        for i, (body, weight, place) in enumerate(self._vectors):
+            seen[:, i, :, :3] = -hat(body[k])
+            if place is not None:
+                seen[:, i, :, place : place + 3] = weight[k, np.newaxis, np.newaxis] * np.eye(3)
+        for i, (count, whitening) in enumerate(self._attitudes, len(self._vectors)):
+            seen[:, i, :, :3] = np.sqrt(count[k])[:, np.newaxis, np.newaxis] * whitening
+        return seen.reshape(len(k), -1, self.size)
 
-    def smooth(self, before: Array, after: Array) -> Array:
-        """Covariances from all readings: the Rauch–Tung–Striebel recursion."""
-        smoothed = after.copy()
-        for k in range(len(after) - 2, -1, -1):
-            transition, _ = self.step(k + 1)
-            gain = np.linalg.lstsq(before[k + 1], transition @ after[k], rcond=None)[0].T
-            rest = after[k] + gain @ (smoothed[k + 1] - before[k + 1]) @ gain.T
-            smoothed[k] = 0.5 * (rest + rest.T)
-        return smoothed
-
-
-def _at(stamps: Integers, readings_ns: ArrayLike) -> Integers:
-    """Number of the sample before each reading, or with it; readings before the first are left out."""
-    when = np.searchsorted(stamps, read_stamps("readings", readings_ns), side="right") - 1
-    return np.asarray(when[when >= 0])
-
-
-def _updated(covariance: Array, seen: Array, variance: float) -> Array:
-    """The covariance after a reading, in Joseph's form, which stays symmetric and positive."""
-    innovation = seen @ covariance @ seen.T + variance * np.eye(3)
-    gain = np.linalg.solve(innovation, seen @ covariance).T
-    rest = np.eye(len(covariance)) - gain @ seen
-    return np.asarray(rest @ covariance @ rest.T + variance * gain @ gain.T)
+    def covariances(self, initial: float) -> tuple[Array, Array, Array]:
+        """Of the error state at each sample: before its readings, from those up to it, and from all."""
+        deviations = np.full(self.size, initial)
+        for place, deviation in self._turn_on:
+            deviations[place : place + 3] = deviation
+        return covariances(self.steps, len(self._stamps), np.diag(deviations**2))
 
 
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0

@@ -155,7 +155,7 @@ def log(q: ArrayLike) -> Array:
     """
     q = _quaternions(q)
     q = np.where(np.signbit(q[..., 3:]), -q, q)
-    # arctan2 of a strided array has other last bits from run to run, on NumPy 1.26 with AVX-512
+    # arctan2 of a strided array, on NumPy 1.26 with AVX-512, has other last bits where its result lies behind it
     vector, w = q[..., :3], q[..., 3].copy()
     sine = rotation_vector.norm(vector)
     safe = np.where(sine == 0.0, 1.0, sine)

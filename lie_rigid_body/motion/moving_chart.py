@@ -34,7 +34,7 @@ from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_inte
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
-from lie_rigid_body.wording import call_repr, listed, short_repr, shown
+from lie_rigid_body.wording import call_repr, short_repr, shown
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ def require_stepper(method: object, max_step: object, methods: Collection[str]) 
         Naming ``method`` or ``max_step``.
     """
     if not isinstance(method, str) or method not in methods:
-        raise ParameterError("method", f"{shown(method)} is unknown: choose one of {listed(methods)}")
+        raise ParameterError("method", f"{shown(method)} is unknown: choose one of {', '.join(methods)}")
     number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
     if not (number and 0.0 < max_step < math.inf):  # type: ignore[operator]
         raise ParameterError("max_step", f"{shown(max_step)} s is not a positive finite time: give for example 0.001")

@@ -7,9 +7,10 @@
 - `bag_writer`: messages into an MCAP file, in batches or a whole run;
 - `recovery`: what is whole of a file that was cut off;
 - `inflation`: the records of a chunk, within bounds;
+- `message_table`: where the messages of a chunk stand;
 - `inventory`, `folder_metadata`: what a file or a folder says of itself, held against what it holds;
 - `mcap_contents`, `mcap_reader`, `sqlite_reader`: a file as raw messages;
 - `second_reading`, `message_scan`, `message_loops`: the same file once more, by compiled loops;
 - `bag_files`, `bag_folders`: the files of a bag, and the bags of a folder;
-- `bodies`, `bag_reader`: the bodies of a bag, and each as arrays.
+- `bodies`, `tracks`, `bag_reader`: the bodies of a bag, and each as arrays.
 """

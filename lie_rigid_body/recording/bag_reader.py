@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, TypeAlias, TypeVar
+from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body import messages
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Booleans
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
@@ -31,161 +31,20 @@ from lie_rigid_body.recording.sensor_reader import (
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
+from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack, joined
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr
+
+__all__ = ["MOST_SEGMENTS", "NO_TOPICS", "Bag", "Recording", "read_bag"]
 
 MOST_SEGMENTS: Final = 10_000
 """Most segments of a bag: each takes up to 1 ms."""
 _TEXTS_AT_ONCE: Final = 1000
 """Messages about faults that are taken together."""
-_BATCH: Final = 32_768
-"""Messages of poses and twists that a batch holds at least, but for the last one."""
-UNNAMED: Final = "the bag"
-"""What errors call a bag without a name."""
+_BATCH: Final = 65_536
+"""Messages of poses, twists and sensors that a batch holds at least, but for the last one."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """No topic is called otherwise."""
 _OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
-
-
-@dataclass(frozen=True)
-class PoseTrack:
-    """The messages of the pose topic, in file order.
-
-    Parameters
-    ----------
-    topic : str
-    log_times_ns : ndarray of int64, shape (N,)
-    stamps_ns : ndarray of int64, shape (N,)
-    attitudes_xyzw : ndarray, shape (N, 4)
-        As recorded: not normalised, perhaps not finite.
-    positions : ndarray, shape (N, 3)
-    frame_ids : tuple of str
-        The distinct frame names, in order of appearance.
-    """
-
-    topic: str
-    log_times_ns: Integers
-    stamps_ns: Integers
-    attitudes_xyzw: Array
-    positions: Array
-    frame_ids: tuple[str, ...]
-
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True)
-class TwistTrack:
-    """The messages of the twist topic, in file order.
-
-    Parameters
-    ----------
-    topic : str
-    log_times_ns : ndarray of int64, shape (N,)
-    stamps_ns : ndarray of int64, shape (N,), or None
-        None for a bare Twist.
-    body_rates : ndarray, shape (N, 3)
-        The angular part, rad/s.
-    linear : ndarray, shape (N, 3)
-        m/s
-    frame_ids : tuple of str
-        The distinct frame names, in order of appearance; empty for a bare Twist.
-    """
-
-    topic: str
-    log_times_ns: Integers
-    stamps_ns: Integers | None
-    body_rates: Array
-    linear: Array
-    frame_ids: tuple[str, ...]
-
-    __repr__ = short_repr
-
-
-Track = TypeVar("Track", PoseTrack, TwistTrack)
-OfSensor: TypeAlias = SensorMessages | FaultMessages
-TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
-"""Takes messages of sensors, and about their faults, by relative topic names."""
-
-
-@dataclass(frozen=True)
-class Recording:
-    """The messages of a run that a bag holds.
-
-    Parameters
-    ----------
-    library : str
-        The software that wrote the file.
-    scenario_texts : list of (int, str)
-        Log time, ns, and JSON of every scenario message, in file order.
-    poses : PoseTrack
-    twists : TwistTrack
-    expected_samples : int or None
-        How many samples the writer says it wrote, where it does.
-    published_otherwise : int
-        Messages of the three topics whose time of publishing is not their log time.
-    others : tuple of str
-        What the bag holds besides, in words: topics and attachments.
-    undefined : tuple of str
-        Topics among the three whose message definition is left out, or in a language that is not compared.
-    without_checksum : int
-        Chunks, or files without chunks, whose bytes stand under no checksum.
-    was_cut_off : bool
-        Whether `recover` says that it made the bag of a file that was cut off.
-    sensors : dict of str to SensorTopic
-        The topics of the body's sensors, by their relative names.
-    readings : dict of str to SensorMessages or FaultMessages
-        Their messages.
-    name : str
-        What errors call it: its path, if it has one.
-    """
-
-    library: str
-    scenario_texts: list[tuple[int, str]]
-    poses: PoseTrack
-    twists: TwistTrack
-    expected_samples: int | None
-    published_otherwise: int = 0
-    others: tuple[str, ...] = ()
-    undefined: tuple[str, ...] = ()
-    without_checksum: int = 0
-    was_cut_off: bool = False
-    sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
-    readings: Mapping[str, OfSensor] = field(default_factory=dict)
-    name: str = UNNAMED
-
-    __repr__ = short_repr
-
-    @property
-    def pose_topic(self) -> str:
-        """Name of the topic of the poses."""
-        return self.poses.topic
-
-    @property
-    def twist_topic(self) -> str:
-        """Name of the topic of the twists."""
-        return self.twists.topic
-
-    @property
-    def pose_count(self) -> int:
-        """Number of poses."""
-        return len(self.poses.log_times_ns)
-
-    @property
-    def twist_count(self) -> int:
-        """Number of twists."""
-        return len(self.twists.log_times_ns)
-
-    @property
-    def stamped(self) -> bool:
-        """Whether twists have stamps of their own."""
-        return self.twists.stamps_ns is not None
-
-    def batches(
-        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
-    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """All poses and twists, as `Bag.batches` reads them."""
-        take({name: self.readings[name] for name in sensors})
-        yield self.poses, self.twists
 
 
 class Bag:
@@ -347,7 +206,8 @@ class Bag:
     def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
         counts = {(topic.topic, topic.message_type): topic.count for topic in self.sensors.values()}
         counts |= {self._pose: self.pose_count, self._twist: self.twist_count}
-        topics = [Topic(key, *self._layout(key), expected=min(counts[key], _BATCH)) for key in keys]
+        share = min(1.0, _BATCH / max(1, sum(counts[key] for key in keys)))
+        topics = [Topic(key, *self._layout(key), expected=math.ceil(share * counts[key])) for key in keys]
         reader = TopicsReader(self._path, topics)
         for outline, data in chunks(self._outlines, self._files.progress):
             reader.add(data, outline.channels)
@@ -356,9 +216,8 @@ class Bag:
         yield reader.taken()
 
     def messages_of(self, wanted: Wanted) -> McapContents:
-        """All messages that are wanted, undecoded, in memory; nothing is read if there are none, or texts alone."""
-        are_there = any(wanted(*key) for key in self._topics if key[1] != STRING)
-        return self._files.contents(wanted) if are_there else McapContents()
+        """All messages that are wanted, undecoded, in memory; nothing is read if there are none."""
+        return self._files.contents(wanted) if any(wanted(*key) for key in self._topics) else McapContents()
 
     @property
     def _of_faults(self) -> list[str]:
@@ -383,8 +242,8 @@ class Bag:
         return Recording(
             self.library,
             self.scenario_texts,
-            _joined(poses),
-            _joined(twists),
+            joined(poses),
+            joined(twists),
             self.expected_samples,
             self.published_otherwise,
             self.others,
@@ -440,19 +299,6 @@ def read_bag(path: str | Path) -> Recording:
         If it is no bag, cut off, damaged, or lacks one of the three topics; in one line, with the remedy.
     """
     return Bag(path, in_memory=True).load()
-
-
-def _joined(tracks: Sequence[Track]) -> Track:
-    """Tracks that continue each other as one."""
-    if len(tracks) == 1:
-        return tracks[0]
-    joined: dict[str, Any] = {
-        name: np.concatenate([getattr(track, name) for track in tracks])
-        for name, value in vars(tracks[0]).items()
-        if isinstance(value, np.ndarray)
-    }
-    frames = dict.fromkeys(frame for track in tracks for frame in track.frame_ids)
-    return replace(tracks[0], frame_ids=tuple(frames), **joined)
 
 
 def _scenarios(found: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:

@@ -35,7 +35,7 @@ METADATA: Final = "lie_rigid_body"
 CUT_OFF: Final = "lie_rigid_body_cut_off"
 """Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
 
-CHUNK_BYTES: Final = 256 * 1024
+CHUNK_BYTES: Final = 512 * 1024
 """Default size of a chunk."""
 _SCENARIO: Final = "~/scenario"
 _LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
 from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents
-from lie_rigid_body.recording.mcap_reader import COMPRESSED_ONE_BY_ONE
 
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""

@@ -19,6 +19,10 @@ _OF_THREAD: Final = threading.local()
 
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a frame of zstd, and so of whatever it compressed."""
+COMPRESSED_ONE_BY_ONE: Final = (
+    "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
+    "'ros2 bag convert'"
+)
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
 _RUN_OF_ONE_BYTE: Final = 1
 """Kind of a block of zstd that holds one byte, and in its head how often that comes."""

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import accumulate, pairwise
 from typing import Final, TypeVar
 
@@ -27,13 +25,10 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.recording.chunk import HEAD, OPCODE_AND_LENGTH
+from lie_rigid_body.recording.chunk import OPCODE_AND_LENGTH
+from lie_rigid_body.recording.message_table import LAST_TIME, ContradictionError, MessageTable, require
 
-_LAST_TIME: Final = 2**63 - 1
-"""Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
 _IN_DATA: Final = frozenset(
     {
         Opcode.SCHEMA,
@@ -66,114 +61,6 @@ _ENTRY: Final = np.dtype([("log_time", "<u8"), ("start", "<u8")])
 R = TypeVar("R", Schema, Channel)
 
 
-class ContradictionError(Exception):
-    """A file that does not hold what it says of itself. The message says what."""
-
-
-@dataclass(frozen=True)
-class MessageTable:
-    """The messages of a chunk, in file order.
-
-    Parameters
-    ----------
-    data : bytes
-        The records of the chunk.
-    starts, ends : ndarray of int64, shape (N,)
-        Where each message's record begins and ends.
-    channels : ndarray of uint16, shape (N,)
-    log_times, publish_times : ndarray of int64, shape (N,)
-        ns
-    """
-
-    data: bytes
-    starts: Integers
-    ends: Integers
-    channels: NDArray[np.uint16]
-    log_times: Integers
-    publish_times: Integers
-
-    @classmethod
-    def of(cls, data: bytes, starts: Integers, ends: Integers) -> MessageTable:
-        """The table of the messages between these places.
-
-        Raises
-        ------
-        ContradictionError
-            If a message is too short to be one, or its times are beyond 64 bits with a sign.
-        """
-        _require(bool((ends - starts >= HEAD.itemsize).all()), "a message record is too short")
-        return cls._of_heads(data, starts, ends, _heads(data, starts))
-
-    @classmethod
-    def _of_heads(cls, data: bytes, starts: Integers, ends: Integers, heads: NDArray[np.void]) -> MessageTable:
-        for name in ("log_time", "publish_time"):
-            latest = int(heads[name].max(initial=0))
-            _require(latest <= _LAST_TIME, f"the {name} of a message is {latest} ns, beyond {_LAST_TIME}")
-        times = (heads[name].astype(np.int64) for name in ("log_time", "publish_time"))
-        return cls(data, starts, ends, heads["channel"].copy(), *times)
-
-    @cached_property
-    def counts(self) -> dict[int, int]:
-        """How many there are of each channel that has any."""
-        counts = np.bincount(self.channels)
-        return {channel: int(counts[channel]) for channel in np.flatnonzero(counts).tolist()}
-
-    @cached_property
-    def span(self) -> tuple[int, int]:
-        """The first and the last log time, ns, of one message at least."""
-        return int(self.log_times.min()), int(self.log_times.max())
-
-    @classmethod
-    def joined(cls, data: bytes, parts: list[MessageTable]) -> MessageTable:
-        """The table of all messages of a chunk."""
-        if len(parts) == 1:
-            return parts[0]
-        none = cls.of(data, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
-        names = ("starts", "ends", "channels", "log_times", "publish_times")
-        return cls(data, *(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
-
-
-def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
-    """The first bytes of message records."""
-    if not len(starts):
-        return np.empty(0, dtype=HEAD)
-    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), HEAD.itemsize)
-    heads: NDArray[np.void] = windows[starts].reshape(-1).view(HEAD)
-    return heads
-
-
-class MessageRuns:
-    """Messages of a chunk that follow each other without a gap, found from hints where they may begin.
-
-    Parameters
-    ----------
-    data : bytes
-        The chunk.
-    hints : ndarray of int64
-        Bytes where messages may begin; wrong ones cost time only.
-    """
-
-    def __init__(self, data: bytes, hints: Integers) -> None:
-        hints = np.sort(hints[(hints >= 0) & (hints <= len(data) - HEAD.itemsize)])
-        hints = hints[np.diff(hints, prepend=-1) > 0]
-        self._data, self._starts, self._heads = data, hints, _heads(data, hints)
-        lengths = self._heads["length"]
-        sound = (self._heads["opcode"] == Opcode.MESSAGE) & (lengths <= len(data))
-        self._ends = hints + OPCODE_AND_LENGTH + np.where(sound, lengths, 0).astype(np.int64)
-        sound &= (self._ends <= len(data)) & (self._ends - hints >= HEAD.itemsize)
-        self._sound = sound
-        goes_on = sound[:-1] & sound[1:] & (self._ends[:-1] == hints[1:])
-        self._last = np.append(np.flatnonzero(~goes_on), len(hints) - 1)
-
-    def at(self, position: int) -> MessageTable | None:
-        """The messages of the run that begins at a byte, if one does."""
-        i = int(np.searchsorted(self._starts, position))
-        if i == len(self._starts) or self._starts[i] != position or not self._sound[i]:
-            return None
-        run = slice(i, int(self._last[np.searchsorted(self._last, i)]) + 1)
-        return MessageTable._of_heads(self._data, self._starts[run], self._ends[run], self._heads[run])
-
-
 class Inventory:
     """The records of one file as they come, each held against those that speak of it."""
 
@@ -185,7 +72,7 @@ class Inventory:
         self._channels: dict[int, Channel] = {}
         self._only_in_summary: Counter[type] = Counter()
         self._counts: Counter[int] = Counter()
-        self._first, self._last = _LAST_TIME, 0
+        self._first, self._last = LAST_TIME, 0
         self._entries: dict[int, bytes] | None = None  # of the chunk whose message indexes are being read
         self._indexed: set[int] = set()
         self._chunks: list[ChunkIndex] = []
@@ -223,14 +110,14 @@ class Inventory:
         if not self._opcodes and opcode != Opcode.HEADER:
             raise ContradictionError("it does not begin with a header")
         if self._opcodes and opcode <= Opcode.DATA_END:
-            _require(opcode in (_IN_SUMMARY if self._in_summary else _IN_DATA), f"a record {opcode:#x} is out of place")
+            require(opcode in (_IN_SUMMARY if self._in_summary else _IN_DATA), f"a record {opcode:#x} is out of place")
         self._opcodes[opcode] += 1
         if opcode != Opcode.MESSAGE_INDEX:
             self._end_chunk()
         end = position + OPCODE_AND_LENGTH + length
         if self._in_summary:
             begin, before = self._groups.get(opcode, (position, position))
-            _require(before == position, "the groups of its summary are mixed")
+            require(before == position, "the groups of its summary are mixed")
             self._groups[opcode] = begin, end
         elif opcode == Opcode.DATA_END:
             self._in_summary, self._summary_start = True, end
@@ -278,14 +165,15 @@ class Inventory:
 
     def message_index(self, content: bytes, position: int) -> None:
         """Take the index of one channel's messages in the chunk before it."""
-        _require(self._entries is not None, "a message index follows no chunk")
+        require(self._entries is not None, "a message index follows no chunk")
         assert self._entries is not None
         channel, size = int.from_bytes(content[:2], "little"), int.from_bytes(content[2:6], "little")
+        require(size <= len(content) - 6, f"the index of channel {channel} is longer than its record")
         found, said = self._entries.get(channel, b""), content[6 : 6 + size]
         if said != found:
             said = np.sort(np.frombuffer(said, dtype=_ENTRY), order="start", kind="stable").tobytes()
-        _require(said == found, f"the index of channel {channel} is not that of its chunk's messages")
-        _require(channel not in self._indexed, f"a chunk has two indexes of channel {channel}")
+        require(said == found, f"the index of channel {channel} is not that of its chunk's messages")
+        require(channel not in self._indexed, f"a chunk has two indexes of channel {channel}")
         self._indexed.add(channel)
         index = self._chunks[-1]
         index.message_index_offsets[channel] = position
@@ -294,7 +182,7 @@ class Inventory:
     def _end_chunk(self) -> None:
         if self._entries is not None and self._indexed:
             missing = self._entries.keys() - self._indexed
-            _require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
+            require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
         self._entries = None
 
     def attachment(self, attachment: Attachment, position: int, length: int) -> None:
@@ -318,7 +206,7 @@ class Inventory:
     def summary(self, record: object) -> None:
         """Take a record of the summary that is neither schema nor channel."""
         if isinstance(record, Statistics):
-            _require(self._statistics is None, "it has two records of statistics")
+            require(self._statistics is None, "it has two records of statistics")
             self._statistics = record
         elif isinstance(record, SummaryOffset):
             self._offsets.append(record)
@@ -337,8 +225,8 @@ class Inventory:
         ContradictionError
             Naming the first thing that does not fit.
         """
-        _require(self._in_summary, "its data section has no end")
-        _require(
+        require(self._in_summary, "its data section has no end")
+        require(
             not (self._opcodes[Opcode.CHUNK] and self._opcodes[Opcode.MESSAGE]), "messages stand outside its chunks"
         )
         self._hold_indexes()
@@ -353,12 +241,12 @@ class Inventory:
             ("metadata", self._metadata_indexes, self._metadata),
         ):
             # an index may be left out as a whole: then readers scan
-            _require(not said or said == found, f"the index of its {what} is not that of the {what} it has")
+            require(not said or said == found, f"the index of its {what} is not that of the {what} it has")
 
     def _hold_statistics(self, said: Statistics) -> None:
         _agree("number of its messages", said.message_count, self._counts.total())
         counts = {channel: count for channel, count in said.channel_message_counts.items() if count}
-        _require(counts == dict(self._counts), "its counts of messages by channel are not those of its messages")
+        require(counts == dict(self._counts), "its counts of messages by channel are not those of its messages")
         _agree("number of its chunks", said.chunk_count, len(self._chunks))
         _agree("number of its attachments", said.attachment_count, len(self._attachments))
         _agree("number of its metadata records", said.metadata_count, len(self._metadata))
@@ -378,13 +266,13 @@ class Inventory:
         groups.pop(Opcode.FOOTER)
         offsets, _ = groups.pop(Opcode.SUMMARY_OFFSET, (position, 0))
         said = {o.group_opcode: (o.group_start, o.group_length) for o in self._offsets if o.group_length}
-        _require(not self._offsets or said == groups, "the offsets of its summary are not those of its groups")
+        require(not self._offsets or said == groups, "the offsets of its summary are not those of its groups")
         has_summary = position > self._summary_start
-        _require(
+        require(
             footer.summary_start == self._summary_start or not (has_summary or footer.summary_start),
             f"its footer says that the summary begins at byte {footer.summary_start}, not {self._summary_start}",
         )
-        _require(
+        require(
             footer.summary_offset_start == offsets or not (self._offsets or footer.summary_offset_start),
             f"its footer says that the summary's offsets begin at byte {footer.summary_offset_start}, not {offsets}",
         )
@@ -401,13 +289,8 @@ def _entries(table: MessageTable) -> dict[int, bytes]:
 
 def require_in_chunk(opcode: int) -> None:
     """Refuse a record that may not stand in a chunk."""
-    _require(opcode in _IN_CHUNK, f"a record of kind {opcode:#04x} in a chunk")
-
-
-def _require(holds: bool, otherwise: str) -> None:
-    if not holds:
-        raise ContradictionError(otherwise)
+    require(opcode in _IN_CHUNK, f"a record of kind {opcode:#04x} in a chunk")
 
 
 def _agree(what: str, said: int, found: int) -> None:
-    _require(said == found, f"the {what} is {found}, not {said}")
+    require(said == found, f"the {what} is {found}, not {said}")

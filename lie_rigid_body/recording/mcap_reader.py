@@ -5,12 +5,10 @@ The `mcap` library's own reader takes the end of a file for the end of a record;
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
 from array import array
 from collections.abc import Callable, Iterable, Iterator
-from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Final, TypeVar
 
@@ -33,20 +31,23 @@ from mcap.records import (
 )
 
 from lie_rigid_body.arrays import Integers
-from lie_rigid_body.bounded_input import open_file
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.chunk import HEAD, MAGIC
 from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, ZSTD_MAGIC, inflated, most_records
-from lie_rigid_body.recording.inventory import (
-    ContradictionError,
-    Inventory,
-    MessageRuns,
-    MessageTable,
-    require_in_chunk,
+from lie_rigid_body.recording.inventory import Inventory, require_in_chunk
+from lie_rigid_body.recording.mcap_contents import (
+    FileSpan,
+    McapContents,
+    Outline,
+    RawMessages,
+    RawTrack,
+    Wanted,
+    opened,
+    state_of,
 )
-from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Outline, RawMessages, RawTrack, Wanted
 from lie_rigid_body.recording.message_loops import FIND
 from lie_rigid_body.recording.message_scan import FoundMessages
+from lie_rigid_body.recording.message_table import ContradictionError, MessageRuns, MessageTable, RecordContent
 from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import counted
 
@@ -62,10 +63,6 @@ _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset.read,
 }
 _PROFILES: Final = ("ros2", "")
-COMPRESSED_ONE_BY_ONE: Final = (
-    "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
-    "'ros2 bag convert'"
-)
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
 _COUNTED_AT_ONCE: Final = 10_000
@@ -104,30 +101,6 @@ def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
             yield from _FileReader(path, stream, wanted, into).read()
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
-
-
-def state_of(stream: BinaryIO) -> tuple[int, ...]:
-    """Which file an open one is, and what changes when it is written to."""
-    status = os.fstat(stream.fileno())
-    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
-
-
-def opened(path: Path) -> BinaryIO:
-    """A bag's file, open to be read.
-
-    Raises
-    ------
-    BagError
-        If it cannot be.
-    """
-    try:
-        return open_file(path)
-    except InputError as error:
-        raise BagError(str(error)) from None
-    except FileNotFoundError:
-        raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
-    except (OSError, ValueError) as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None
 
 
 class _FileReader:
@@ -420,4 +393,4 @@ def _piece(data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers
 
 
 def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:
-    return read(ReadDataStream(BytesIO(content)))
+    return read(ReadDataStream(RecordContent(content)))

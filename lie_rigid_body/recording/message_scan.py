@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.messages.layout import FRAME
-from lie_rigid_body.recording.inventory import MessageTable
 from lie_rigid_body.recording.message_loops import HEAD
+from lie_rigid_body.recording.message_table import MessageTable
 
 _MOST_FOUND: Final = 65_536
 """Messages that are found at once, so that a table stays small however large the chunk is."""

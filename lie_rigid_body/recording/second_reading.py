@@ -24,11 +24,10 @@ from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
 from lie_rigid_body.recording.inflation import inflated_unverified
-from lie_rigid_body.recording.inventory import MessageTable
-from lie_rigid_body.recording.mcap_contents import McapContents, Outline, RawMessages
-from lie_rigid_body.recording.mcap_reader import opened, state_of
+from lie_rigid_body.recording.mcap_contents import McapContents, Outline, RawMessages, opened, state_of
 from lie_rigid_body.recording.message_loops import FIND, HEAD, TAKE, are_compiled, expect
 from lie_rigid_body.recording.message_scan import FoundMessages, Layout
+from lie_rigid_body.recording.message_table import MessageTable
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.track_decoding import Kind, TopicMessages, topic_messages
 

@@ -11,16 +11,15 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
+from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import (
     IMU,
     MAGNETIC_FIELD,
     POSE_WITH_COVARIANCE_STAMPED,
-    STRING,
     VECTOR3_STAMPED,
 )
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns, taken, texts
+from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.wording import listed, short_repr
 
@@ -133,32 +132,27 @@ def sensor_track(path: Path, contents: McapContents, name: str) -> SensorTrack |
     return SensorTrack(track.topic, log_times, stamps, read.numbers)
 
 
-def recorded_faults(path: Path, contents: McapContents) -> tuple[Fault, ...]:
-    """The faults that a bag tells of, in file order; repeats of a text count once.
+def recorded_faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
+    """The faults that messages of a bag of that name tell of, in file order; repeats of a text count once.
 
     Raises
     ------
     BagError
-        If a message on their topic tells of none.
+        If a message tells of none.
     """
-    track = _find(path, contents, FAULTS.removeprefix("~/"))
-    if track is None:
-        return ()
-    found = texts(path, track.topic, taken(path, track))
     try:
-        return tuple(map(Fault.from_json, dict.fromkeys(text for _, text in found)))
+        return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
     except InputError as error:
-        raise BagError(f"{path}: {error}") from None
+        raise BagError(f"{name}: {error}") from None
 
 
 def is_of_sensor(topic: str, message_type: str) -> bool:
-    """Whether a topic has name and type of a sensor's, or of that about their faults."""
-    names = ((name.removeprefix("~/"), kind) for name, kind in SENSOR_TOPICS.items())
-    return any(message_type == kind and f"/{topic}".endswith(f"/{name}") for name, kind in names)
+    """Whether a topic has name and type of those of a sensor's readings."""
+    return any(message_type == kind and f"/{topic}".endswith(f"/{name}") for name, kind in SENSOR_TOPICS.items())
 
 
 def _find(path: Path, contents: McapContents, name: str) -> RawTrack | None:
-    kind = SENSOR_TOPICS.get(name, STRING)
+    kind = SENSOR_TOPICS[name]
     found = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
     found = [track for track in found if track.count]
     if len(found) > 1:

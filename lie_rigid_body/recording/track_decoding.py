@@ -14,9 +14,8 @@ from lie_rigid_body import messages
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import Decoded
-from lie_rigid_body.recording.inflation import ZSTD_MAGIC
+from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
 from lie_rigid_body.recording.mcap_contents import RawMessages, RawTrack
-from lie_rigid_body.recording.mcap_reader import COMPRESSED_ONE_BY_ONE
 from lie_rigid_body.wording import short_repr
 
 Kind: TypeAlias = tuple[str, bytes]

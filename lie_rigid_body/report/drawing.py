@@ -40,19 +40,7 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
 def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
     """Write score, findings and picture as one HTML page, which needs no network.
 
-    Parameters
-    ----------
-    score : Score
-    path : str or Path
-        Its name ends in ``.html``.
-    title : str, optional
-    overwrite : bool, optional
-        Whether an existing file is replaced.
-
-    Raises
-    ------
-    InputError, BagError
-        As `write_plot`.
+    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
     """
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report.page import page

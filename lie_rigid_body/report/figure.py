@@ -71,6 +71,8 @@ def _draw(title: str, score: Score) -> Figure:
     if rest:
         _draw_nees(rest[0], score)
     for axes in (total, parts, *rest):
+        if axes.get_yscale() == "linear":
+            axes.set_ylim(bottom=0.0)  # when all is drawn: from here on it no longer makes room
         axes.grid(alpha=0.3, lw=0.6)
         axes.margins(x=0.0)
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, borderaxespad=0.1)
@@ -95,8 +97,6 @@ def _draw_angles(axes: Axes, score: Score, names: tuple[str, ...]) -> None:
     axes.set_ylabel("error [deg]")
     if median > 0.0 and largest > _WIDE_SPAN * median:
         axes.set_yscale("log")
-    else:
-        axes.set_ylim(bottom=0.0)
 
 
 def _draw_best(axes: Axes, score: Score) -> None:

@@ -212,10 +212,10 @@ def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
 
 def scenario(segment: Segment) -> str:
     """The scenario of a segment, which is shown on request."""
-    text = json.dumps(json.loads(segment.to_json()), indent=2, ensure_ascii=False)
-    return details(f"Scenario from {segment.start_ns} ns on", text)
+    return details(f"Scenario from {segment.start_ns} ns on", segment.to_json())
 
 
-def details(summary: str, text: str) -> str:
-    """Plain text that is shown on request."""
+def details(summary: str, content: str) -> str:
+    """JSON that is shown on request, a line for each value."""
+    text = json.dumps(json.loads(content), indent=2, ensure_ascii=False)
     return f"<details><summary>{escape(summary)}</summary><pre>{escape(text)}</pre></details>"

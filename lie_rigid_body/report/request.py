@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
-BROKEN: Final = 1
-"""Exit status of a score that breaks a limit."""
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
 """Options of a bag, and the topic that one would remap without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
@@ -155,4 +153,4 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     else:
         said = "\n".join([text.as_table(title, read, score), *(f"wrote {path}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
-    return console.SUCCESS if score.passed else BROKEN
+    return console.SUCCESS if score.passed else console.BROKEN

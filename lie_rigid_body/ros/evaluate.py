@@ -8,11 +8,13 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.report.request import answer, parse, require_room
 from lie_rigid_body.wording import suggestion
 
@@ -63,18 +65,22 @@ def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.evaluation.consistency import require_axes
     from lie_rigid_body.ros.following import Following
-    from lie_rigid_body.ros.session import initialised, translated_errors
+    from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+    from lie_rigid_body.runs.live_estimate import LiveEstimate
 
     with initialised(given.ros):
         with translated_errors("this node"):
             node = rclpy.create_node(NODE_NAME, start_parameter_services=False)
-        _override(given, _parameters(node))
-        limits = Limits.parse(given.max_rms, tuple(given.max_after))
-        require_axes(given.covariance_axes)
-        following = Following(node, limits, given.duration, given.covariance_axes)
-        complete = _follow(node, following, given, interruption)
-        missing = following.silence()
-        node.destroy_node()
+        with destroying(node):
+            _override(given, _parameters(node))
+            limits = Limits.parse(given.max_rms, tuple(given.max_after))
+            require_axes(given.covariance_axes)
+            following = Following(
+                node,
+                partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=given.covariance_axes),
+            )
+            complete = _follow(node, following, given, interruption)
+            missing = following.silence()
     return _score(given, following, missing, complete)
 
 
@@ -98,10 +104,8 @@ def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> No
             setattr(given, name, value)
     for name in ("duration", "wait"):
         value = getattr(given, name)
-        if value is None:
-            continue
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < float("inf"):
-            raise InputError(f"{name}: {value!r} is not a time above 0: give seconds, such as 60.0")
+        if value is not None:
+            exact_duration(value, name, "60.0")
 
 
 def _follow(node: Node, following: Following, given: argparse.Namespace, interruption: Interruption) -> bool:
@@ -126,11 +130,11 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count > compared:
                 compared, compared_at = live.tally.count, now
         said.say(compared > 0)
-        said.complain(live.fault() if live is not None else "")
+        said.complain(live.estimate.fault() if live is not None else "")
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
-        if live is not None and live.complete:
+        if live is not None and live.estimate.complete:
             return True
         if given.wait and now - compared_at > given.wait:
             return True
@@ -174,12 +178,12 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
             console.complain(console.program("evaluate"), f"interrupted: {missing}")
             return console.INTERRUPTED
         raise InputError(missing)
-    if not live.has_truth:
+    if not live.truth.is_known:
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
     status = answer(given, "", read, score)
-    if live.unusable:
-        console.complain(console.program("evaluate"), f"estimate: {live.fault()}")
+    if live.estimate.unusable:
+        console.complain(console.program("evaluate"), f"estimate: {live.estimate.fault()}")
         return console.UNUSABLE
     return status

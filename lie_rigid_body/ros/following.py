@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from importlib import import_module
 from typing import Final
 
@@ -11,7 +11,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import translated_errors
@@ -33,11 +32,8 @@ class Following:
     ----------
     node : Node
         It must not be spun: messages are taken by `take`, in bulk, which costs a fraction of a callback each.
-    limits : Limits
-    duration_s : float, optional
-        By the stamps of the estimate, of what is scored.
-    covariance_axes : str, optional
-        ``"world"`` or ``"body"``.
+    begin : callable
+        ``begin(topic, message_type)`` is called once the topic of the estimate is there.
 
     Attributes
     ----------
@@ -45,10 +41,8 @@ class Following:
         What was heard; None until the topic of the estimate is there.
     """
 
-    def __init__(
-        self, node: Node, limits: Limits, duration_s: float | None = None, covariance_axes: str = "world"
-    ) -> None:
-        self._node, self._limits, self._duration_s, self._covariance_axes = node, limits, duration_s, covariance_axes
+    def __init__(self, node: Node, begin: Callable[[str, str], LiveEstimate]) -> None:
+        self._node, self._begin = node, begin
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
@@ -70,9 +64,7 @@ class Following:
                 return
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
             self._subscribe(self.estimate, kind)
-            self.live = LiveEstimate(
-                self.estimate, kind, self._limits, duration_s=self._duration_s, covariance_axes=self._covariance_axes
-            )
+            self.live = self._begin(self.estimate, kind)
         for topic, kind in self._true_topics(there):
             if topic not in self._subscriptions:
                 self._subscribe(topic, kind)
@@ -94,9 +86,9 @@ class Following:
                 self.live.hear_estimates(payloads)
             elif self._types[topic] == STRING:
                 for payload in payloads:
-                    self.live.hear_scenario(payload)
-            elif payloads:
-                self.live.hear_poses(topic, self._types[topic], payloads)
+                    self.live.truth.hear_scenario(payload)
+            else:
+                self.live.truth.hear_poses(topic, self._types[topic], payloads)
 
     def published(self) -> dict[str, list[str]]:
         """The topics that have a publisher, with their types."""
@@ -109,6 +101,11 @@ class Following:
         known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
         attitudes = f"attitudes are on {listed(sorted(known)) or 'no topic'} of domain {self._domain}"
         if self.live is not None and self.live.messages:
+            if self.live.truth.is_known:
+                return self.live.why_not_compared()
+            silent = [topic for topic in self._subscriptions if topic != self.estimate]
+            if silent:
+                return f"no truth of {self.estimate}: nothing came on {listed(silent)}: is its simulation paused?"
             return f"no truth of {self.estimate}: there is no topic .../scenario or .../pose: remap it, -r truth:=TOPIC"
         if self.live is not None:
             return f"nothing came on {self.estimate}, which is there: does its node get what it needs? {attitudes}"

@@ -80,21 +80,26 @@ def _parser() -> console.Parser:
 def _connected(given: argparse.Namespace, interruption: Interruption) -> int:
     import rclpy
 
-    from lie_rigid_body.ros.session import initialised, translated_errors
+    from lie_rigid_body.ros.session import destroying, initialised, translated_errors
 
     with initialised([]):
         with translated_errors("a node"):
             node = rclpy.create_node("lie_rigid_body_listener")
-        for name in CALLS:
-            if service := getattr(given, name):
-                return trigger(node, f"--{name}", service, interruption)
-        if given.scenario:
-            return scenario(node, given.scenario, interruption)
-        if given.get:
-            return get_parameter(node, given.node, given.get, interruption)
-        if given.set:
-            return set_parameter(node, given.node, given.set, interruption)
-        return listen(node, given.pose, interruption)
+        with destroying(node):
+            return _served(given, node, interruption)
+
+
+def _served(given: argparse.Namespace, node: Node, interruption: Interruption) -> int:
+    for name in CALLS:
+        if service := getattr(given, name):
+            return trigger(node, f"--{name}", service, interruption)
+    if given.scenario:
+        return scenario(node, given.scenario, interruption)
+    if given.get:
+        return get_parameter(node, given.node, given.get, interruption)
+    if given.set:
+        return set_parameter(node, given.node, given.set, interruption)
+    return listen(node, given.pose, interruption)
 
 
 def listen(node: Node, topic: str, interruption: Interruption) -> int:

@@ -65,6 +65,13 @@ class SimulatorNode(Node):
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         with translated_errors("this node"):
             super().__init__(NODE_NAME, start_parameter_services=False)
+        try:
+            self._furnish(given)
+        except BaseException:
+            self.destroy_node()
+            raise
+
+    def _furnish(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in TOPICS})
         _require_distinct("services", {service: self.resolve_service_name(service) for service in SERVICES})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))

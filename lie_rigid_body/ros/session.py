@@ -78,6 +78,15 @@ def _require_domain(text: str) -> None:
 
 
 @contextmanager
+def destroying(node: Node) -> Iterator[None]:
+    """Destroy a node at the end, whatever happens: until then others see it and its topics, in a process that lives."""
+    try:
+        yield
+    finally:
+        node.destroy_node()
+
+
+@contextmanager
 def spinning(node: Node) -> Iterator[None]:
     """Answer the node's services in background threads. At the end rclpy is shut down, which ends these threads."""
     executor = MultiThreadedExecutor(THREADS)

@@ -87,7 +87,7 @@ def _require_readable(given: Arguments) -> None:
 
 def _simulate(given: Arguments, interruption: Interruption) -> None:
     from lie_rigid_body.ros.node import SimulatorNode
-    from lie_rigid_body.ros.session import initialised, spinning
+    from lie_rigid_body.ros.session import destroying, initialised, spinning
     from lie_rigid_body.scenario.parameter_file import gather
 
     if interruption.requested:
@@ -95,9 +95,8 @@ def _simulate(given: Arguments, interruption: Interruption) -> None:
     with initialised(given.ros):
         node = SimulatorNode(partial(gather, given.scenario, given.params_files, given.assignments))
         path = str(node.parameters.values()["record_path"])
-        with spinning(node), _finished(node), _recording(node, path) as recorder:
+        with destroying(node), spinning(node), _finished(node), _recording(node, path) as recorder:
             _run(node, recorder, path, interruption)
-        node.destroy_node()
 
 
 def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption: Interruption) -> None:

@@ -13,6 +13,7 @@ from typing import Final, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
@@ -96,7 +97,7 @@ def simulate(
         If the duration is not a time, a name is unknown, the parameters make no scenario, or the memory limit leaves no
         room for the runs: this is known before anything is computed.
     """
-    length = exact_duration(_plain(duration), "duration", "duration=60.0")
+    length = exact_duration(plain(duration), "duration", "duration=60.0")
     if parameters.get("record_path"):
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
@@ -108,13 +109,13 @@ def simulate(
     if "sensor_seed" in parameters:
         raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
     chosen = _chosen(seeds, most=max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1)
-    scenarios = [scenario_of(scenario, {**parameters, "sensor_seed": chosen[0]})]
-    _warn(scenarios[0])
-    _require_memory(scenarios[0], length, len(chosen), memory_limit)
     given = _given(scenario, parameters)
-    scenarios += [Scenario.from_parameters({**given, "sensor_seed": _plain(seed)}) for seed in chosen[1:]]
+    made = (Scenario.from_parameters({**given, "sensor_seed": plain(seed)}) for seed in chosen)
+    first = next(made)
+    _warn(first)
+    _require_memory(first, length, len(chosen), memory_limit)
     shared = _SharedMotions()
-    return tuple(_run(scenario, length, shared) for scenario in scenarios)
+    return tuple(_run(one, length, shared) for one in [first, *made])
 
 
 def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> Scenario:
@@ -133,7 +134,7 @@ def _warn(scenario: Scenario) -> None:
 
 
 def _given(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> dict[str, object]:
-    return {**_parameters(scenario), **{name: _plain(value) for name, value in parameters.items()}}
+    return {**_parameters(scenario), **{name: plain(value) for name, value in parameters.items()}}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:
@@ -173,16 +174,16 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
 
 
-def _plain(value: object) -> object:
+def plain(value: object) -> object:
     """A number or an array of NumPy as those of Python."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 class _SharedMotions:
-    """The motions of one start for many simulations: each is computed by the first that asks."""
+    """The motions of one start for many simulations, which ask for the times of the same clocks."""
 
     def __init__(self) -> None:
-        self._kept: list[_KeptMotion] = []
+        self._kept: list[_KeptStates] = []
 
     def __call__(self, scenario: Scenario) -> Callable[[], Motion]:
         make, turns = motions_of(scenario), count()
@@ -190,26 +191,51 @@ class _SharedMotions:
         def motion() -> Motion:
             turn = next(turns)
             if turn == len(self._kept):
-                self._kept.append(_KeptMotion(make()))
-            return self._kept[turn]
+                self._kept.append(_KeptStates(make()))
+            return _SharedStates(self._kept[turn])
 
         return motion
 
 
-class _KeptMotion:
-    """A motion that keeps its states, and gives them again for the same times."""
+class _KeptStates:
+    """The states of a motion at the times of a clock, as many as anyone has asked for: each is computed once."""
 
     def __init__(self, motion: Motion) -> None:
-        self._motion = motion
-        self._states: dict[bytes, State] = {}
+        self.motion = motion
+        self._states = motion.at(np.empty(0, dtype=np.int64))
+
+    def from_number(self, first: int, t_ns: Integers) -> State:
+        """The states at times, ns, of which so many came before."""
+        known = self._states
+        missing = t_ns[len(known) - first :]
+        if len(missing):
+            new = self.motion.at(missing)
+            self._states = _joined(known, new) if len(known) else new
+        return self._states[first : first + len(t_ns)]
+
+
+class _SharedStates:
+    """A motion for one of many, who all ask for the times of one clock, each once and in order, but not for as many.
+
+    How many it takes depends on the seed where readings are late by chance. A motion has the same bits however the
+    times are divided into calls.
+    """
+
+    def __init__(self, kept: _KeptStates) -> None:
+        self._kept = kept
+        self._asked = 0
 
     def expect(self, work: int) -> None:
         """Tell the motion of work that is to come; see `Motion`."""
-        self._motion.expect(work)
+        self._kept.motion.expect(work)
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
-        key = np.asarray(t_ns).tobytes()
-        if key not in self._states:
-            self._states[key] = self._motion.at(t_ns)
-        return self._states[key]
+        times = np.asarray(t_ns, dtype=np.int64)
+        first, self._asked = self._asked, self._asked + len(times)
+        return self._kept.from_number(first, times)
+
+
+def _joined(known: State, new: State) -> State:
+    attitude = np.concatenate([known.attitude_xyzw, new.attitude_xyzw])
+    return State.trusted(attitude, np.concatenate([known.body_rate, new.body_rate]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,9 @@ MOST_KEPT: Final = 100_000
 kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
 MOST_BLOCKS: Final = 2000
 """Pieces of what is kept, before they are joined."""
+
+Rows = tuple[Integers, Array]
+"""Stamps, ns, and a row of numbers for each."""
 
 
 class Kept:
@@ -32,12 +36,12 @@ class Kept:
     def __init__(self, most: int = MOST_KEPT) -> None:
         self.count = self.disordered = 0
         self.stride, self._most = 1, most
-        self._blocks: list[tuple[Integers, Array]] = []
+        self._blocks: list[Rows] = []
         self._size = 0
-        self._last: tuple[Integers, Array] | None = None
+        self._last: Rows | None = None
         self.first_ns = self.last_ns = 0
 
-    def add(self, stamps_ns: Integers, numbers: Array) -> tuple[Integers, Array]:
+    def add(self, stamps_ns: Integers, numbers: Array) -> Rows:
         """Take rows, and return those of them that are in order."""
         ordered = in_order(stamps_ns, self.last_ns if self.count else None)
         stamps, rows = stamps_ns[ordered], numbers[ordered]
@@ -50,21 +54,23 @@ class Kept:
             self.count += len(stamps)
             self._last = stamps[-1:], rows[-1:]
         while self._size > self._most:
-            kept, values = self._joined()
+            kept, values = joined(self._blocks)
             self._blocks, self.stride = [(kept[::2].copy(), values[::2].copy())], 2 * self.stride
             self._size = len(self._blocks[0][0])
         if len(self._blocks) > MOST_BLOCKS:
-            self._blocks = [self._joined()]
+            self._blocks = [joined(self._blocks)]
         return stamps, rows
 
-    def rows(self) -> tuple[Integers, Array]:
+    def rows(self) -> Rows:
         """Stamps, ns, and numbers of what is kept, and of the last row."""
         assert self._last is not None
-        stamps, rows = self._joined()
+        stamps, rows = joined(self._blocks)
         if (self.count - 1) % self.stride:
             return np.concatenate([stamps, self._last[0]]), np.concatenate([rows, self._last[1]])
         return stamps, rows
 
-    def _joined(self) -> tuple[Integers, Array]:
-        stamps, rows = zip(*self._blocks, strict=True)
-        return np.concatenate(stamps), np.concatenate(rows)
+
+def joined(parts: Iterable[Rows]) -> Rows:
+    """Rows after one another; of at least one part."""
+    stamps, rows = zip(*parts, strict=True)
+    return np.concatenate(stamps), np.concatenate(rows)

@@ -81,6 +81,12 @@ class ImuArrays:
         """Those that arrive in a time, with their biases."""
         if self.gyro_bias is None or self.accelerometer_bias is None:
             raise InputError("the run does not tell the biases of its IMU, which a bag holds: record imu/bias as well")
+        lost = int(np.isnan(self.gyro_bias + self.accelerometer_bias).any(axis=1).sum())
+        if lost:
+            raise InputError(
+                f"the run does not tell the biases of {lost} of {len(self.t_ns)} readings of its IMU, which a bag "
+                "holds: record all of imu/bias"
+            )
         readings = ImuReadings(
             self.gyro, self.specific_force, self.gyro_bias, self.accelerometer_bias, self.orientation_xyzw
         )

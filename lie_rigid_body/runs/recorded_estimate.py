@@ -13,7 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.evaluation import SampledTruth, Truth
+from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.messages.batch import POSE
@@ -25,6 +25,7 @@ from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
@@ -65,6 +66,31 @@ class RecordedEstimate:
     left_out: int = 0
 
     __repr__ = short_repr
+
+    def score(self, limits: Limits, covariance_axes: str, due_ns: int | None = None, *, bounded: bool = True) -> Score:
+        """Hold the estimate against the truth; see `evaluate`.
+
+        Parameters
+        ----------
+        limits : Limits
+        covariance_axes : str
+            ``"world"`` or ``"body"``.
+        due_ns : int, optional
+            Stamp until which there should be estimates, ns; by default the end of the truth.
+        bounded : bool, optional
+            Whether the best that the sensors' noise allows is told as well.
+        """
+        return evaluate(
+            self.track.stamps_ns,
+            self.track.attitude_xyzw,
+            self.truth,
+            limits=limits,
+            covariance=self.covariance,
+            covariance_axes=covariance_axes,
+            bound=bound_of(self.segments, self.truth, self.track.stamps_ns) if bounded else None,
+            left_out=self.left_out,
+            due_ns=self.truth.last_ns if due_ns is None else due_ns,
+        )
 
 
 def recorded_estimate(
@@ -288,7 +314,9 @@ def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_t
     try:
         topic = nearest(found, ending, estimate_topic)
     except InputError as error:
-        raise BagError(f"{path} has {error}: record one body, or the estimate in its namespace") from None
+        raise BagError(
+            f"{path} has {error}: choose one, as by --topic pose:=/a/pose, or record the estimate in its namespace"
+        ) from None
     return None if topic is None else found[topic]
 
 

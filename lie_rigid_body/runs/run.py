@@ -17,6 +17,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
+from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
@@ -103,19 +104,20 @@ class Run:
         """
         from lie_rigid_body.certificate.segments import recorded_segments
         from lie_rigid_body.certificate.survey import as_written
-        from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SUN
+        from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN
         from lie_rigid_body.recording.bag_reader import Bag
-        from lie_rigid_body.recording.sensor_reader import is_of_sensor, recorded_faults, sensor_track
+        from lie_rigid_body.recording.sensor_reader import FaultMessages, is_of_sensor, recorded_faults, sensor_track
 
         if not isinstance(path, str | PathLike):
             raise InputError(f"bag {shown(path)} is no path: give that of an MCAP file, or of a folder of them")
         path, bag = Path(path), Bag(path)
         contents, own = bag.messages_of(is_of_sensor), as_written(bag)
-        faults = recorded_faults(path, contents)
         names = (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)
         data, bias, field, attitude, sun = (sensor_track(path, contents, name) for name in names)
         recording = bag.load()
         pieces = recorded_segments(recording)
+        has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others
+        told = recording.readings.get(FAULTS) if has_faults else None
         return cls(
             np.concatenate([piece.stamps_ns for piece in pieces]),
             State.trusted(
@@ -127,7 +129,7 @@ class Run:
             tuple(piece.segment for piece in pieces),
             None if attitude is None else AttitudeSensorArrays.of_track(attitude, own=own),
             None if sun is None else SunSensorArrays.of_track(sun, own=own),
-            faults,
+            recorded_faults(bag.name, told) if isinstance(told, FaultMessages) else (),
             recording,
         )
 
@@ -150,16 +152,16 @@ class Run:
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the run has readings of an IMU without their biases, as some bags.
+            If the run has readings of an IMU without their biases, be it one, as some bags.
         """
         from lie_rigid_body.messages.batch import BatchEncoder
         from lie_rigid_body.recording.bag_writer import BagWriter
 
-        pieces = [(segment, self._between(*bounds), segment.scenario) for segment, *bounds in self._bounds()]
+        pieces = [(segment, self._between(*bounds)) for segment, *bounds in self._bounds()]
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite) as bag:
-            for segment, taken, scenario in pieces:
+            for segment, taken in pieces:
                 bag.begin_segment(segment)
-                bag.write(BatchEncoder(scenario).encode(taken))
+                bag.write(BatchEncoder(segment.scenario).encode(taken))
 
     def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
         """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
@@ -260,6 +262,7 @@ class Run:
         estimated = real_numbers("gyro_bias", gyro_bias, "(N, 3)")
         if estimated.shape != (len(stamps), 3):
             raise InputError(f"gyro_bias: shape {estimated.shape} is not {(len(stamps), 3)}: give a row for each stamp")
+        estimated = numbers("gyro_bias", estimated, 3)
         return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
 
     def unavoidable_error(self) -> UnavoidableError | None:
@@ -277,18 +280,21 @@ class Run:
         return unavoidable_error_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
-        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings.
+        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings that have one.
 
         Raises
         ------
         InputError
-            If the run does not tell it.
+            If the run does not tell it, or there is no such reading.
         """
-        if self.imu is None or self.imu.gyro_bias is None:
+        imu = self.imu
+        bias = np.empty((0, 3)) if imu is None or imu.gyro_bias is None else imu.gyro_bias
+        told = np.flatnonzero(np.isfinite(bias).all(axis=1))
+        if imu is None or not told.size:
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
-        return np.stack(
-            [np.interp(np.asarray(t_ns, dtype=np.int64), self.imu.t_ns, axis) for axis in self.imu.gyro_bias.T], axis=-1
-        )
+        told = told[np.argsort(imu.t_ns[told], kind="stable")]
+        times = np.asarray(t_ns, dtype=np.int64)
+        return np.stack([np.interp(times, imu.t_ns[told], axis) for axis in bias[told].T], axis=-1)
 
     def stamps_of(self, length: int) -> Integers:
         """The stamps of so many readings of the IMU, or of samples of the truth, ns.
@@ -332,7 +338,7 @@ class Run:
 
 def _first_after(stamps: Integers, after_s: float) -> int:
     """Number of the first stamp so many seconds after the first, s."""
-    late = np.flatnonzero(stamps >= stamps[0] + round(after_s * 1e9)) if stamps.size else stamps
+    late = np.flatnonzero(stamps - stamps[0] >= np.round(after_s * 1e9)) if stamps.size else stamps
     if not late.size:
         raise InputError(f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time")
     return int(late[0])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.attitude_error import unit
@@ -20,8 +20,9 @@ class ScenarioTruth(Truth):
     """The motion of a scenario, and of those that follow at its resets, known at every instant.
 
     It is the exact solution. Where samples of the motion are given, they are the truth at their stamps, to round-off;
-    between them the exact solution is turned by what it misses them by, which is interpolated on geodesics. That is
-    round-off for the default stepper, and keeps to the motion of a poor one, which the sensors have read.
+    between them the exact solution is turned by what it misses them by, which is interpolated on geodesics, from
+    nothing at the start of each segment on. That is round-off for the default stepper, and keeps to the motion of a
+    poor one, which the sensors have read.
 
     Parameters
     ----------
@@ -53,26 +54,60 @@ class ScenarioTruth(Truth):
         self.first_ns, self.last_ns = int(first_ns), int(last_ns)
         self._starts = np.array([segment.start_ns for segment in segments], dtype=np.int64)
         self._motions = [segment.scenario.exact_motion() for segment in segments]
-        self._correction: SampledTruth | None = None
+        self._corrections: dict[int, _Correction] = {}
         if np.size(stamps_ns):
             stamps = read_stamps("truth", stamps_ns)
-            miss = quaternion.multiply(quaternion.conjugate(self._exact(stamps)), unit("truth", attitude_xyzw))
-            self._correction = SampledTruth(stamps, miss, longest_gap_ns=self.last_ns - self.first_ns)
+            miss = quaternion.multiply(unit("truth", attitude_xyzw), quaternion.conjugate(self._exact(stamps)))
+            for i, inside in self._segments_of(stamps):
+                self._corrections[i] = _Correction(int(self._starts[i]), stamps[inside], miss[inside])
 
     def at(self, stamps_ns: Integers) -> Array:
         """The exact solution, turned to the samples."""
-        exact = self._exact(stamps_ns)
-        return exact if self._correction is None else quaternion.multiply(exact, self._correction.at(stamps_ns))
+        stamps = np.asarray(stamps_ns)
+        attitude = self._exact(stamps)
+        for i, inside in self._segments_of(stamps):
+            if i in self._corrections:
+                miss = self._corrections[i].at(stamps[inside])
+                attitude[inside] = quaternion.multiply(miss, attitude[inside])
+        return attitude
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """What the interpolation between samples may miss, rad."""
-        return 0.0 if self._correction is None else self._correction.uncertainty_at(stamps_ns)
+        pieces = ((i, inside) for i, inside in self._segments_of(stamps_ns) if i in self._corrections)
+        return max((self._corrections[i].uncertainty_at(stamps_ns[inside]) for i, inside in pieces), default=0.0)
 
     def _exact(self, stamps_ns: Integers) -> Array:
-        stamps = np.ravel(stamps_ns)
-        which = np.maximum(np.searchsorted(self._starts, stamps, side="right") - 1, 0)
-        attitude = np.empty((len(stamps), 4))
+        attitude = np.empty((*np.shape(stamps_ns), 4))
+        for i, inside in self._segments_of(stamps_ns):
+            attitude[inside] = self._motions[i].at(stamps_ns[inside] - self._starts[i]).attitude_xyzw
+        return attitude
+
+    def _segments_of(self, stamps_ns: Integers) -> Iterator[tuple[int, Booleans]]:
+        """The segments in force at some stamps, by their numbers, and which stamps are in each."""
+        which = np.asarray(np.maximum(np.searchsorted(self._starts, stamps_ns, side="right") - 1, 0))
         for i in np.unique(which):
-            inside = which == i
-            attitude[inside] = self._motions[i].at(stamps[inside] - self._starts[i]).attitude_xyzw
-        return attitude.reshape(*np.shape(stamps_ns), 4)
+            yield int(i), which == i
+
+
+class _Correction(SampledTruth):
+    """What the exact solution misses the samples of a segment by: nothing at its start, where every stepper begins.
+
+    It is a rotation on the world's axes: on those of the body it would turn with the body from sample to sample.
+    Behind the last two samples it goes on for as long as these are apart, and stays: it grows slowly, so that two near
+    samples tell nothing of a far time.
+    """
+
+    def __init__(self, start_ns: int, stamps: Integers, miss: Array) -> None:
+        self._begin_ns, self._unsampled = int(stamps[0]), float(np.linalg.norm(quaternion.log(miss[0])))
+        if start_ns < stamps[0]:
+            stamps, miss = np.insert(stamps, 0, start_ns), np.insert(miss, 0, [0.0, 0.0, 0.0, 1.0], axis=0)
+        super().__init__(stamps, miss, longest_gap_ns=int(stamps[-1] - stamps[0]))
+        self._bounds = stamps[0], 2 * stamps[-1] - stamps[-2:][0]
+
+    def at(self, stamps_ns: Integers) -> Array:
+        return super().at(np.clip(stamps_ns, *self._bounds))
+
+    def uncertainty_at(self, stamps_ns: Integers) -> float:
+        """Before the first sample all that the exact solution misses it by: how that came about is not known."""
+        before = self._unsampled if np.any(stamps_ns < self._begin_ns) else 0.0
+        return max(before, super().uncertainty_at(stamps_ns))

@@ -19,7 +19,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
-from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
 from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS, Sensors, without_effect
 from lie_rigid_body.wording import shortened, shown
 
@@ -30,7 +30,6 @@ their steps themselves."""
 LARGEST_TURN_PER_READING: Final = 3.0
 """rad: a rotation by more than half a turn reads as a shorter one the other way."""
 
-_BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
 _OWN: Final = (
     "inertia",
@@ -45,7 +44,7 @@ _OWN: Final = (
     "stamped_twist",
     "epoch_ns",
 )
-OF_THE_NODE: Final = tuple(name for name in _BY_NAME if name not in (*_OWN, *_SENSORS))
+OF_THE_NODE: Final = tuple(name for name in BY_NAME if name not in (*_OWN, *_SENSORS))
 """Parameters that no scenario holds: they change when and where a live node sends its samples, and none of them."""
 
 
@@ -104,7 +103,7 @@ class Scenario:
         changed = [
             f"{name!r}: {shown(list(value) if isinstance(value, tuple) else value)}"
             for name, value in self.parameters().items()
-            if value != _BY_NAME[name].default
+            if value != BY_NAME[name].default
         ]
         return shortened(f"Scenario.from_parameters({{{', '.join(changed)}}})")
 
@@ -113,9 +112,7 @@ class Scenario:
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
         # what came later is left out at its default, so that a bag without it has the bytes that it had before
         sensors = {
-            name: value
-            for name, value in self.sensor_parameters
-            if name not in QUIET or value != _BY_NAME[name].default
+            name: value for name, value in self.sensor_parameters if name not in QUIET or value != BY_NAME[name].default
         }
         return {**own, **sensors} if self.has_sensors else own
 
@@ -289,7 +286,7 @@ class Scenario:
 def _shorter(longest: float) -> str:
     """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
     step = _rounded(longest, ROUND_FLOOR)
-    return f"give at most {step:g} s, or " if step >= _BY_NAME["max_step"].minimum else ""
+    return f"give at most {step:g} s, or " if step >= BY_NAME["max_step"].minimum else ""
 
 
 def _rounded(value: float, rounding: str) -> float:

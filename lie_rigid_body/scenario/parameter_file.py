@@ -174,7 +174,13 @@ def sources(
     """What `gather` merges, each file read once: a pipe can be read no second time."""
     paths = [*([scenario_file(scenario)] if scenario is not None else []), *files]
     given = [(path, read_parameter_file(path, node_name, namespace)) for path in paths]
-    return [*given, (None, dict(parse_assignment(text) for text in assignments))]
+    return [*given, (None, dict(_own_assignment(text, node_name) for text in assignments))]
+
+
+def _own_assignment(text: str, node_name: str) -> tuple[str, object]:
+    """An assignment, which may name the node as one for ROS may: ``NODE:NAME:=VALUE``."""
+    name, value = parse_assignment(text)
+    return name.removeprefix(f"{node_name}:"), value
 
 
 def merge(given: Sequence[Source]) -> dict[str, object]:
@@ -209,7 +215,7 @@ def scenario_file(name: str) -> Path:
     """
     files = scenario_files()
     if name not in files:
-        hint = suggestion(name, list(files), "scenarios")
+        hint = suggestion(name, files, "scenarios")
         raise InputError(f"scenario {shown(name)} is unknown: {hint}; 'scenarios' lists all")
     return files[name]
 

@@ -92,6 +92,9 @@ PARAMETERS: Final = (
 """Every parameter, in the order in which they are shown."""
 
 
+BY_NAME: Final[Mapping[str, Parameter]] = {parameter.name: parameter for parameter in PARAMETERS}
+
+
 def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
     """Every parameter's value: the given ones in their own types, those of their grade, the rest at their defaults.
 

@@ -8,14 +8,15 @@ from typing import Final
 from lie_rigid_body.parameters import Parameter
 
 _LONGEST_S: Final = 1e9
-_LARGEST: Final = 1e9
+LARGEST: Final = 1e9
 _LONGEST_DELAY_S: Final = 10.0
 _LARGEST_OFFSET_S: Final = 2.2e9
 """That of a clock that begins at 0 when the sensor is switched on, in any year that ROS can stamp."""
 _LARGEST_SKEW: Final = 0.01
 
 
-def _not_negative(name: str, description: str, default: float = 0.0, maximum: float = _LARGEST) -> Parameter:
+def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST) -> Parameter:
+    """A parameter whose values are not below 0."""
     return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
 
 
@@ -25,20 +26,20 @@ def _either_sign(name: str, description: str, limit: float) -> Parameter:
 
 def _episodes(name: str, what: str, duration: float) -> Iterator[Parameter]:
     """Interval and duration of episodes; ``what`` says what they are, and begins with a capital."""
-    yield _not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
-    yield _not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
+    yield not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
+    yield not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
 
 
 def _delivery(sensor: str, name: str) -> Iterator[Parameter]:
     """How the readings of a sensor arrive."""
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
     )
     yield from _episodes(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0)
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
     )
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_latency_jitter",
         f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
         maximum=_LONGEST_DELAY_S,
@@ -54,24 +55,24 @@ def _delivery(sensor: str, name: str) -> Iterator[Parameter]:
 def _triad(sensor: str, unit: str, spike: float, density: float, level: float) -> Iterator[Parameter]:
     """Faults of the axes of a sensor; sizes are defaults for when a fault is switched on."""
     name = sensor.capitalize()
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_spike_probability",
         f"{name}: probability of a spike in a reading, on one axis; 0: none.",
         maximum=1.0,
     )
-    yield _not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike)
+    yield not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike)
     yield from _episodes(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0)
-    yield _not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density)
+    yield not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density)
     yield from _episodes(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0)
     yield from _episodes(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0)
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_saturation_level", f"{name}: largest size of a reading during a saturation, {unit}.", level
     )
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_temperature_drift",
         f"{name}: standard deviation on each axis of the bias' change with temperature, {unit}; 0: none.",
     )
-    yield _not_negative(
+    yield not_negative(
         f"{sensor}_temperature_drift_duration",
         f"{name}: time from fault_begin on in which that change comes about, s.",
         600.0,
@@ -80,19 +81,19 @@ def _triad(sensor: str, unit: str, spike: float, density: float, level: float) -
 
 
 FAULT_PARAMETERS: Final = (
-    _not_negative(
+    not_negative(
         "fault_begin",
         "Lost readings, spikes and episodes of faults: from so many seconds after a start on.",
         maximum=_LONGEST_S,
     ),
-    _not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
+    not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
     *_delivery("imu", "IMU"),
     *_triad("gyro", "rad/s", 1.0, 0.01, 0.5),
     *_triad("accelerometer", "m/s²", 10.0, 0.1, 5.0),
     *_delivery("magnetometer", "Magnetometer"),
     *_triad("magnetometer", "T", 1e-4, 1e-6, 20e-6),
     *_episodes("magnetic_disturbance", "Magnetic disturbance, a field that passes", 5.0),
-    _not_negative(
+    not_negative(
         "magnetic_disturbance_size", "Magnetic disturbance: its size at its height, in a direction drawn, T.", 20e-6
     ),
     *_delivery("attitude_sensor", "Attitude sensor"),

@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias, cast
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.attitude_sensor import AttitudeSensorModel
-from lie_rigid_body.sensors.fault_parameters import FAULT_PARAMETERS, FAULT_SWITCHES, WINDOW
+from lie_rigid_body.sensors.fault_parameters import FAULT_PARAMETERS, FAULT_SWITCHES, WINDOW, not_negative
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import ImuModel
 from lie_rigid_body.sensors.magnetometer import MagnetometerModel
@@ -24,14 +24,9 @@ _ONES: Final = (1.0, 1.0, 1.0)
 _ZEROS: Final = (0.0, 0.0, 0.0)
 _IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _CENTRAL_EUROPE: Final = (1.5e-6, 21.0e-6, -43.5e-6)
-_LARGEST: Final = 1e9
 _FASTEST: Final = 1e9
 _TURN: Final = math.pi
 _LARGEST_SEED: Final = 2**63 - 1
-
-
-def _not_negative(name: str, description: str, default: float = 0.0, maximum: float = _LARGEST) -> Parameter:
-    return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
 
 
 def _array(name: str, default: tuple[float, ...], description: str) -> Parameter:
@@ -42,9 +37,9 @@ def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
     """The parameters that gyro and accelerometer share; ``unit`` is that of a reading."""
     name = sensor.capitalize()
     return (
-        _not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/√Hz; 0: none."),
-        _not_negative(f"{sensor}_bias_random_walk", f"{name}: random walk of the bias, {unit}/s/√Hz; 0: none."),
-        _not_negative(
+        not_negative(f"{sensor}_noise_density", f"{name}: white noise, {unit}/√Hz; 0: none."),
+        not_negative(f"{sensor}_bias_random_walk", f"{name}: random walk of the bias, {unit}/s/√Hz; 0: none."),
+        not_negative(
             f"{sensor}_turn_on_bias",
             f"{name}: standard deviation of the bias at the start on each axis, drawn from the seed, {unit}; 0: none.",
         ),
@@ -54,16 +49,16 @@ def _triad(sensor: str, unit: str) -> tuple[Parameter, ...]:
             _ZEROS,
             f"{name}: rotation vector from the body's axes to its own, rad, of norm at most π.",
         ),
-        _not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
-        _not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
+        not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
+        not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
     )
 
 
 _LATER: Final = (
     Parameter("imu_orientation", "bool", False, "Whether the IMU tells its orientation, as an AHRS does."),
-    _not_negative("imu_inclination_noise", "Its standard deviation about each horizontal axis, rad.", maximum=_TURN),
-    _not_negative("imu_heading_noise", "Its standard deviation about the vertical, rad.", maximum=_TURN),
-    _not_negative(
+    not_negative("imu_inclination_noise", "Its standard deviation about each horizontal axis, rad.", maximum=_TURN),
+    not_negative("imu_heading_noise", "Its standard deviation about the vertical, rad.", maximum=_TURN),
+    not_negative(
         "attitude_sensor_rate",
         "Readings of the attitude sensor per second, from 1e-6; 0: no such sensor.",
         maximum=_FASTEST,
@@ -71,21 +66,21 @@ _LATER: Final = (
     _array(
         "attitude_sensor_boresight", (0.0, 0.0, 1.0), "Attitude sensor: its boresight in the body frame, of any length."
     ),
-    _not_negative(
+    not_negative(
         "attitude_sensor_cross_boresight_noise",
         "Attitude sensor: standard deviation of a reading about each axis across the boresight, rad.",
         maximum=_TURN,
     ),
-    _not_negative(
+    not_negative(
         "attitude_sensor_roll_noise",
         "Attitude sensor: standard deviation of a reading about the boresight, rad.",
         maximum=_TURN,
     ),
-    _not_negative(
+    not_negative(
         "sun_sensor_rate", "Readings of the sun sensor per second, from 1e-6; 0: no such sensor.", maximum=_FASTEST
     ),
     _array("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
-    _not_negative("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad.", maximum=_TURN),
+    not_negative("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad.", maximum=_TURN),
     *FAULT_PARAMETERS,
 )
 """Parameters that bags do not tell where they are at their defaults, so that those have the bytes they had without."""
@@ -93,8 +88,8 @@ QUIET: Final = frozenset({GRADE, *(parameter.name for parameter in _LATER)})
 """Names of the parameters that a scenario's text leaves out at their defaults."""
 
 SENSOR_PARAMETERS: Final = (
-    _not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU.", maximum=_FASTEST),
-    _not_negative(
+    not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU.", maximum=_FASTEST),
+    not_negative(
         "magnetometer_rate", "Samples of the magnetometer per second, from 1e-6; 0: no magnetometer.", maximum=_FASTEST
     ),
     Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
@@ -128,15 +123,15 @@ SENSOR_PARAMETERS: Final = (
         "Accelerometer: free_fall reads no gravity, pivot_gravity that of a body held at its mass centre.",
         choices=("free_fall", "pivot_gravity"),
     ),
-    _not_negative("gravity", "Standard gravity, against z of the world frame, m/s².", default=9.80665, maximum=1e6),
+    not_negative("gravity", "Standard gravity, against z of the world frame, m/s².", default=9.80665, maximum=1e6),
     _array("accelerometer_lever_arm", _ZEROS, "From the mass centre to the accelerometer in the body frame, m."),
     *_triad("accelerometer", "m/s²"),
     _array("magnetic_field", _CENTRAL_EUROPE, "Magnetic field in the world frame, T; the default is east, north, up."),
-    _not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/√Hz; 0: none."),
+    not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/√Hz; 0: none."),
     _array("magnetometer_hard_iron", _ZEROS, "Magnetometer: field of the body's own magnets in the body frame, T."),
     _array("magnetometer_soft_iron", _IDENTITY, "Magnetometer: matrix of the body's soft iron, row by row."),
-    _not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
-    _not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
+    not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
+    not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
     *_LATER,
 )
 """Every parameter of the sensors, in the order in which they are shown."""

@@ -68,9 +68,11 @@ class SampleClock:
             return np.array([epoch + _round_ratio(k * n, d) for k in range(first, first + count)], dtype=np.int64)
         # as `_round_ratio`, but for what comes before the first, which may be beyond int64
         before, rest = divmod(2 * first * n + d, 2 * d)
-        quotients, remainders = np.divmod(rest + 2 * n * np.arange(count, dtype=np.int64), 2 * d)
+        halves = rest + 2 * n * np.arange(count, dtype=np.int64)
+        quotients = halves // (2 * d)
+        ties = halves == quotients * (2 * d)
         quotients += epoch + before
-        quotients -= (remainders == 0) & (quotients - epoch & 1 == 1)
+        quotients -= ties & (quotients - epoch & 1 == 1)
         return quotients
 
     def count_before(self, duration: Fraction) -> int:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
+    from lie_rigid_body.scenario import Scenario
 
 __all__ = ["assert_attitude", "attitude_run"]
 
@@ -48,8 +49,8 @@ PARAMETERS: Final[dict[str, object]] = {
 _OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
 """Arguments of it that are none of the scenario's."""
 
-_runs: dict[str, Run] = {}
-"""Runs that tests of this process have asked for, by their arguments."""
+_runs: dict[tuple[Scenario, str], Run | tuple[Run, ...]] = {}
+"""Runs that tests of this process have asked for, by their scenarios and what else `simulate` was given."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -87,12 +88,10 @@ def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
     return [chosen] if isinstance(chosen, str) else chosen or []
 
 
-def _require_scenario(scenario: str, settings: dict[str, Any]) -> None:
+def _require_scenario(scenario: str | Path | Scenario, settings: dict[str, Any]) -> None:
     """End the collection of a test whose marker makes no scenario."""
-    from lie_rigid_body.runs.ensemble import scenario_of
-
     try:
-        scenario_of(scenario, {name: value for name, value in settings.items() if name not in _OF_SIMULATE})
+        _key(scenario, settings)
     except InputError as error:
         _fail(str(error))
 
@@ -113,25 +112,48 @@ def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
 
 
 @pytest.fixture
-def attitude_run(request: pytest.FixtureRequest) -> Run:
+def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     """A simulated run of a scenario and a sensor grade, the same in every run of the tests.
 
-    Without a marker it lasts 30 s, with IMU and magnetometer at 100 Hz, the gyro integrated, the body held at its mass
-    centre. The marker ``attitude_run`` chooses scenarios and grades, and gives further arguments of `simulate`.
+    Tests that ask for the same run share it, so its arrays are read-only: copy what is to be changed. Without a marker
+    it lasts 30 s, with IMU and magnetometer at 100 Hz, the gyro integrated, the body held at its mass centre. The
+    marker ``attitude_run`` chooses scenarios and grades, and gives further arguments of `simulate`. With ``indirect``,
+    ``parametrize`` does as well: pairs of a scenario and a grade, or scenarios of which the sensors are perfect.
     """
     from lie_rigid_body.runs import simulate
 
-    scenario, grade = request.param
+    scenario, grade = request.param if isinstance(request.param, tuple | list) else (request.param, "perfect")
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
     given = _settings(grade, chosen)
-    key = json.dumps([str(scenario), given], sort_keys=True, default=repr)
     try:
+        key = _key(scenario, given)
         if key not in _runs:
-            _runs[key] = simulate(scenario, **given)
+            _runs[key] = _read_only(simulate(scenario, **given))
     except InputError as error:
         _fail(str(error))
     return _runs[key]
+
+
+def _key(scenario: str | Path | Scenario, settings: dict[str, Any]) -> tuple[Scenario, str]:
+    """What tells a run from others: its scenario with all parameters, and the other arguments of `simulate`."""
+    from lie_rigid_body.runs.ensemble import plain, scenario_of
+
+    others = {name: plain(value) for name, value in settings.items() if name in _OF_SIMULATE}
+    parameters = {name: value for name, value in settings.items() if name not in _OF_SIMULATE}
+    return scenario_of(scenario, parameters), json.dumps(others, sort_keys=True, default=repr)
+
+
+def _read_only(made: Run | tuple[Run, ...]) -> Run | tuple[Run, ...]:
+    """Runs whose arrays no test can change for others."""
+    import numpy as np
+
+    for run in made if isinstance(made, tuple) else (made,):
+        for part in (run, run.imu, run.magnetometer, run.attitude_sensor, run.sun):
+            for array in () if part is None else vars(part).values():
+                if isinstance(array, np.ndarray):
+                    array.setflags(write=False)
+    return made
 
 
 def assert_attitude(

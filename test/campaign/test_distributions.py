@@ -36,6 +36,11 @@ def test_numbers_follow_their_law(given: dict[str, Any], law: Any) -> None:
     assert stats.kstest(drawn(**given), law.cdf).pvalue > LEAST_P
 
 
+def test_logarithms_are_uniform_also_where_the_quotient_of_the_limits_is_no_double() -> None:
+    exponents = np.log10(drawn(distribution="loguniform", low=1e-300, high=1e300))
+    assert stats.kstest(exponents, stats.uniform(-300.0, 600.0).cdf).pvalue > LEAST_P
+
+
 def test_rotations_are_uniform() -> None:
     """The half angle θ/2 of a uniform rotation has the density (4/π) sin²; every component is distributed alike."""
     q = drawn(distribution="uniform_rotation")

@@ -38,6 +38,9 @@ def three(run):
 
 def leaves(run):
     raise SystemExit(3)
+
+def interrupts(run):
+    raise KeyboardInterrupt("enough")
 """
 
 
@@ -80,6 +83,7 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
         ("three", "tuple of shape (3,)"),
         ("lost", "finite"),
         ("leaves", "SystemExit: 3"),
+        ("interrupts", "KeyboardInterrupt: enough"),
         ("missing", "no function 'missing'"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.messages import encode_string
 
 
 class Message(NamedTuple):
@@ -94,3 +96,12 @@ def flipped(message: Message) -> Message:
 def at(index: int, change: Callable[[Message], Message]) -> Callable[[list[Message]], list[Message]]:
     """The change of one message."""
     return lambda ms: [change(m) if i == index else m for i, m in enumerate(ms)]
+
+
+def declared(**changes: object) -> Change:
+    """The scenario message with other values."""
+
+    def changed(message: Message) -> Message:
+        return message._replace(data=encode_string(json.dumps({**json.loads(message.data[8:-1]), **changes})))
+
+    return on("/lie_rigid_body/scenario", at(0, changed))

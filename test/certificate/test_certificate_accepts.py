@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lie_rigid_body import BagError
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.recording.bag_reader import PoseTrack, Recording, TwistTrack
+from lie_rigid_body.recording.tracks import PoseTrack, Recording, TwistTrack
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Simulation
 

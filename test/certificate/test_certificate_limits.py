@@ -11,7 +11,7 @@ from test_certificate_accepts import run
 from lie_rigid_body.certificate import SegmentCertificate, certify
 from lie_rigid_body.certificate.tolerance import tolerance
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.tracks import Recording
 from lie_rigid_body.scenario import Scenario
 
 FAST = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9], "epoch_ns": 1_792_000_000_123_456_789}

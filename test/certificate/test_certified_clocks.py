@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
 from tampering import Change, Message, at, on, tamper, with_numbers
-from test_certified_sensors import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.erring_clocks import ErringClocks

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tampering import Change, Message, at, on, tamper
+from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, recorded, write
+from tampering import Change, Message, at, declared, on, tamper
 from test_certified_faults import EVERY, LATE, LATER, LOST, START
-from test_certified_sensors import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, declared, recorded, write
 
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
 from lie_rigid_body.messages import encode_string

@@ -4,22 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tampering import Message, at, on, tamper, with_numbers
-from test_certified_sensors import (
-    BIAS,
-    COARSE,
-    FORCE,
-    IMU,
-    MAG,
-    MOTIONS,
-    NOISY,
-    VALUES,
-    broken,
-    declared,
-    laws,
-    recorded,
-    write,
-)
+from sensor_bags import BIAS, COARSE, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
+from tampering import Message, at, declared, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import LawResult, SegmentCertificate, certify, readings, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag
@@ -187,8 +173,17 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     assert "1 messages are not logged" in found.messages[0]
 
 
-@pytest.mark.parametrize("sensors", [LATER, PERFECT], ids=["noisy", "perfect"])
-@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize(
+    ("motion", "sensors"),
+    [
+        ("closed form", LATER),
+        ("closed form", PERFECT),
+        ("rkmk4", LATER),
+        pytest.param("rkmk4", PERFECT, marks=pytest.mark.slow),
+        pytest.param("dmv20", LATER, marks=pytest.mark.slow),
+        pytest.param("dmv20", PERFECT, marks=pytest.mark.slow),
+    ],
+)
 def test_attitude_sun_and_orientation_are_computed_anew(tmp_path, motion, sensors):
     start = {**MOTIONS[motion], **sensors}
     stages = [(start, 0.6), ({**start, "sensor_seed": 3}, 0.2), ({**start, "sun_sensor_rate": 0.0}, 0.2)]

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from sensor_bags import BIAS, IMU, MAG, broken, recorded, write
 from tampering import Change, Message, tamper
-from test_certified_sensors import BIAS, IMU, MAG, broken, recorded, write
 
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.recording.bag_reader import Bag

@@ -1,15 +1,17 @@
-"""What loads compiled code heeds signals."""
+"""What loads compiled code heeds signals, and does without where there is no room for it."""
 
 from __future__ import annotations
 
 import ctypes
 import os
+import resource
 import signal
 from pathlib import Path
 
 import pytest
 
 from lie_rigid_body.compilation import compiler
+from lie_rigid_body.compilation.cache import mark
 from lie_rigid_body.compilation.compiler import Compiler
 
 
@@ -26,3 +28,18 @@ def test_a_signal_while_compiled_code_is_loaded_is_not_lost(monkeypatch: pytest.
             Compiler(load, "void()", None).result()
     finally:
         signal.signal(signal.SIGINT, former)
+
+
+def nothing() -> None:
+    """A function to be compiled."""
+
+
+def test_a_cache_without_room_leaves_the_plain_function(tmp_path: Path) -> None:
+    """Else what records a bag would end in an error that names no file, as if of the bag."""
+    mark(tmp_path, nothing).touch()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    try:
+        assert Compiler(nothing, "void()", tmp_path).result() is None
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)

@@ -29,7 +29,7 @@ def test_rms_is_evos_to_round_off(size_deg):
     estimate = quaternion.multiply(truth, turns(size_deg, seed=7))
     ape = metrics.APE(metrics.PoseRelation.rotation_angle_deg)
     ape.process_data((evo_trajectory(truth), evo_trajectory(estimate)))
-    score = evaluate(STAMPS, estimate, truth_of("dzhanibekov"))
+    score = evaluate(STAMPS, estimate, truth_of("dzhanibekov"), diagnosed=False)
     assert score.total_deg.rms == pytest.approx(ape.get_statistic(metrics.StatisticsType.rmse), rel=1e-12, abs=1e-13)
     assert score.total_deg.median == pytest.approx(ape.get_statistic(metrics.StatisticsType.median), rel=1e-11)
     assert score.total_deg.max == pytest.approx(ape.get_statistic(metrics.StatisticsType.max), rel=1e-11)

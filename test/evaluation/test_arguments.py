@@ -49,8 +49,8 @@ def test_an_imaginary_part_and_a_mask_are_not_dropped():
 @pytest.mark.filterwarnings("error")
 def test_a_norm_whose_square_overflows_is_remarked():
     assert [remark.code for remark in Estimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
-    assert Estimate.read([0, 1, 2], 1.0049 * Q).remarks == ()
-    assert Estimate.read([0, 1, 2], 0.9949 * Q).remarks != ()
+    assert Estimate.read([0, 1, 2], 1.0009 * Q).remarks == ()
+    assert Estimate.read([0, 1, 2], 0.9989 * Q).remarks != ()
 
 
 @pytest.mark.parametrize(

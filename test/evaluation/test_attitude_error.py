@@ -75,6 +75,27 @@ def test_a_turn_about_the_vertical_is_all_heading_and_a_tilt_all_inclination():
     np.testing.assert_allclose(attitude_error(quaternion.multiply(tilted, truth), truth), [0.5, 0.0, 0.5], atol=1e-15)
 
 
+def test_half_a_turn_of_inclination_has_no_heading_whatever_its_round_off():
+    rng = np.random.default_rng(1)
+    truth, azimuth = quaternion.normalize(rng.normal(size=(1000, 4))), rng.uniform(-np.pi, np.pi, 1000)
+    flip = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(1000), np.zeros(1000)], axis=-1)
+    error = attitude_error(quaternion.multiply(flip, truth), truth)
+    np.testing.assert_array_equal(error.heading, 0.0)
+    np.testing.assert_allclose([error.total, error.inclination], np.pi, rtol=0, atol=1e-14)
+    # a heading is there as soon as it is more than round-off
+    near = quaternion.normalize([1.0, 0.0, 3e-14, 3e-14])
+    assert attitude_error(quaternion.multiply(near, truth), truth).heading == pytest.approx(np.pi / 2, abs=0.2)
+
+
+def test_bits_do_not_depend_on_what_lies_beside_in_memory():
+    """As NumPy 1.26 makes them for arrays with strides, on processors with AVX-512."""
+    rng = np.random.default_rng(1)
+    for count in range(1, 401):
+        errors = quaternion.exp(rng.normal(scale=1e-3, size=(count, 3)))
+        seen = {np.stack([*angles(errors), *np.moveaxis(quaternion.log(errors), -1, 0)]).tobytes() for _ in range(5)}
+        assert len(seen) == 1, f"{count} errors have {len(seen)} sets of angles"
+
+
 @given(rotations, rotations)
 def test_total_is_scipys_and_inclination_the_angle_between_the_verticals(p, q):
     total, _, inclination = attitude_error(p, q)

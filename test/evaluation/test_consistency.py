@@ -84,6 +84,14 @@ def test_a_pose_gives_the_block_of_its_rotation():
     np.testing.assert_array_equal(attitude_nees(estimate, truth, pose).nees, attitude_nees(estimate, truth, P).nees)
 
 
+def test_round_off_of_a_rotated_covariance_is_no_asymmetry():
+    R, variance = quaternion.to_matrix(attitudes("world")[1][:500]), 1e-4
+    rotated = np.stack([r @ (variance * np.eye(3)) @ r.T for r in R])
+    assert not np.array_equal(rotated, np.swapaxes(rotated, 1, 2))
+    e = errors()[:500]
+    np.testing.assert_allclose(nees(e, rotated).nees, np.sum(e**2, axis=1) / variance, rtol=1e-11)
+
+
 def test_six_dimensions():
     full = np.diag([1.0, 4.0, 9.0, 1e-6, 1e-8, 1e-4])
     assert nees(errors(full), full).dimension == 6
@@ -95,7 +103,10 @@ def test_six_dimensions():
     [
         (np.zeros((3, 3)), "says that the estimator does not know it"),
         (np.diag([-1.0, 0.0, 0.0]), "says that the estimator does not know it"),
-        (np.diag([1.0, 0.0, 1.0]), "positive variances"),
+        (np.diag([1.0, 0.0, 1.0]), "0 on its diagonal: give positive variances"),
+        (np.diag([1.0, -2.0, 1.0]), "-2 on its diagonal: give positive variances"),
+        (np.eye(3) * 1e-310, "1e-310 on its diagonal: give positive variances, 1e-200 at least"),
+        ([[1e-150, 1e200, 0], [1e200, 1e-150, 0], [0, 0, 1]], "not symmetric"),
         ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "not symmetric"),
         ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
         (np.eye(2), r"shape \(2, 2\) is not"),
@@ -106,5 +117,32 @@ def test_six_dimensions():
 def test_refusals(covariance, message):
     with pytest.raises(InputError, match=message):
         attitude_nees(*attitudes("world"), covariance)
+
+
+def test_attitudes_of_other_instants_are_refused():
+    estimate, truth = attitudes("world")
+    with pytest.raises(InputError, match=r"does not go with truth_xyzw of shape \(3, 4\)"):
+        attitude_nees(estimate, truth[:3], P)
+
+
+@pytest.mark.parametrize("axes", ["map", ["world"], None])
+def test_other_axes_are_refused(axes):
     with pytest.raises(InputError, match="give 'world' or 'body'"):
-        attitude_nees(*attitudes("world"), P, axes="map")
+        attitude_nees(*attitudes("world"), P, axes)
+
+
+@pytest.mark.parametrize("probability", [2.0, -1, np.nan, 0.0, 1.0, "0.95", [0.9]])
+def test_a_probability_is_between_0_and_1(probability):
+    with pytest.raises(InputError, match=r"is not between 0 and 1: give for example probability=0\.95"):
+        nees(np.zeros((9, 3)), P, probability)
+
+
+def test_the_largest_probability_has_finite_bounds():
+    result = nees(errors()[:9], P, np.nextafter(1.0, 0.0))
+    assert np.isfinite([*result.bounds, *result.mean_bounds]).all()
+
+
+def test_a_nees_is_a_number_or_refused():
+    assert np.isfinite(attitude_nees([[1.0, 0.0, 0.0, 0.0]] * 9, [[0.0, 0.0, 0.0, 1.0]] * 9, np.eye(3) * 1e-200).mean)
+    with pytest.raises(InputError, match="up to 1e\\+200: the NEES overflows"):
+        nees(np.full((9, 3), 1e200), np.eye(3))

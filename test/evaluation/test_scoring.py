@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
+from lie_rigid_body import simulate
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.alignment import (
@@ -39,11 +40,11 @@ def test_the_json_has_the_promised_entries():
     assert found["samples"] == len(STAMPS)
     assert found["passed"] is False
     assert found["nees"]["verdict"] == "conservative"
-    assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg")).passed
+    assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg"), diagnosed=False).passed
 
 
 def test_the_series_are_in_the_json_on_request():
-    score = evaluate(STAMPS, NOISY, truth_of(MOTION), covariance=np.eye(3) * 1e-4)
+    score = evaluate(STAMPS, NOISY, truth_of(MOTION), covariance=np.eye(3) * 1e-4, diagnosed=False)
     assert "series" not in score.to_json()
     series = json.loads(json.dumps(score.to_json(series=True)))["series"]
     assert list(series) == ["stamps_ns", "total_deg", "heading_deg", "inclination_deg", "nees"]
@@ -87,7 +88,7 @@ def test_statistics_are_those_of_the_error_at_the_stamps():
     t = np.sort(np.random.default_rng(0).choice(STAMPS[-1], 700, replace=False))
     truth = MOTIONS[MOTION].at(t).attitude_xyzw
     estimate = quaternion.multiply(truth, turns(2.0, 9, len(t)))
-    score = evaluate(t, estimate, truth_of(MOTION))
+    score = evaluate(t, estimate, truth_of(MOTION), diagnosed=False)
     assert score.total_deg.max == np.degrees(attitude_error(estimate, truth).total.max())
     assert score.heading_deg.final == np.degrees(attitude_error(estimate, truth).heading[-1])
     assert score.t_s[-1] == (t[-1] - t[0]) / 1e9
@@ -97,7 +98,7 @@ def test_statistics_are_those_of_the_error_at_the_stamps():
 def test_an_estimate_ten_times_as_fast_as_the_truth_is_compared_at_its_own_stamps(ratio):
     truth = SampledTruth(STAMPS[::ratio], attitude(MOTION)[::ratio])
     score = evaluate(STAMPS, NOISY, truth)
-    exact = evaluate(STAMPS, NOISY, truth_of(MOTION))
+    exact = evaluate(STAMPS, NOISY, truth_of(MOTION), diagnosed=False)
     assert score.samples == len(STAMPS)
     assert abs(score.total_deg.max - exact.total_deg.max) <= score.truth_uncertainty_deg * 1.05 + 1e-12
     assert codes(score) == []
@@ -135,7 +136,7 @@ def test_covariances_go_with_their_stamps():
     P = np.tile(np.eye(3) * np.radians(0.5) ** 2, (len(kept), 1, 1))
     P[400] *= 1e9
     truth = SampledTruth(STAMPS[:1000], attitude(MOTION)[:1000])
-    score = evaluate(STAMPS[kept], NOISY[kept], truth, covariance=P)
+    score = evaluate(STAMPS[kept], NOISY[kept], truth, covariance=P, diagnosed=False)
     assert score.consistency is not None
     assert score.consistency.verdict == "consistent"
     assert score.consistency.nees.shape == (1000,)
@@ -167,6 +168,23 @@ def test_refusals_are_one_line(stamps, estimate, message):
     with pytest.raises(InputError, match=message) as error:
         evaluate(stamps, estimate, truth_of(MOTION))
     assert "\n" not in str(error.value)
+
+
+def test_limits_are_no_text():
+    with pytest.raises(InputError, match=r"limits: '1deg' is none: give for example Limits.parse\('1deg'"):
+        evaluate(STAMPS, NOISY, truth_of(MOTION), limits="1deg")  # type: ignore[arg-type]
+
+
+def test_no_lag_is_told_of_what_does_not_follow_the_truth():
+    """Readings of a gyro that is at the end of its range, added up: some lag fits best, and explains nothing."""
+    run = simulate("thrown_disc", duration=20.0, imu_rate=50.0, sensor_grade="tactical", gyro_rate="integrated")
+    assert run.imu is not None
+    attitude = [run.truth.attitude_xyzw[0]]
+    for turn in quaternion.exp(run.imu.gyro[1:] / 50.0):
+        attitude.append(quaternion.multiply(attitude[-1], turn))
+    score = run.score(attitude)
+    assert score.total_deg.median > 60.0
+    assert score.lag_s is None
 
 
 def test_a_finding_that_would_leave_larger_errors_is_not_told():

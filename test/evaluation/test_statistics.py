@@ -29,6 +29,13 @@ def test_bias_error_is_the_norm():
     assert (s.max, s.final) == (5.0, 1.0)
     with pytest.raises(InputError, match="truth: 1 of 2 rows are not finite"):
         bias_error(np.zeros((2, 3)), np.array([[0, 0, 0], [0, np.inf, 0]]))
+    assert bias_error([[3e200, 4e200, 0.0]], np.zeros((1, 3))).rms == pytest.approx(5e200)
+
+
+@pytest.mark.parametrize("rows", [1, 4])
+def test_a_bias_error_has_a_true_bias_for_each_estimate(rows):
+    with pytest.raises(InputError, match=rf"truth: shape \({rows}, 3\) is not \(5, 3\)"):
+        bias_error(np.zeros((5, 3)), np.zeros((rows, 3)))
 
 
 @pytest.mark.parametrize(("limit", "time"), [(0.5, None), (1.0, 4.0), (3.0, 2.0), (9.0, 0.0)])

@@ -93,8 +93,14 @@ def test_a_truth_has_no_doubles_and_does_not_end_before_it_begins():
         ExactTruth(lambda t: np.zeros((len(t), 4)), 1, 0)
 
 
+@pytest.mark.parametrize("time", [10**30, float("inf"), float("nan"), "0", None])
+def test_an_exact_truth_is_between_times_that_a_message_can_have(time):
+    with pytest.raises(InputError, match=r"is not within 2\*\*31 s of 0"):
+        ExactTruth(lambda t: np.zeros((len(t), 4)), 0, time)
+
+
 def test_what_is_wrong_about_an_estimate_is_remarked():
-    assert Estimate.read(STAMPS, SPIN * 1.004).remarks == ()
+    assert Estimate.read(STAMPS, SPIN * 1.0009).remarks == ()
     (remark,) = Estimate.read(STAMPS, SPIN * 1.01).remarks
     assert remark.code == "not_unit"
     assert "1501 of 1501" in remark.message
@@ -105,3 +111,12 @@ def test_what_is_wrong_about_an_estimate_is_remarked():
     assert "1 of 251 samples are doubles" in doubled.remarks[0].message
     assert "1 gap in the estimate, the longest of 1.02 s after 3.98 s" in doubled.remarks[1].message
     assert len(doubled.stamps_ns) == 250
+
+
+def test_one_missing_sample_is_a_gap_of_even_stamps_only():
+    """Of stamps that are uneven by themselves, two periods are none."""
+    (remark,) = Estimate.read(np.delete(STAMPS, 70), np.delete(SPIN, 70, axis=0)).remarks
+    assert remark.code == "gaps"
+    assert "1 gap" in remark.message
+    uneven = np.arange(len(STAMPS)) % 4 > 0
+    assert Estimate.read(STAMPS[uneven], SPIN[uneven]).remarks == ()

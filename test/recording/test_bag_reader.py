@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import zstandard
 from bags import MakeBag
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
@@ -214,6 +215,22 @@ def test_a_chunk_whose_checksum_differs_is_refused(make_bag: MakeBag, tmp_path: 
     at = content.index(b"base_link")
     path.write_bytes(content[:at] + b"base_lynk" + content[at + 9 :])
     with pytest.raises(BagError, match=r"damaged at byte .*crc"):
+        read_bag(path)
+
+
+@pytest.mark.parametrize(("opcode", "place"), [(Opcode.MESSAGE_INDEX, 5), (Opcode.CHUNK, 38)], ids=["index", "chunk"])
+def test_a_length_that_reaches_beyond_its_record_is_damage(
+    make_bag: MakeBag, tmp_path: Path, opcode: int, place: int
+) -> None:
+    """Of a file whose data section has no checksum; other readers fail there, and the library reads what there is."""
+    path = rewrite(make_bag(), tmp_path / "x.mcap", compression=CompressionType.NONE)
+    read_bag(path)
+    content, at = bytearray(path.read_bytes()), 8
+    while content[at] != opcode:
+        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
+    content[at + 9 + place] ^= 0x40
+    path.write_bytes(content)
+    with pytest.raises(BagError, match=rf"damaged at byte {at}: .* (beyond its end|longer than its record)"):
         read_bag(path)
 
 

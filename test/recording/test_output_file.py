@@ -160,7 +160,7 @@ def test_a_failed_run_keeps_the_bag_it_was_to_replace_and_nothing_else(make_bag:
 
 FULL = """
     import resource, sys
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario

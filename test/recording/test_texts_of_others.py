@@ -16,7 +16,7 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import mcap_contents
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.runs import Run
+from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SAMPLES = 40
@@ -62,9 +62,13 @@ def test_a_log_beside_a_body_is_only_counted(make_bag: MakeBag, tmp_path: Path, 
     assert said
 
 
-def test_nor_does_a_run_or_a_score_keep_it(make_bag: MakeBag, tmp_path: Path) -> None:
-    path = mixed(make_bag(count=SAMPLES, imu_rate=20.0), tmp_path / "mixed.mcap", "/log")
-    assert len(Run.from_bag(path).t_ns) == SAMPLES
+@pytest.mark.parametrize("topic", ["/log", "/faults"])
+def test_nor_does_a_run_or_a_score_keep_it(tmp_path: Path, topic: str) -> None:
+    simulate(duration=SAMPLES / 100.0, imu_rate=20.0).to_bag(tmp_path / "bag.mcap")
+    path = mixed(tmp_path / "bag.mcap", tmp_path / "mixed.mcap", topic)
+    run = Run.from_bag(path)
+    assert run.imu is not None
+    assert (len(run.t_ns), run.faults) == (SAMPLES, ())
     assert len(recorded_estimate(path, "/pose").track.stamps_ns) == SAMPLES
 
 

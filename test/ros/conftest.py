@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 from importlib.util import find_spec
 
@@ -10,9 +11,32 @@ from simulator_process import SimulatorProcess, assignments
 
 from ros_domains import own_domain
 
-if find_spec("rclpy"):
+ROS = find_spec("rclpy") is not None
+if ROS:
     from peer import NODE, Peer
+    from rclpy.exceptions import InvalidHandle
+    from rclpy.node import Node
     from std_srvs.srv import Trigger
+
+
+@pytest.fixture(autouse=True)
+def no_node_is_left() -> Iterator[None]:
+    """A program that ends in this process has destroyed its node, which later tests would meet in the graph."""
+    before = living_nodes()
+    yield
+    assert living_nodes() <= before
+
+
+def living_nodes() -> set[int]:
+    return {id(node) for node in gc.get_objects() if issubclass(type(node), Node) and is_alive(node)} if ROS else set()
+
+
+def is_alive(node: Node) -> bool:
+    try:
+        with node.handle:
+            return True
+    except InvalidHandle:
+        return False
 
 
 @pytest.fixture(scope="module")

@@ -60,6 +60,11 @@ class Peer:
         self.node.create_subscription(kind, topic, messages.append, qos)
         return messages
 
+    def publishers(self, topic: str) -> list[Any]:
+        """What publishes on a topic, once anything does: a node is known before its topics are."""
+        self.spin_until(lambda: self.node.count_publishers(topic), f"a publisher of {topic}")
+        return list(self.node.get_publishers_info_by_topic(topic))
+
     def listen_no_more(self) -> None:
         """Old subscriptions, which are always ready, would keep new ones waiting."""
         for subscription in list(self.node.subscriptions):

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
@@ -136,7 +137,10 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         others.spin_until(lambda: errors, "an error")
         assert others.call("reset").success
         seen = len(errors)
-        others.spin_until(lambda: len(errors) > seen + 10, "errors after the reset")
+        # of fewer samples than some fifteen no cause is told
+        others.spin_until(lambda: len(errors) > seen + 30, "errors after the reset")
+        limit = "above the limit of 1°"
+        others.spin_until(lambda: any(limit in status.message for status in of("bad", reports)), "a report of it")
         bad.process.send_signal(signal.SIGTERM)
         others.spin_until(lambda: bad.process.poll() is not None, "its end")
         assert bad.wait() == 1, bad.complained
@@ -148,7 +152,6 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         told = [np.degrees([e.vector.x, e.vector.y, e.vector.z]) for e in errors]
         assert max(total for total, *_ in told) <= content["total_deg"]["max"] * (1.0 + 1e-9)
         assert all(total >= max(heading, inclination) - 1e-9 for total, heading, inclination in told)
-        assert any("above the limit of 1°" in status.message for status in of("bad", reports))
 
 
 @pytest.mark.ros
@@ -286,7 +289,8 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--ros-args -p max_rmse:=1deg", "parameter max_rmse is unknown: did you mean max_rms"),
         ("--ros-args -p max_rms:=1", "'1' is not an angle such as 1deg"),
         ("--ros-args -p covariance_axes:=map", "axes 'map' are unknown: give 'world' or 'body'"),
-        ("--duration -1", "duration: -1.0 is not a time above 0"),
+        ("--duration -1", "duration -1.0 is not a time from 1e-9 to 1e10 seconds: give for example 60.0"),
+        ("--duration 1e300", "duration 1e+300 is not a time from 1e-9 to 1e10 seconds"),
         ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),
         ("--topic pose:=/b", "--topic goes only with a bag: remap the topic, --ros-args -r truth:=TOPIC"),
@@ -321,8 +325,10 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 
 @pytest.mark.ros
 def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
-    from lie_rigid_body import InputError
+    from lie_rigid_body import InputError, Scenario
     from lie_rigid_body.evaluation import Limits
+    from lie_rigid_body.messages import encode_string
+    from lie_rigid_body.runs.live_estimate import LiveEstimate
 
     for name in ("a", "b"):
         peer.node.create_publisher(String, f"/{name}/lie_rigid_body/scenario", 1)
@@ -330,12 +336,17 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
     for topic in ("/a/imu/data", "/imu/data"):
         peer.node.create_publisher(Imu, topic, 1)
     with Peer("evaluator") as other:  # a graph of its own
-        following = Following(other.node, Limits())
+        following = Following(other.node, partial(LiveEstimate, limits=Limits()))
         eventually(lambda: len(following.published().keys() - {*OF_EVERY_NODE}) == 6, "all topics")
         assert "attitudes are on /a/imu/data, /a/pose, /b/pose, /imu/data of domain" in following.silence()
         following.estimate = "/a/imu/data"
         following.look()
         assert set(following._subscriptions) == {"/a/imu/data", "/a/lie_rigid_body/scenario", "/a/pose"}
+        assert following.live is not None
+        following.live.hear_estimates([b""])
+        assert "nothing came on /a/lie_rigid_body/scenario, /a/pose" in following.silence()
+        following.live.truth.hear_scenario(encode_string(Segment(Scenario.from_parameters({}), 0, 0).to_json()))
+        assert following.silence().startswith("topic /a/imu/data has no orientation")
         following.estimate, following.live = "/imu/data", None
         with pytest.raises(InputError, match=r"there are several topics .../scenario: /a/.*, /b/.*: say which"):
             following.look()

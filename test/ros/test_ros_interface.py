@@ -225,8 +225,8 @@ def test_names_types_and_qualities_of_service_are_the_users(peer: Peer) -> None:
         assert peer.answer(Trigger, "/a/top/reset", Trigger.Request()).success
         assert any("/a/truth" in line for line in other.said)
         assert any("/a/top" in line for line in other.said)
-        [truth] = peer.node.get_publishers_info_by_topic("/a/truth")
-        [twist] = peer.node.get_publishers_info_by_topic("/a/twist")
+        [truth] = peer.publishers("/a/truth")
+        [twist] = peer.publishers("/a/twist")
         asked = GetParameters.Request(names=[f"{qos}.depth", f"{qos}.reliability"])
         depth, reliability = peer.answer(GetParameters, "/a/top/get_parameters", asked).values
     qualities = truth.qos_profile.reliability, twist.qos_profile.reliability
@@ -238,8 +238,7 @@ def test_names_types_and_qualities_of_service_are_the_users(peer: Peer) -> None:
 
 def test_topics_are_reliable_and_stamped_by_default(peer: Peer) -> None:
     for topic, kind in (("/pose", "geometry_msgs/msg/PoseStamped"), ("/twist", "geometry_msgs/msg/TwistStamped")):
-        found = peer.node.get_publishers_info_by_topic(topic)
-        assert {(info.topic_type, info.qos_profile.reliability) for info in found} == {
+        assert {(info.topic_type, info.qos_profile.reliability) for info in peer.publishers(topic)} == {
             (kind, ReliabilityPolicy.RELIABLE)
         }
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -115,8 +114,7 @@ def test_rosbag2_keeps_all_of_what_the_node_offers(observer: Peer) -> None:
     told.pop("/tf")  # of which there are publishers only where tf2_msgs is installed
     for topic, profile in told.items():
         assert profile.history == HistoryPolicy.KEEP_ALL
-        observer.spin_until(partial(observer.node.get_publishers_info_by_topic, topic), topic)
-        [offered] = observer.node.get_publishers_info_by_topic(topic)
+        [offered] = observer.publishers(topic)
         assert (profile.reliability, profile.durability) == (
             offered.qos_profile.reliability,
             offered.qos_profile.durability,

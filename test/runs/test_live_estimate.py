@@ -70,9 +70,9 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
         if topic == "/estimate":
             live.hear_estimates([payload])
         elif topic == "/pose":
-            live.hear_poses(topic, POSE_STAMPED, [payload])
+            live.truth.hear_poses(topic, POSE_STAMPED, [payload])
         elif topic.endswith("/scenario"):
-            live.hear_scenario(payload)
+            live.truth.hear_scenario(payload)
         if i % 20 == 0:
             live.judge()
     return live
@@ -223,7 +223,7 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
     with pytest.raises(InputError, match="neither a scenario nor a pose came"):
         live.score()
     with pytest.raises(InputError, match="not the JSON"):
-        live.hear_scenario(encode_string("a scene"))
+        live.truth.hear_scenario(encode_string("a scene"))
 
 
 def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
@@ -235,6 +235,22 @@ def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
         followed(bag, POSE_STAMPED).score()
 
 
+@pytest.mark.parametrize(
+    ("shift_ns", "size", "why"),
+    [
+        (10**18, 1.0, "is stamped within the truth, from 0 s to 5.96 s; the last is at 1000000005.923 s"),
+        (0, np.nan, "topic /estimate: 149 of 149 attitudes are not finite, or zero, the first stamped 0.003 s"),
+        (0, 0.0, "topic /estimate: 149 of 149 attitudes are not finite, or zero"),
+    ],
+)
+def test_why_nothing_is_compared_though_the_truth_is_known(shift_ns, size, why, own, stamps, noisy, tmp_path):
+    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + shift_ns, noisy * size)
+    live = followed(beside(own, tmp_path / "bag.mcap", topic), POSE_STAMPED)
+    live.judge()
+    assert live.tally.count == 0
+    assert why in live.why_not_compared()
+
+
 def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
@@ -243,7 +259,7 @@ def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
     assert live.judge() is None
     for topic, payload in heard:
         if topic.endswith("/scenario"):
-            live.hear_scenario(payload)
+            live.truth.hear_scenario(payload)
     assert live.score()[1].total_deg.rms == pytest.approx(scored(bag).total_deg.rms, rel=1e-12)
 
 
@@ -257,10 +273,11 @@ def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, t
     kept = np.delete(np.arange(len(stamps)), [40, 90])
     alone = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[kept], noisy[kept]))
     assert score.total_deg == scored(alone).total_deg
-    assert live.unusable == 2
-    assert read.notes == (f"{live.fault()}.",)
-    assert f"2 of 149 attitudes are not finite, or zero, the first stamped {stamps[40] / NS:.13g} s" in live.fault()
-    assert followed(alone, POSE_STAMPED).fault() == ""
+    assert live.estimate.unusable == 2
+    [note] = read.notes
+    assert note == f"{live.estimate.fault()}."
+    assert f"2 of 149 attitudes are not finite, or zero, the first stamped {stamps[40] / NS:.13g} s" in note
+    assert followed(alone, POSE_STAMPED).estimate.fault() == ""
 
 
 def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps, noisy, tmp_path):
@@ -270,34 +287,43 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
     heard = list(of(bag))
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=2.0)
-    live.hear_scenario(next(payload for topic, payload in heard if topic.endswith("/scenario")))
+    live.truth.hear_scenario(next(payload for topic, payload in heard if topic.endswith("/scenario")))
     estimates = [payload for topic, payload in heard if topic == "/estimate"]
     live.hear_estimates(estimates[:40])
     live.judge()
-    complete = [live.complete]
+    complete = [live.estimate.complete]
     live.hear_estimates(estimates[40:])
     live.judge()
-    assert [*complete, live.complete] == [False, True]
+    assert [*complete, live.estimate.complete] == [False, True]
     score = live.score()[1]
-    assert (score.t_s[-1], score.samples, live.unusable) == (2.0, 51, 1)
+    assert (score.t_s[-1], score.samples, live.estimate.unusable) == (2.0, 51, 1)
 
 
-@pytest.mark.parametrize("most", [10**5, 50])
-@pytest.mark.parametrize(("at", "stamp"), [(0, 2**31 * NS - NS), (40, 2**31 * NS - NS), (0, -(10**9) * NS)])
+@pytest.mark.parametrize(
+    ("at", "stamp", "most"),
+    [
+        (0, 2**31 * NS - NS, 10**5),
+        (0, 2**31 * NS - NS, 50),
+        (40, 2**31 * NS - NS, 10**5),
+        (0, -(10**9) * NS, 10**5),
+        pytest.param(40, 2**31 * NS - NS, 50, marks=pytest.mark.slow),
+        pytest.param(0, -(10**9) * NS, 50, marks=pytest.mark.slow),
+    ],
+)
 def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, stamps, noisy):
     wrong, q = stamps.copy(), noisy.copy()
     wrong[at], q[100:] = stamp, [0.0, 0.0, 0.0, 1.0]
     how = HOW[POSE_STAMPED]
     estimates = [bytes(STORE.serialize_cdr(how(*each), POSE_STAMPED)) for each in zip(wrong.tolist(), q, strict=True)]
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=5.0, most=most)
-    live.hear_scenario(next(payload for topic, payload in of(own) if topic.endswith("/scenario")))
+    live.truth.hear_scenario(next(payload for topic, payload in of(own) if topic.endswith("/scenario")))
     poses = [payload for topic, payload in of(own) if topic == "/pose"]
     complete = []
     for i, message in enumerate(estimates):
-        live.hear_poses("/pose", POSE_STAMPED, poses[i : i + 1])
+        live.truth.hear_poses("/pose", POSE_STAMPED, poses[i : i + 1])
         live.hear_estimates([message])
         live.judge()
-        complete.append(live.complete)
+        complete.append(live.estimate.complete)
     assert complete.index(True) == 125 + (at == 0)
     read, score = live.score()
     assert live.tally.count == 126 - (at > 0)
@@ -319,7 +345,7 @@ def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
     ahead = stamps + 10**18
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
     live = followed(bag, POSE_STAMPED, duration_s=5.0)
-    assert live.complete
+    assert live.estimate.complete
     with pytest.raises(InputError, match="none of its 126 stamps is within the truth"):
         live.score()
 
@@ -337,6 +363,12 @@ def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, own, stamps, noisy,
         live = followed(bag, POSE_STAMPED, duration_s=duration_s)
         codes[count] = [finding.code for finding in live.score()[1].findings]
     assert codes == {101: [] if duration_s else ["gaps"], 126: [], 60: ["gaps"]}
+
+
+@pytest.mark.parametrize("duration_s", [1e300, np.inf, np.nan, -1.0, 0.0])
+def test_what_is_no_duration_is_one_line(duration_s):
+    with pytest.raises(InputError, match="is not a time from 1e-9 to 1e10 seconds: give for example 60"):
+        LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=duration_s)
 
 
 def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):

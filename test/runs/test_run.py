@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from lie_rigid_body.evaluation import attitude_error
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.runs import ImuArrays
+from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import LONGEST_LINE
 
@@ -119,6 +121,28 @@ def test_seeds_have_the_bits_of_single_runs_and_share_the_truth(motion):
     assert [r.scenario.parameters()["sensor_seed"] for r in runs] == [7, 3, 7]
 
 
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_seeds_by_which_other_numbers_of_readings_arrive_have_the_bits_of_single_runs(motion):
+    """With steps that err so much that others would give other bits."""
+    given: dict[str, Any] = {"imu_latency_jitter": 0.1, "magnetometer_latency_jitter": 0.3, "rate": 100.0}
+    given |= {"duration": 2.0, "motion": motion, "method": "rkmk2", "max_step": 0.004, "gyro_rate": "integrated"}
+    given |= {"imu_rate": 100.0, "magnetometer_rate": 100.0, "gyro_noise_density": 1e-3}
+    runs = simulate(seeds=range(6), **given)
+    assert [bits(run) for run in runs] == [bits(simulate(sensor_seed=seed, **given)) for seed in range(6)]
+    lengths = [len(imu_of(run).t_ns) for run in runs]
+    assert min(np.diff(lengths)) < 0 < max(np.diff(lengths))
+
+
+def test_a_scenario_through_a_pipe_serves_all_seeds():
+    """As of ``<(...)`` in a shell, which can be read once."""
+    readable, writable = os.pipe()
+    with os.fdopen(readable), os.fdopen(writable, "w") as pipe:
+        pipe.write("/**: {ros__parameters: {motion: closed_form, rate: 20.0}}")
+        pipe.close()
+        runs = simulate(Path(f"/dev/fd/{readable}"), duration=0.1, seeds=range(2), imu_rate=20.0)
+    assert [run.scenario.rate for run in runs] == [20.0, 20.0]
+
+
 def test_the_truth_is_computed_once_for_all_seeds(monkeypatch):
     asked: list[int] = []
     at = ClosedForm.at
@@ -181,6 +205,16 @@ def test_a_bag_with_a_reset(tmp_path):
     assert truth.last_ns == 2 * 10**9 - 1
 
 
+def test_faults_that_leave_no_reading_are_in_the_run_of_the_bag(tmp_path):
+    run = simulate(duration=1.0, magnetometer_rate=10.0, magnetometer_dropout_probability=1.0)
+    assert len(run.faults) == 10
+    run.to_bag(tmp_path / "a.mcap")
+    read = Run.from_bag(tmp_path / "a.mcap")
+    assert read.faults == run.faults
+    read.to_bag(tmp_path / "b.mcap")
+    assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
+
+
 def without_topic(source: Path, target: Path, topic: str, keep_every: int = 0) -> None:
     from mcap.reader import make_reader
 
@@ -217,6 +251,13 @@ def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
     told = np.arange(400) % 4 == 3
     assert np.isnan(some[~told]).all()
     np.testing.assert_array_equal(some[told], np.asarray(imu_of(run).gyro_bias)[told])
+    few = Run.from_bag(tmp_path / "d.mcap")
+    with pytest.raises(InputError, match="the biases of 300 of 400 readings of its IMU"):
+        few.to_bag(tmp_path / "f.mcap")
+    assert not (tmp_path / "f.mcap").exists()
+    np.testing.assert_allclose(few.gyro_bias_at(imu.t_ns), run.gyro_bias_at(imu.t_ns), rtol=0, atol=1e-4)
+    attitude = few.attitude().at(imu.t_ns)
+    assert few.score(attitude, gyro_bias=few.gyro_bias_at(imu.t_ns), diagnosed=False).gyro_bias_rad_s is not None
     without_topic(tmp_path / "a.mcap", tmp_path / "e.mcap", "/lie_rigid_body/scenario")
     with pytest.raises(BagError, match=r"no topic \.\.\./scenario \(String: body, motion, frames\)"):
         Run.from_bag(tmp_path / "e.mcap")
@@ -243,13 +284,28 @@ def test_the_truth_between_samples_is_the_motion_that_the_sensors_read(method):
     assert truth.uncertainty_at(fine.t_ns) < (1e-14 if method == "dmv20" else 1e-2 * off.max())
 
 
+@pytest.mark.parametrize("method", ["rkmk2", "dmv2"])
+def test_the_truth_far_from_samples_is_no_worse_than_the_exact_solution(method):
+    """As live, before the first pose that is heard: two samples tell nothing of a far time."""
+    run = simulate(duration=30.0, rate=20.0, method=method, max_step=0.02, initial_body_rate=[0.5, 2.0, 0.3])
+    heard = slice(400, 500)
+    truth = ScenarioTruth(run.segments, 0, int(run.t_ns[-1]), run.t_ns[heard], run.truth.attitude_xyzw[heard])
+    exact = ScenarioTruth(run.segments, 0, int(run.t_ns[-1]))
+    error, off = (attitude_error(one.at(run.t_ns), run.truth.attitude_xyzw).total for one in (truth, exact))
+    assert error[0] < 1e-15
+    assert error[heard].max() < 1e-14
+    for far in (slice(400), slice(500, None)):
+        assert np.sqrt(np.mean(error[far] ** 2)) < np.sqrt(np.mean(off[far] ** 2))
+    assert truth.uncertainty_at(run.t_ns[:400]) == pytest.approx(off[400], rel=1e-9)
+
+
 def test_scores_of_a_run(run):
     truth = run.attitude()
     late = run.score(truth.at(np.maximum(run.imu.t_ns - 4_000_000, 0)))
     assert late.samples == 400
     assert [finding.code for finding in late.findings] == ["lagging"]
     assert abs(late.lag_s - 0.004) < 1e-6
-    assert run.score(run.truth.attitude_xyzw).total_deg.max < 1e-12
+    assert run.score(run.truth.attitude_xyzw, diagnosed=False).total_deg.max < 1e-12
     assert run.score(run.truth.attitude_xyzw[::2], run.t_ns[::2]).samples == 20
     with pytest.raises(InputError, match="17 rows goes neither with 400 readings of the IMU nor with 40 samples"):
         run.score(run.truth.attitude_xyzw[:17])
@@ -277,14 +333,18 @@ def test_refusals_are_one_line(arguments, message):
 
 def test_the_error_of_an_estimated_bias(run):
     bias = np.asarray(imu_of(run).gyro_bias) + np.array([3e-3, 0.0, -4e-3])
-    score = run.score(run.attitude().at(imu_of(run).t_ns), gyro_bias=bias)
+    score = run.score(run.attitude().at(imu_of(run).t_ns), gyro_bias=bias, diagnosed=False)
     assert score.gyro_bias_rad_s is not None
     assert score.gyro_bias_rad_s.rms == pytest.approx(5e-3, rel=1e-12)
     assert score.to_json()["gyro_bias_rad_s"] == score.gyro_bias_rad_s.to_json()
     middle = run.gyro_bias_at(imu_of(run).t_ns[:-1] + 2_500_000)
     np.testing.assert_allclose(middle, 0.5 * (bias[1:] + bias[:-1]) - np.array([3e-3, 0.0, -4e-3]), rtol=0, atol=1e-15)
-    with pytest.raises(InputError, match="does not tell the bias"):
-        simulate(SCENARIO, duration=1.0).gyro_bias_at([0])
+    with pytest.raises(InputError, match="gyro_bias: 400 of 400 rows are not finite"):
+        run.score(run.attitude().at(imu_of(run).t_ns), gyro_bias=np.full((400, 3), np.nan), diagnosed=False)
+    silent = simulate(SCENARIO, duration=1.0, imu_rate=10.0, imu_dropout_probability=1.0)
+    for untold in (simulate(SCENARIO, duration=1.0), silent):
+        with pytest.raises(InputError, match="does not tell the bias"):
+            untold.gyro_bias_at([0])
 
 
 @pytest.mark.parametrize("seeds", [None, [1, 2]])

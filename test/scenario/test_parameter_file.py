@@ -159,6 +159,15 @@ def test_later_ones_win(write: Write) -> None:
     assert gather(None, [], []) == {}
 
 
+def test_an_assignment_may_name_the_node_as_for_ros() -> None:
+    assert gather(None, [], ["lie_rigid_body:rate:=40.0", "motion:=closed_form"]) == {
+        "rate": 40.0,
+        "motion": "closed_form",
+    }
+    with pytest.raises(ParameterError, match="no such parameter"):
+        Scenario.from_parameters(gather(None, [], ["other:rate:=40.0"]))
+
+
 def test_what_every_node_has_is_left_to_nodes(write: Write) -> None:
     path = write("/**: {ros__parameters: {rate: 1.0, use_sim_time: true, qos_overrides: {/pose: {depth: 1}}}}")
     assert gather(None, [path], ["start_type_description_service:=false"]) == {"rate": 1.0}

@@ -54,7 +54,7 @@ def test_loading_it_loads_nothing_heavy():
 @pytest.mark.parametrize(
     ("chosen", "passed"),
     [
-        ("not tumbling_cubesat and (perfect or mems or mistaken)", 4),
+        ("not tumbling_cubesat and (no_error or mems or mistaken)", 3),
         pytest.param("test", 2 * len(GRADES) + 2, marks=SLOW),
     ],
 )
@@ -85,11 +85,61 @@ def test_parametrised(attitude_run):
     first.append(attitude_run)
     assert attitude_run is first[0]
     assert attitude_run.scenario.sensor_grade == "tactical"
+
+@pytest.mark.attitude_run(duration=0.5)
+@pytest.mark.parametrize("attitude_run", ["flat_plate"], indirect=True)
+def test_of_perfect_sensors(attitude_run):
+    assert attitude_run.scenario.sensor_grade == "perfect"
 """
     )
     done = run_pytest(tmp_path, "-v", "--strict-markers", "-k", "not test_all")
-    listed = outcome(done, passed=4, deselected=len(scenario_files()) * len(GRADES))
+    listed = outcome(done, passed=5, deselected=len(scenario_files()) * len(GRADES))
     assert "test_marked[dzhanibekov-mems]" in listed
+
+
+def test_each_test_has_the_run_it_asks_for_and_changes_none_for_others(tmp_path):
+    """Scenarios and arguments that look alike where they are shortened are others."""
+    (tmp_path / "test_user.py").write_text(
+        """
+import numpy as np
+import pytest
+from lie_rigid_body import Scenario
+
+BODY = {
+    **{"inertia": [1.23456789, 2.3456789, 3.0123456789], "initial_attitude_xyzw": [0.1, 0.2, 0.3, 0.9273618495495704]},
+    **{"rate": 20.0, "imu_rate": 100.0, "magnetometer_rate": 50.0, "sensor_grade": "mems", "world_frame": "inertial"},
+}
+SPINS = [[0.1, rate, 0.01] for rate in (0.5, 2.0)]
+
+@pytest.mark.attitude_run(
+    scenarios=[Scenario.from_parameters({**BODY, "initial_body_rate": spin}) for spin in SPINS],
+    grades="perfect", duration=0.1,
+)
+def test_scenarios(attitude_run, request):
+    assert attitude_run.scenario.initial_body_rate == request.node.callspec.params["attitude_run"][0].initial_body_rate
+
+class TestArguments:
+    @pytest.mark.attitude_run(
+        scenarios="flat_plate", grades="mems", duration=0.1, initial_body_rate=np.array([1, 2, 3.0])
+    )
+    def test_one(self, attitude_run):
+        assert attitude_run.scenario.initial_body_rate[2] == 3.0
+
+    @pytest.mark.attitude_run(
+        scenarios="flat_plate", grades="mems", duration=0.1, initial_body_rate=np.array([1, 2, 3.0 + 1e-12])
+    )
+    def test_other(self, attitude_run):
+        assert attitude_run.scenario.initial_body_rate[2] == 3.0 + 1e-12
+
+@pytest.mark.attitude_run(scenarios="flat_plate", grades="mems", duration=0.1)
+def test_arrays(attitude_run):
+    imu, field = attitude_run.imu, attitude_run.magnetometer
+    for array in (attitude_run.t_ns, imu.t_ns, imu.gyro, imu.gyro_bias, field.field, field.arrival_ns):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] -= 1
+"""
+    )
+    outcome(run_pytest(tmp_path, "-q", "--strict-markers"), passed=5)
 
 
 def test_a_failure_tells_the_error_and_its_cause(run):
@@ -126,6 +176,8 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run):
         ({"estimate": right[:7], "max_rms_deg": 1.0}, "give its stamps as t_ns"),
         ({"estimate": np.full((250, 4), np.nan), "max_rms_deg": 1.0}, "not finite"),
         ({"estimate": right, "max_rms_deg": 1.0, "after_s": 9.0}, "beyond the last estimate"),
+        ({"estimate": right, "max_rms_deg": 1.0, "after_s": 1e10}, "beyond the last estimate"),
+        ({"estimate": right, "max_rms_deg": 1.0, "after_s": 1e300}, "beyond the last estimate"),
         ({"estimate": right, "max_after": "10s"}, "give for example 10s:2deg"),
     ]:
         with pytest.raises(InputError, match=message) as error:

@@ -14,11 +14,10 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 
 from lie_rigid_body.ros.control.parameters import refused
-from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import suggestion
 
 _TYPES: Final = frozenset(kind.value for kind in Parameter.Type)
-_NAMES: Final = tuple(parameter.name for parameter in PARAMETERS)
 
 
 class AnsweringParameterService(ParameterService):  # type: ignore[misc]
@@ -58,4 +57,4 @@ class AnsweringParameterService(ParameterService):  # type: ignore[misc]
         except ParameterNotDeclaredException:
             node = self._get_node()
             unknown = next(change.name for change in changes if not node.has_parameter(change.name))
-            return refused(f"{unknown}: no such parameter: {suggestion(unknown, _NAMES, 'parameters')}")
+            return refused(f"{unknown}: no such parameter: {suggestion(unknown, BY_NAME, 'parameters')}")

@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter as RosParameter
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.parameters import Parameter, Value
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 from lie_rigid_body.wording import shortened
 
 _NEW_NODE: Final = "start the node anew with it"
@@ -32,7 +32,6 @@ FIXED: Final[Mapping[str, str]] = {
 IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
-_BY_NAME: Final = {parameter.name: parameter for parameter in PARAMETERS}
 _OF_EVERY_NODE: Final = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 
 
@@ -64,7 +63,7 @@ class NodeParameters:
 
     def values(self) -> dict[str, Any]:
         """The present value of every parameter, by name."""
-        return {name: self._node.get_parameter(name).value for name in _BY_NAME}
+        return {name: self._node.get_parameter(name).value for name in BY_NAME}
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
@@ -93,7 +92,7 @@ class NodeParameters:
 
     def _validate(self, changes: Sequence[RosParameter]) -> SetParametersResult:
         """Accept all changes of a request, or refuse all with the reason."""
-        new = {change.name: change.value for change in changes if change.name in _BY_NAME}
+        new = {change.name: change.value for change in changes if change.name in BY_NAME}
         try:
             Scenario.from_parameters({**self.values(), **new})
         except LieRigidBodyError as error:
@@ -145,7 +144,7 @@ def integers_as_doubles(changes: list[RosParameter]) -> list[RosParameter]:
 
 
 def _as_declared(change: RosParameter) -> RosParameter:
-    parameter = _BY_NAME.get(change.name)
+    parameter = BY_NAME.get(change.name)
     if parameter is None:
         return change
     if parameter.kind == "double" and change.type_ == RosParameter.Type.INTEGER:

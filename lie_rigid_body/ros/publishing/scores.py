@@ -98,10 +98,10 @@ class Scores:
         self._diagnostics.publish(array)
 
     def _is_due(self, live: LiveEstimate, now: float) -> bool:
-        return live.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due
+        return live.estimate.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due
 
     def _diagnose(self, live: LiveEstimate) -> None:
-        begin, self._diagnosed_s = time.monotonic(), live.span_s
+        begin, self._diagnosed_s = time.monotonic(), live.estimate.span_s
         try:
             self._score, self._fault = live.score(INTERIM)[1], ""
             self._findings = self._confirmed.findings(self._score, self._diagnosed_s)
@@ -126,7 +126,7 @@ class Scores:
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
-        fault = self._fault or live.fault()
+        fault = self._fault or live.estimate.fault()
         if fault:
             return self._made(DiagnosticStatus.ERROR, fault, values)
         # that the run is still shorter than a limit is no fault yet

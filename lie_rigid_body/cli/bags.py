@@ -1,9 +1,9 @@
-"""How far bags have been read, on a terminal."""
+"""The bags that arguments name, and how far they have been read."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,6 +13,24 @@ if TYPE_CHECKING:
 PASSES: Final = 3
 """How often a bag is read at most to be certified or drawn: to open it, to find its segments, and to take its
 samples."""
+
+
+def is_folder_of_bags(name: str) -> bool:
+    """Whether an argument is a folder that is not one bag itself."""
+    from lie_rigid_body.recording.bag_files import is_one_bag
+
+    return Path(name).is_dir() and not is_one_bag(Path(name))
+
+
+def bags_of(names: Sequence[str]) -> list[str]:
+    """The bags that the arguments name, folders of bags searched, each bag once."""
+    from lie_rigid_body.recording.bag_folders import bags_in
+
+    found: dict[Path, str] = {}
+    for name in names:
+        for bag in bags_in(Path(name)) if is_folder_of_bags(name) else [name]:
+            found.setdefault(Path(bag).resolve(), str(bag))
+    return list(found.values())
 
 
 def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:

@@ -1,0 +1,45 @@
+"""Attitudes beside each other: the turns from some to others, as vectors and as angles, and their mean."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.lie import quaternion
+
+
+def turns(start_xyzw: Array, end_xyzw: Array) -> Array:
+    """Rotation vectors from some attitudes to others on the body's axes, log(q_start⁻¹ ⊗ q_end), (..., 3), rad."""
+    return quaternion.log(quaternion.multiply(quaternion.conjugate(start_xyzw), end_xyzw))
+
+
+def angles_between(start_xyzw: Array, end_xyzw: Array) -> Array:
+    """Angles of the turns from some attitudes to others, shape (...), rad."""
+    return sizes(turns(start_xyzw, end_xyzw))
+
+
+def sizes(vectors: Array) -> Array:
+    """Norms of vectors of shape (..., 3)."""
+    return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
+
+
+def geodesic(start_xyzw: Array, end_xyzw: Array, fraction: Array) -> Array:
+    """The attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
+    return quaternion.multiply(
+        start_xyzw, quaternion.exp(turns(start_xyzw, end_xyzw) * np.asarray(fraction)[..., np.newaxis])
+    )
+
+
+def mean(attitude_xyzw: Array) -> Array:
+    """The attitude that is nearest to all of shape (..., N, 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
+
+    F. L. Markley and others, Averaging Quaternions, J. Guidance, Control, and Dynamics 30 (2007) 1193, eq. 13.
+    """
+    outer = np.einsum("...na,...nb->...ab", attitude_xyzw, attitude_xyzw)
+    return np.asarray(np.linalg.eigh(outer)[1][..., -1])
+
+
+def from_mean(attitude_xyzw: Array) -> float:
+    """Median angle from the mean of attitudes, shape (N, 4), rad: what one leaves that does not follow the body."""
+    cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))
+    return float(np.median(2.0 * np.arccos(np.minimum(cosine, 1.0))))

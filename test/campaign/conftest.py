@@ -1,0 +1,45 @@
+"""A campaign that is done once for all the files that read it, and a cluster for those that go on with one."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from campaigns import ESTIMATOR, written
+
+from lie_rigid_body.cli.campaign import main
+
+
+@pytest.fixture(scope="session")
+def campaign_done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a campaign on two workers, with an estimator beside it that fails in one run."""
+    folder = tmp_path_factory.mktemp("campaign")
+    (folder / "estimator_of_a_campaign.py").write_text(ESTIMATOR)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [*sys.path])
+        patch.chdir(folder)
+        assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "2"]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def out(campaign_done: Path) -> Iterator[Path]:
+    """What `campaign_done` has written, with its estimator in the working directory."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [*sys.path])
+        patch.chdir(campaign_done)
+        yield campaign_done / "out"
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a cluster of one worker, a thread of this process, reached by TCP: it starts at once."""
+    from distributed import LocalCluster
+
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "protocol": "tcp"}
+    folder = str(tmp_path_factory.mktemp("workers"))
+    with LocalCluster(**options, dashboard_address="127.0.0.1:0", local_directory=folder) as cluster:
+        yield cluster.scheduler_address

@@ -1,0 +1,107 @@
+"""What a finished ``campaign`` leaves: the table, the bags and the page, whatever the number of its workers."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from campaigns import NEEDS_DASK, SCORES, bytes_of, table_of, written
+
+from lie_rigid_body.campaign import Campaign, run
+from lie_rigid_body.campaign.definition import OF_TABLE
+from lie_rigid_body.campaign.run import carry_out
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.runs import simulate
+
+pytestmark = NEEDS_DASK
+
+
+def test_the_table_has_a_row_for_each_run(out: Path) -> None:
+    table = table_of(out)
+    vary = ["initial_attitude_xyzw", "initial_body_rate", "inertia", "gyro_noise_density", "motion", "sensor_seed"]
+    assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag", *SCORES, "estimator_error"]
+    assert table["run"].to_pylist() == list(range(6))
+    assert table["certified"].to_pylist() == [True] * 6
+    assert all(0.0 < accuracy < 1e-13 for accuracy in table["attitude_accuracy_rad"].to_pylist())
+    assert [(out / bag).is_file() for bag in table["bag"].to_pylist()] == [True] * 6
+    of_truth = pytest.approx(0.0, abs=1e-12)
+    for name in SCORES:
+        assert table[name].to_pylist() == [of_truth, of_truth, None, of_truth, of_truth, of_truth]
+    assert table["estimator_error"].to_pylist() == [None, None, "RuntimeError: it is lost", None, None, None]
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(6)]
+
+
+def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tmp_path: Path) -> None:
+    campaign = Campaign.from_table(shutil.copy(out / "runs.parquet", tmp_path))
+    assert campaign == Campaign.from_file(written(tmp_path))
+    for row in table_of(out).to_pylist():
+        given = {name: row[name] for name in list(row)[1:7]} | {"rate": 100.0, "imu_rate": 100.0}
+        assignments = [f"-p{name}:={value}" for name, value in given.items()]
+        again = tmp_path / "again.mcap"
+        options = ["--scenario", "tumbling_cubesat", "--duration", "0.25", "--force", "--quiet"]
+        assert record([str(again), *options, *assignments]) == 0
+        assert again.read_bytes() == (out / row["bag"]).read_bytes()
+        simulate(campaign.scenario_of(row["run"]), duration=campaign.duration).to_bag(again, overwrite=True)
+        assert again.read_bytes() == (out / row["bag"]).read_bytes()
+
+
+def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    path = tmp_path / "runs.parquet"
+    whole = pyarrow.table({"run": [0]})
+    for said in ("", "3", "{}", '{"campaign": 3}', '{"campaign": {"runs": 1}}', "[" * 100_000):
+        parquet.write_table(whole.replace_schema_metadata({OF_TABLE: said}), path)
+        with pytest.raises(InputError, match=r"is no table of a campaign: give its runs\.parquet"):
+            Campaign.from_table(path)
+    parquet.write_table(whole, tmp_path / "other.parquet")
+    path.write_text("other")
+    for other in (path, tmp_path / "other.parquet", tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match="is no table of a campaign"):
+            Campaign.from_table(other)
+
+
+def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, scheduler: str, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", scheduler]) == 0
+    assert bytes_of(other) == bytes_of(out)
+    assert table_of(other).equals(table_of(out))
+
+
+def test_a_page_shows_the_runs_and_their_residuals(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("plotly")
+    report = tmp_path / "report.html"
+    given = [str(written(tmp_path)), "--out", str(out), "--report", str(report)]
+    assert main(given) == 0
+    assert f"wrote {report}" in capsys.readouterr().out
+    text = report.read_text(encoding="utf-8")
+    assert report.stat().st_size <= 6_000_000
+    assert "6 of 6 runs CERTIFIED" in text
+    rows = table_of(out).to_pylist()
+    for row in rows:
+        assert f"<td>{row['run']}</td>" in text
+        assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
+    drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
+    assert {"kinetic energy [rel]", "world momentum x [rel]", "closed form [rad]"} <= counts.keys()
+    assert counts["closed form [rad]"] == 6
+    assert main(given) == 2
+    assert "--force to replace it" in capsys.readouterr().err
+
+
+def test_a_long_bag_is_certified_in_batches_and_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = Campaign(runs=1, seed=1, duration=1.0, parameters={"imu_rate": 100.0})
+    kept = carry_out(campaign, 0, None)
+    assert kept.certified
+    monkeypatch.setattr(run, "LARGEST_IN_MEMORY", 0)
+    monkeypatch.setattr(bag_reader, "read_bag", None)
+    assert carry_out(campaign, 0, None) == kept

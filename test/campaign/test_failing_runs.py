@@ -1,0 +1,83 @@
+"""Runs that fail, or get no score, leave nothing behind, and many of them end a campaign in one line."""
+
+from __future__ import annotations
+
+import json
+import resource
+import shutil
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
+
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.run import carry_out
+from lie_rigid_body.cli import campaign as campaign_verb
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.errors import BagError
+
+pytestmark = NEEDS_DASK
+
+
+def test_runs_that_fail_one_after_another_end_a_campaign(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a million too, as where the disk is full: here of what no run can be, found as late as that."""
+    monkeypatch.setattr(campaign_verb, "MOST_TRIED", 0)
+    path = written(tmp_path, "runs: 1000000\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}")
+    given = [str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    most = MOST_FAILURES + RUNS_AHEAD
+    assert f"{most} of 1000000 runs failed, first: run 0: rate: -3 is outside" in line
+    assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
+    assert not finished(tmp_path / "out")
+
+
+def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:
+    campaign, before = Campaign(runs=1, seed=1, duration=1.0), resource.getrlimit(resource.RLIMIT_FSIZE)
+    (tmp_path / "bags").mkdir()
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
+    try:
+        with pytest.raises(BagError, match=r"000000\.mcap cannot be written: File too large"):
+            carry_out(campaign, 0, str(tmp_path))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list((tmp_path / "bags").iterdir())
+
+
+@pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
+def test_an_estimator_without_any_score_is_an_error(
+    out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also one that cannot be imported on the workers, whose reason ends with a remedy itself."""
+    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
+    with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
+        rows = [replace(row, scores={**scores, "estimator_error": said_there}) for row in journal.rows()]
+    heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
+    (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
+    said = capsys.readouterr()
+    assert f"0 scored; run 0 is not: {said_there}" in said.out
+    [line] = said.err.splitlines()
+    assert "gave no score in any run: " in line
+    assert line.endswith("it is lost: mend it, and give a new folder")
+    assert line.count("mend it") == 1
+    assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
+
+
+def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "always_lost.py").write_text("def estimate(run): raise RuntimeError('it is lost')")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
+    assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"always_lost:estimate gave no score in {MOST_FAILURES} runs: RuntimeError: it is lost: mend it" in line
+    assert len(finished(tmp_path / "out")) == MOST_FAILURES

@@ -1,0 +1,167 @@
+"""Campaigns that are interrupted or killed, and those whose workers die: nothing is lost or done twice."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from campaigns import CAMPAIGN, NEEDS_DASK, bytes_of, finished, table_of, written
+
+from lie_rigid_body.cli.campaign import main
+
+pytestmark = NEEDS_DASK
+COMMAND = [sys.executable, "-m", "lie_rigid_body", "campaign"]
+DEADLINE = 120.0
+MANY = 9
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """A process with a campaign that has finished a run and has many before it."""
+    path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", f"runs: {MANY}").replace("0.25", "8.0")), tmp_path / "out"
+    process = subprocess.Popen(
+        [*COMMAND, str(path), "--out", str(out), "--workers", "2"],
+        stdout=-1,
+        stderr=-1,
+        text=True,
+        start_new_session=True,
+    )
+    end = time.monotonic() + DEADLINE
+    while len(finished(out)) < 1 and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.02)
+    try:
+        yield process, out
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate(timeout=DEADLINE)
+
+
+def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path], scheduler: str) -> None:
+    """Ctrl-C reaches the workers as well: they say nothing."""
+    process, out = slow
+    os.killpg(process.pid, signal.SIGINT)
+    said, complained = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, said) == (130, ""), complained
+    assert complained.count("\n") == 1, complained
+    [line] = complained.splitlines()
+    done = finished(out)
+    assert f"interrupted after {len(done)} of {MANY} runs" in line
+    assert len(done) == len({*done}) >= 1
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--scheduler", scheduler]) == 0
+    assert sorted(finished(out)) == list(range(MANY))
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+
+
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    """Signals are handled afterwards as before: a process that was asked to end ignores them."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_while_the_cluster_starts_lets_it_start_and_closes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    """Half of a cluster cannot be closed. This one is of threads, which start at once."""
+    import distributed
+
+    started, make = [], distributed.LocalCluster
+
+    def interrupted(**options: Any) -> Any:
+        os.kill(os.getpid(), number)
+        started.append(make(**{**options, "processes": False}))
+        return started[0]
+
+    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--workers", "1"]) == 130
+    said = capsys.readouterr()
+    assert said.out == ""
+    [line] = said.err.splitlines()
+    assert "interrupted after 0 of 6 runs, which are kept; the same command does the rest" in line
+    assert [cluster.status for cluster in started] == [distributed.Status.closed]
+
+
+@pytest.mark.slow
+def test_a_kill_costs_the_runs_at_work_and_nothing_is_done_twice(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    process, out = slow
+    process.kill()
+    process.communicate(timeout=DEADLINE)
+    done = finished(out)
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 0
+    assert finished(out)[: len(done)] == done
+    assert sorted(finished(out)) == list(range(MANY))
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(MANY)]
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+    assert table_of(out)["certified"].to_pylist() == [True] * MANY
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    process, out = slow
+    workers = [
+        pid for pid in children(process.pid) if "multiprocessing" in command(pid) and "spawn_main" in command(pid)
+    ]
+    done = finished(out)
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
+    os.kill(workers[0], signal.SIGKILL)
+    said, complained = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, complained) == (0, "")
+    assert f"{MANY} runs, {MANY} certified" in said
+    assert sorted(finished(out)) == list(range(MANY))
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
+    assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(MANY)]
+    assert table_of(out)["run"].to_pylist() == list(range(MANY))
+    assert table_of(out)["certified"].to_pylist() == [True] * MANY
+
+
+DEADLY = """
+import os, signal
+def from_truth(run):
+    if dict(run.scenario.sensor_parameters)["sensor_seed"] == 2 and not os.path.exists("mended"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return run.truth.attitude_xyzw
+"""
+
+
+@pytest.mark.slow
+def test_a_run_that_kills_every_worker_is_told_and_costs_no_other(tmp_path: Path) -> None:
+    """It is done when what kills it is mended, and the others are not done again."""
+    (tmp_path / "estimator_of_a_campaign.py").write_text(DEADLY)
+    command = [*COMMAND, str(written(tmp_path)), "--out", "out", "--workers", "2"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    out, others = tmp_path / "out", [0, 1, 3, 4, 5]
+    broken = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (broken.returncode, broken.stdout) == (2, "")
+    [line] = broken.stderr.splitlines()
+    assert "1 of 6 runs failed (2), first: every process that tried it died; 5 are kept, in runs.parquet: " in line
+    assert sorted(finished(out)) == table_of(out)["run"].to_pylist() == others
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others}
+    (tmp_path / "mended").touch()
+    mended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert mended.returncode == 0, mended.stderr
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in others} == before
+    assert table_of(out)["run"].to_pylist() == list(range(6))
+
+
+def children(pid: int) -> list[int]:
+    return [
+        int(child) for task in Path(f"/proc/{pid}/task").iterdir() for child in (task / "children").read_text().split()
+    ]
+
+
+def command(pid: int) -> str:
+    return Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ")

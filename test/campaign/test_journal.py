@@ -1,0 +1,76 @@
+"""The journal of a campaign: rows that were cut off, do not fit on the disk, are damaged or taken away."""
+
+from __future__ import annotations
+
+import resource
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from campaigns import NEEDS_DASK, finished, written
+
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.run import Row
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.errors import BagError
+
+pytestmark = NEEDS_DASK
+
+
+@pytest.fixture
+def journal(out: Path, tmp_path: Path) -> Iterator[Journal]:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    with Journal(Campaign.from_file(written(tmp_path)), copy) as journal:
+        yield journal
+
+
+def test_a_row_that_a_kill_cut_off_is_done_anew(out: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    whole = (copy / "runs.jsonl").read_text()
+    (copy / "runs.jsonl").write_text(whole[:-9])
+    campaign, rows, last = Campaign.from_file(written(tmp_path)), list[Row](), finished(out)[-1]
+    with Journal(campaign, out) as journal:
+        rows += journal.rows()
+    with Journal(campaign, copy) as journal:
+        assert list(journal.rows()) == rows[:last] + rows[last + 1 :]
+        journal.add(rows[last])
+    assert (copy / "runs.jsonl").read_text() == whole
+
+
+def test_a_row_that_does_not_fit_on_the_disk_is_told_and_done_anew(journal: Journal, tmp_path: Path) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    whole, rows = journal.path.read_text(), list(journal.rows())
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(whole) + 20, before[1]))
+    try:
+        with pytest.raises(BagError, match=r"runs\.jsonl cannot be written: File too large: make room, and the same"):
+            journal.add(rows[0])
+        journal.__exit__(None, None, None)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert len(journal.path.read_text()) == len(whole) + 20
+    with Journal(Campaign.from_file(written(tmp_path)), journal.folder) as again:
+        assert list(again.rows()) == rows
+    assert journal.path.read_text() == whole
+
+
+@pytest.mark.parametrize("put", ["nothing", "another file"])
+def test_a_folder_that_is_taken_away_is_told(journal: Journal, put: str) -> None:
+    """Else all further rows would go where nobody finds them."""
+    [first, *_] = journal.rows()
+    journal.path.unlink()
+    if put != "nothing":
+        journal.path.write_text("other")
+    with pytest.raises(BagError, match=r"runs\.jsonl was deleted or moved meanwhile: keep others away"):
+        journal.add(first)
+
+
+@pytest.mark.parametrize("line", ["nonsense", "3", '{"run": 6}', '{"run": 1, "speed": 2}'])
+def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    place = (copy / "runs.jsonl").stat().st_size
+    with (copy / "runs.jsonl").open("a") as file:
+        file.write(f"{line}\n")
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
+    assert f"runs.jsonl is damaged: byte {place} begins no row of this campaign" in capsys.readouterr().err

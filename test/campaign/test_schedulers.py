@@ -1,0 +1,128 @@
+"""Campaigns at a scheduler elsewhere, a process of its own, that is killed, or has no worker for a while."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table_of, written
+
+from lie_rigid_body import console
+from lie_rigid_body.campaign import connection
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.cli.campaign import main
+
+pytestmark = NEEDS_DASK
+DEADLINE = 120.0
+WAITING = """
+import pathlib, time
+def from_truth(run):
+    while dict(run.scenario.sensor_parameters)["sensor_seed"] == 2 and not pathlib.Path("killed").exists():
+        time.sleep(0.02)
+    return run.truth.attitude_xyzw
+"""
+"""An estimator with which run 2 waits for the end of the scheduler."""
+
+
+def until(happened: Callable[[], object]) -> None:
+    end = time.monotonic() + DEADLINE
+    while not happened() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert happened()
+
+
+class Cluster:
+    """A scheduler of its own, without a worker at first."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.processes = folder, list[subprocess.Popen[bytes]]()
+        where = folder / "scheduler.json"
+        self.scheduler = self._started("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", where)
+        until(lambda: where.exists() and where.read_text().endswith("}"))
+        self.address = json.loads(where.read_text())["address"]
+
+    def worker(self, threads: int) -> subprocess.Popen[bytes]:
+        options = ["--no-nanny", "--nthreads", f"{threads}", "--local-directory", self.folder / "workers"]
+        return self._started("worker", self.address, *options)
+
+    def _started(self, kind: str, *options: Any) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard", *map(str, options)]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        self.processes.append(subprocess.Popen(command, cwd=self.folder, env=environment, stdout=-3, stderr=-3))
+        return self.processes[-1]
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    cluster = Cluster(tmp_path)
+    yield cluster
+    cluster.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
+    cluster: Cluster, scheduler: str, tmp_path: Path, number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The end of the campaign is one line, and another scheduler does the rest."""
+    (tmp_path / "estimator_of_a_campaign.py").write_text(WAITING)
+    path, out = written(tmp_path, ESTIMATED), tmp_path / "out"
+    cluster.worker(threads=2)
+    command = [sys.executable, "-m", "lie_rigid_body", "campaign", str(path), "--out", "out", "--scheduler"]
+    campaign = subprocess.Popen([*command, cluster.address], cwd=tmp_path, stdout=-1, stderr=-1, text=True)
+    try:
+        until(lambda: campaign.poll() is not None or len(finished(out)) == 5)
+        cluster.scheduler.send_signal(number)
+        said, complained = campaign.communicate(timeout=DEADLINE)
+    finally:
+        campaign.kill()
+        (tmp_path / "killed").touch()
+    assert (campaign.returncode, said) == (2, ""), complained
+    [line] = complained.splitlines()
+    assert f"the scheduler at {cluster.address} no longer answers; 5 of 6 runs are kept in out: start one, and" in line
+    assert line.endswith("the same command does the rest")
+    before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in finished(out)}
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.chdir(tmp_path)
+    assert main([str(path), "--out", str(out), "--scheduler", scheduler]) == 0
+    assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in before} == before
+    assert table_of(out)["run"].to_pylist() == list(range(6))
+    assert len(bytes_of(out)) == 6
+
+
+def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
+    cluster: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The first worker comes when this is told, and is killed after a run; then comes another."""
+    workers, complain, add = list[Any](), console.complain, Journal.add
+
+    def told(*given: str) -> None:
+        complain(*given)
+        workers.append(cluster.worker(threads=1))
+
+    def kept(journal: Journal, row: Any) -> None:
+        add(journal, row)
+        if len(journal) == 1:
+            workers[0].kill()
+
+    monkeypatch.setattr(connection, "WITHOUT_RESULT_S", 0.0)
+    monkeypatch.setattr(console, "complain", told)
+    monkeypatch.setattr(Journal, "add", kept)
+    path = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 9"))
+    assert main([str(path), "--out", str(tmp_path / "out"), "--scheduler", cluster.address]) == 0
+    lines = [line.partition(" campaign: ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert {*lines} == {f"warning: no worker at {cluster.address}: waiting for one; Ctrl-C ends it"}
+    assert len(lines) in (2, 3)  # of dozens of times that it is asked; a result may come when its worker is gone
+    assert len(finished(tmp_path / "out")) == 9

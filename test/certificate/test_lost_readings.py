@@ -1,0 +1,53 @@
+"""Readings that a recorder lost, or a topic without any: told as lost, and what is left is judged."""
+
+from __future__ import annotations
+
+import pytest
+from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
+from tampering import Change, on
+
+from lie_rigid_body.certificate import certify, sensor_topics
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.recovery import recover
+
+
+def without(*topics: str) -> Change:
+    return lambda ms: [m for m in ms if m.topic not in topics]
+
+
+def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
+    found = certificate(bag, tmp_path, without(BIAS))
+    assert broken(found) == {"IMU stamps"}
+    assert found.messages[0].startswith("imu/bias: gap, 332 readings from 0 to 331 are missing")
+    late = recorded(0.1)
+    found = certificate(bag, tmp_path, lambda ms: late(without(BIAS)(ms)))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, MAG)
+    assert "imu/bias, which the scenario has: not in the bag" in found.not_certified
+
+
+def test_a_recorder_that_lost_readings_is_told(bag, tmp_path):
+    late, holed = recorded(0.2, 0.05), on(MAG, lambda ms: [*ms[:30], *ms[32:]])
+    found = certificate(bag, tmp_path, lambda ms: holed(late(ms)))
+    assert broken(found) == {"magnetometer stamps"}
+    [law] = laws(found, "magnetometer stamps")
+    assert (law.unit, law.worst) == ("gap", 2)
+
+
+def test_a_recorder_that_came_too_late_for_a_walk_is_told(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(sensor_topics, "MOST_LEFT_OUT", 50)
+    found = certificate(bag, tmp_path, recorded(0.3))
+    assert found.passed, found.messages
+    assert found.sensors == (MAG,)
+    assert not laws(found, "gyro")
+    assert any(text.startswith(f"{IMU}: too many readings") for text in found.not_certified)
+
+
+@pytest.mark.parametrize("cut", [0.3, 0.55, 0.8, 0.95])
+def test_what_is_recovered_of_a_cut_off_bag_is_certified(bag, tmp_path, cut):
+    data, broken_off = bag.read_bytes(), tmp_path / "cut.mcap"
+    broken_off.write_bytes(data[: int(cut * len(data))])
+    recover(broken_off, tmp_path / "fixed.mcap", overwrite=False)
+    found = certify(Bag(tmp_path / "fixed.mcap"))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS, MAG)

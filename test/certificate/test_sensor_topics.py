@@ -1,0 +1,44 @@
+"""The topics of sensors are found by their names beside the poses, and others are listed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from sensor_bags import BIAS, IMU, MAG, TOPICS
+
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.recording.bag_reader import Bag
+
+
+def rewritten(bag: Path, target: Path, names: dict[str, str], twice: dict[str, str] | None = None) -> Path:
+    """A bag with other names of topics, and with copies of topics under other names."""
+    with bag.open("rb") as stream, target.open("wb") as out:
+        writer, reader, channels = Writer(out), make_reader(stream), {}
+        writer.start("ros2", "someone else")
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            assert schema is not None
+            copies = [names.get(channel.topic, channel.topic), (twice or {}).get(channel.topic)]
+            for topic in filter(None, copies):
+                if topic not in channels:
+                    kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+                    channels[topic] = writer.register_channel(topic, "cdr", kind, channel.metadata)
+                writer.add_message(channels[topic], message.log_time, message.data, message.publish_time)
+        writer.finish()
+    return target
+
+
+def test_topics_are_found_beside_the_poses_and_others_are_listed(bag, tmp_path):
+    twice = {MAG: "/robot/imu/mag", IMU: "/robot/imu/data"}
+    found = certify(Bag(rewritten(bag, tmp_path / "two.mcap", {}, twice)))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS, MAG)
+    said = "; ".join(found.not_certified)
+    assert "topic /robot/imu/mag (70 messages), which no scenario determines" in said
+    assert "topic /robot/imu/data (332 messages), which no scenario determines" in said
+    elsewhere = {topic: f"/a{topic}" for topic in ("/pose", "/twist", "/lie_rigid_body/scenario", *TOPICS)}
+    found = certify(Bag(rewritten(bag, tmp_path / "elsewhere.mcap", elsewhere, {MAG: "/b/imu/mag"})))
+    assert found.sensors == ("/a/imu/data_raw", "/a/imu/bias", "/a/imu/mag")
+    apart = certify(Bag(rewritten(bag, tmp_path / "apart.mcap", {"/pose": "/truth/pose"})))
+    assert apart.sensors == (IMU, BIAS, MAG)

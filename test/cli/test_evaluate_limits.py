@@ -1,0 +1,59 @@
+"""The limits of ``evaluate``: its exit status, by what could be compared, and limits that are none."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+from estimates import beside
+from evaluating import HOW, POSE, refused, scored
+
+from lie_rigid_body.cli.evaluate import main
+
+
+def test_limits_are_the_exit_status(bag, capsys):
+    given = [bag, "--estimate", "/filter/Imu"]
+    assert scored(capsys, *given, "--max-rms", "1deg", "--max-after", "2s:3deg")["passed"] is True
+    broken = scored(capsys, *given, "--max-rms", "0.1deg", "--max-after", "2s:1e-3rad", status=1)
+    assert broken["passed"] is False
+    assert len(broken["broken"]) == 2
+    assert main([str(a) for a in given]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"^total +0\.\d+ ", out, re.MULTILINE)
+    assert "no findings" in out
+    assert "PASSED" not in out
+    assert main([*map(str, given), "--max-rms", "1deg"]) == 0
+    assert "PASSED: every limit is kept." in capsys.readouterr().out
+    assert main([*map(str, given), "--max-rms", "0.1deg"]) == 1
+    assert "BROKEN: the error is" in capsys.readouterr().out
+    assert "is not an angle such as 1deg" in refused(capsys, *given, "--max-rms", "1")
+    assert "give for example 10s:2deg" in refused(capsys, *given, "--max-after", "10s")
+
+
+LITTLE: dict[str, Any] = {
+    "stamps are 0": (lambda t, q: (0 * t, q), "only 1 of 250 estimates"),
+    "reversed": (lambda t, q: (t[::-1], q[::-1]), "only 1 of 250 estimates"),
+    "in microseconds": (lambda t, q: (1000 * t, q), "only 1 of 250 estimates"),
+    "ends early": (lambda t, q: (t[:6], q[:6]), "only 0.2 of 10 s since the first estimate"),
+}
+
+
+@pytest.mark.parametrize("case", LITTLE)
+def test_a_limit_is_not_kept_by_the_little_that_could_be_compared(case, own, run, stamps, tmp_path, capsys):
+    change, said = LITTLE[case]
+    q = run.attitude().at(stamps)
+    bag = beside(own, tmp_path / "little.mcap", (POSE, HOW[POSE], "/estimate", *change(stamps, q)))
+    given = bag, "--estimate", "/estimate"
+    assert scored(capsys, *given)["broken"] == []
+    content = scored(capsys, *given, "--max-rms", "180deg", status=1)
+    assert said in content["broken"][0]
+    late = beside(own, tmp_path / "late.mcap", (POSE, HOW[POSE], "/estimate", stamps[200:], q[200:]))
+    assert scored(capsys, late, "--estimate", "/estimate", "--max-rms", "1deg")["passed"]
+
+
+def test_a_negative_limit_and_a_second_one_are_told_as_such(capsys):
+    assert "'-1deg' is not an angle" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "-1deg")
+    twice = refused(capsys, "run.mcap", "--estimate", "/pose", "--max-rms", "1deg", "--max-rms", "2deg")
+    assert "--max-rms is given 2 times, 1deg, 2deg: give one limit" in twice
+    assert "'-1s' is not a time" in refused(capsys, "run.mcap", "--estimate", "/pose", "--max-after", "-1s:1deg")

@@ -1,0 +1,119 @@
+"""What ``evaluate`` remarks of estimates beside their score: findings, and notes of stamps, frames, covariances."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from estimates import beside, messages
+from evaluating import HOW, IMU, ODOMETRY, POSE, P, refused, scored
+
+from lie_rigid_body.cli.evaluate import main
+from lie_rigid_body.lie import quaternion
+
+
+def test_a_finding_is_told_with_what_to_do(own, stamps, noisy, tmp_path, capsys):
+    inverse = (POSE, HOW[POSE], "/inverse", stamps, quaternion.conjugate(noisy))
+    bag = beside(own, tmp_path / "inverse.mcap", inverse)
+    [finding] = scored(capsys, bag, "--estimate", "/inverse")["findings"]
+    assert finding["code"] == "inverted"
+    assert finding["rms_deg_after"] < 1.0
+    assert main([str(bag), "--estimate", "/inverse"]) == 0
+    assert "inverted: The quaternion is the inverse" in capsys.readouterr().out
+
+
+NAMED: dict[str, Any] = {
+    "not of unit norm": (lambda t, q: (t, 1.1 * q), ["not_unit"]),
+    "with gaps": (lambda t, q: (np.delete(t, slice(50, 75)), np.delete(q, slice(50, 75), axis=0)), ["gaps"]),
+    "with doubles": (lambda t, q: (np.repeat(t, 2), np.repeat(q, 2, axis=0)), ["gaps"]),
+}
+
+
+@pytest.mark.parametrize("case", NAMED)
+def test_flawed_estimates_are_scored_and_named(case, own, stamps, noisy, tmp_path, capsys):
+    change, codes = NAMED[case]
+    bag = beside(own, tmp_path / "flawed.mcap", (POSE, HOW[POSE], "/estimate", *change(stamps, noisy)))
+    assert [f["code"] for f in scored(capsys, bag, "--estimate", "/estimate")["findings"]] == codes
+
+
+FAR = 2**31 * 10**9 - 10**9
+"""A stamp of the year 2038, ns."""
+
+
+def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_path, capsys):
+    t, q = stamps.copy(), run.attitude().at(stamps)
+    t[3] = FAR
+    bag = beside(own, tmp_path / "far.mcap", (POSE, HOW[POSE], "/estimate", t, q))
+    content = scored(capsys, bag, "--estimate", "/estimate", "--max-rms", "1deg")
+    assert content["samples"] == 249
+    [note] = content["notes"]
+    assert note.startswith("Left out of 250 estimates: 1 stamped far ahead of the truth, the first by 21474836")
+
+
+def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
+    order = np.r_[100:125, :125, 125:250]
+    bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    content = scored(capsys, bag, "--estimate", "/estimate")
+    [note] = content["notes"]
+    assert note.startswith("124 of 275 estimates were stamped before one that had come, and are left out")
+    kept = np.r_[100:125, 125:250]
+    expected = run.score(noisy[kept], stamps[kept], covariance=P).to_json()
+    assert content["total_deg"] == pytest.approx(expected["total_deg"])
+    assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "note: 124 of 275 estimates" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("kind", "names", "note"),
+    [
+        (POSE, {"world": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
+        (
+            POSE,
+            {"world": "o" * 300},
+            "The frame of the estimate is 'ooooooooooooooooooooooo...oooooooooooooooooooooooo', that",
+        ),
+        (IMU, {"sensor": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
+        (ODOMETRY, {"body": "lidar"}, "The body of the estimate is 'lidar', that of the truth 'base_link'"),
+    ],
+)
+def test_other_frames_are_named(kind, names, note, own, stamps, noisy, tmp_path, capsys):
+    bag = beside(own, tmp_path / "named.mcap", (kind, messages(P, **names)[kind], "/estimate", stamps, noisy))
+    [told] = scored(capsys, bag, "--estimate", "/estimate")["notes"]
+    assert told.startswith(note)
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "note: The " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("covariance", "note"),
+    [
+        (np.zeros((3, 3)), None),
+        (np.diag([-1.0, 0.0, 0.0]), None),
+        (np.diag([0.0, 0.0, 1e-4]), "There is no NEES: covariance: 0 on its diagonal: give positive variances"),
+    ],
+)
+def test_covariances_that_cannot_be_used(covariance, note, own, stamps, noisy, tmp_path, capsys):
+    kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
+    bag = beside(own, tmp_path / "c.mcap", (kind, messages(covariance)[kind], "/estimate", stamps, noisy))
+    content = scored(capsys, bag, "--estimate", "/estimate")
+    assert content["nees"] is None
+    assert [told.startswith(note) for told in content["notes"]] == ([True] if note else [])
+
+
+def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, run, stamps, tmp_path, capsys):
+    deviations = np.radians([0.05, 0.5, 2.0])
+    noise = np.random.default_rng(4).normal(size=(len(stamps), 3)) * deviations
+    estimate = quaternion.multiply(run.attitude().at(stamps), quaternion.exp(noise))
+    how = messages(np.diag(deviations**2))[IMU]
+    bag = beside(own, tmp_path / "body.mcap", (IMU, how, "/estimate", stamps, estimate))
+    found = scored(capsys, bag, "--estimate", "/estimate")["nees"]
+    assert found["verdict"] == "overconfident"
+    assert re.search(r"about the body's axes it would be [23]\.\d+: .* give covariance_axes body", found["remark"])
+    assert main([str(bag), "--estimate", "/estimate"]) == 0
+    assert "\nremark        about the body's axes" in capsys.readouterr().out
+    said = scored(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "body")["nees"]
+    assert (said["verdict"], said["remark"]) == ("consistent", "")
+    assert "invalid choice: 'map'" in refused(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "map")
