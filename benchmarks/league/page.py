@@ -20,6 +20,8 @@ BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"
 BLURRED: Final = 5.0
 """With perfect sensors a filter errs by no more than this, degrees, or its wiring is in doubt."""
+DIGITS: Final = 10
+"""Decimals of a number in the file: what is smaller is round-off, which is another on other machines."""
 BEST_POSSIBLE: Final = "best possible, were scale and mounting known"
 
 Ranking = Sequence[tuple[Filter, list[Result], list[Result]]]
@@ -143,5 +145,5 @@ def write_numbers(path: Path, defaults: Iterable[Result], best: Iterable[Result]
 
 
 def _row(r: Result) -> tuple[str, ...]:
-    numbers = (f"{value:.6g}" for value in (r.total, r.heading, r.inclination, r.converged))
+    numbers = (f"{round(value, DIGITS):.6g}" for value in (r.total, r.heading, r.inclination, r.converged))
     return (r.case.motion, r.case.grade, r.case.fault, r.filter, json.dumps(dict(r.setting)), *numbers, r.trouble)
