@@ -13,6 +13,13 @@ from campaigns import ESTIMATOR, written
 from lie_rigid_body.cli.campaign import main
 
 
+@pytest.fixture(autouse=True)
+def own_estimator() -> Iterator[None]:
+    """The estimator of another test, of the same name and already imported, would be taken for a test's own."""
+    yield
+    sys.modules.pop("estimator_of_a_campaign", None)
+
+
 @pytest.fixture(scope="session")
 def campaign_done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a campaign on two workers, with an estimator beside it that fails in one run."""
