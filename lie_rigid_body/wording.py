@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import reprlib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
 from typing import Any, Final
 
@@ -149,6 +149,11 @@ def listed(names: Collection[object]) -> str:
     """
     first = ", ".join(shortened(str(name), LONGEST_VALUE) for name in islice(names, MOST_NAMES))
     return first if len(names) <= MOST_NAMES else f"{first} and {len(names) - MOST_NAMES} more"
+
+
+def components(vector: Iterable[float], digits: int) -> str:
+    """Components of a vector of length 1 with so many digits; what is round-off is 0."""
+    return ", ".join(f"{round(float(v), digits + 1) + 0.0:.{digits}g}" for v in vector)
 
 
 def counted(count: int, noun: str) -> str:

@@ -144,9 +144,9 @@ def _without_strays(comparison: Comparison) -> Comparison:
 
 
 def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
-    """Whether the errors of a gyro explain as much as a clock of another rate."""
+    """Whether the errors of a gyro explain as much as another rate, and that does not fill the truth's times."""
     known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
-    if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES:
+    if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES or _spans(clock, by_clock(comparison, clock)):
         return False
     return left_by_gyro_errors(known) <= AS_GOOD * clock.median
 

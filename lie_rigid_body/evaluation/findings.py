@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation.search import spread, written
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.turning import named
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import components, short_repr
 
 FITTED = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
@@ -172,7 +172,7 @@ def _heading(fitted: Misalignment) -> str:
 
 def _mounting(fitted: Misalignment) -> str:
     mounting = np.array(fitted.mounting) * (1.0 if fitted.mounting[3] >= 0.0 else -1.0)
-    inverse = ", ".join(f"{v:.6g}" for v in quaternion.conjugate(mounting) + 0.0)
+    inverse = components(quaternion.conjugate(mounting), 6)
     doubt = (
         "; biases, hard iron and axes of the sensors turn them as well" if fitted.mounting_angle < OF_SENSORS else ""
     )
@@ -187,8 +187,7 @@ def angle_and_axis(rotation: Array) -> str:
     """A rotation, shape (4,), in words."""
     vector = quaternion.log(rotation)
     angle = float(np.sqrt(vector @ vector))
-    axis = ", ".join(f"{v:.3g}" for v in (vector / angle if angle else vector) + 0.0)
-    return f"{np.degrees(angle):.4g}° about ({axis})"
+    return f"{np.degrees(angle):.4g}° about ({components(vector / angle if angle else vector, 3)})"
 
 
 def _places(mounting: Array) -> str:
@@ -200,7 +199,7 @@ def _places(mounting: Array) -> str:
     if left > SAME_AXES_DEG or name == "x, y, z" or np.abs(nearest).sum() != 3.0:
         return ""
     meaning = ", forward-right-down where the truth's are forward-left-up" if name == "x, -y, -z" else ""
-    return f"; its x, y, z are {name} of the body{meaning}, but for {left:.2g}°"
+    return f"; its x, y, z are {name} of the body{meaning}" + (f", but for {left:.2g}°" if left >= 0.01 else "")
 
 
 def _lag(comparison: Comparison, lag_s: float) -> str:

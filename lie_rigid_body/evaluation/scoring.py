@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose, follows
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.explanation import TIE_FACTOR, Explanation
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
+from lie_rigid_body.evaluation.lag import told_lag
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
@@ -282,17 +283,22 @@ def _diagnosis(
         wider, other = _within(estimate, truth, quarter, diagnosis.tried)
         if other is not None and LAG in other.explanation.free:
             comparison, diagnosis = wider, other
+    world = world_turned(*turned[1:]) if unlike else None
     if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
         everything = Comparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
         clock = other_clock(everything, float(np.radians(total_deg.median)))
-        if clock is not None and (diagnosis is None or _is_better(clock, diagnosis)):
+        if (
+            clock is not None
+            and (diagnosis is None or _is_better(clock, diagnosis))
+            and (world is None or clock.cost <= world.cost)
+        ):
             return clock_lag(everything, clock), (clock_finding(everything, clock),), ()
     found = findings(comparison, diagnosis) if diagnosis else ()
+    if world is not None and not (found and diagnosis and not world.is_better_than(diagnosis.explanation)):
+        return told_lag(*world.beside(comparison)), (world.finding,), ()
     lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
     if not unlike or found:
         return lag, found, ()
-    if world := world_turned(*turned[1:]):
-        return lag, world, ()
     return lag, (), () if diagnosis and follows(comparison, diagnosis) else turning(*turned)
 
 

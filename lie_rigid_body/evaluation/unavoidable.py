@@ -35,7 +35,7 @@ from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.evaluation.kalman_covariances import covariances, padded
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.wording import components, short_repr, shown
 
 LARGEST_DEVIATION: Final = 1e50
 """Squares and their ratios stay finite."""
@@ -264,7 +264,7 @@ def _unobserved(world_covariance: Array) -> str:
     axis = axes[:, -1] * np.sign(axes[np.argmax(np.abs(axes[:, -1])), -1])
     if axis[2] > VERTICAL:
         return "a turn about the vertical"
-    return f"a turn about ({', '.join(f'{x:.3g}' for x in axis)}) of the world"
+    return f"a turn about ({components(axis, 3)}) of the world"
 
 
 class _System:

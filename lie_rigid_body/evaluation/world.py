@@ -7,16 +7,20 @@ does, the turn is constant in the world, once the filter has converged: q_estima
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.alignment import Comparison, Convention, Misalignment
 from lie_rigid_body.evaluation.attitude_error import angles
 from lie_rigid_body.evaluation.attitudes import angles_between, from_mean, mean
+from lie_rigid_body.evaluation.explanation import NEGLIGIBLE, TIE_FACTOR, Explanation, median_left
 from lie_rigid_body.evaluation.findings import Finding, angle_and_axis, gain
 from lie_rigid_body.evaluation.statistics import FEWEST_SAMPLES, later_quarters, rms, worst_quarter
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
 LARGEST_LEFT: Final = float(np.radians(5.0))
 """A turn that leaves a larger median, rad, in any quarter of the run but the first is not the cause."""
@@ -26,10 +30,60 @@ LEAST_TILT: Final = float(np.radians(10.0))
 """Smaller ones of the vertical, rad, are errors of sensors; a turn about the vertical is a heading offset."""
 
 
-def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> tuple[Finding, ...]:
-    """That the world of an estimate is turned, if that explains nearly all; shapes (N, 4), in the order of time."""
+NAMED_TURNS: Final = {"ned_world", "heading_offset"}
+"""Causes that turn the world, in the words of people who have them."""
+
+
+@dataclass(frozen=True)
+class TurnedWorld:
+    """A constant turn of the world, and the errors before and after it is undone.
+
+    Attributes
+    ----------
+    turn_xyzw : ndarray, shape (4,)
+        The estimate is turn ⊗ truth.
+    before, after : ndarray, shape (N,)
+        Angles, rad.
+    """
+
+    turn_xyzw: Array
+    before: Array
+    after: Array
+
+    __repr__ = short_repr
+
+    @property
+    def cost(self) -> float:
+        """As that of an `Explanation`: one cause, the least simple one."""
+        return 1.0 + float(np.log2(TIE_FACTOR * max(np.median(self.after), NEGLIGIBLE)))
+
+    def is_better_than(self, explanation: Explanation) -> bool:
+        """Whether it costs less than an explanation, which is no such turn itself but for what sensors make of one."""
+        is_turn = set(explanation.causes) <= NAMED_TURNS and explanation.median < LEAST_TILT
+        return self.cost < explanation.cost and not is_turn
+
+    def beside(self, comparison: Comparison) -> tuple[Comparison, Explanation]:
+        """A comparison with the world turned back, and that nothing else explains what is left."""
+        back = quaternion.multiply(quaternion.conjugate(self.turn_xyzw), comparison.estimate_xyzw)
+        rest, none = replace(comparison, estimate_xyzw=back).inner(), (Convention(), Misalignment())
+        return rest, Explanation(none[0], frozenset(), none[1], median_left(rest, *none))
+
+    @property
+    def finding(self) -> Finding:
+        """The turn in words."""
+        before, after = np.degrees(self.before), np.degrees(self.after)
+        message = (
+            f"The world of the estimate is turned by {angle_and_axis(self.turn_xyzw)} of the world: see whether "
+            "nothing corrects a wrong first attitude, or the accelerometer, the magnetometer or what they are held "
+            f"against has the wrong sign or other axes ({gain(before, after)})."
+        )
+        return Finding("world_turned", message, rms(after))
+
+
+def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> TurnedWorld | None:
+    """By what the world of an estimate is turned, if that explains nearly all; shapes (N, 4), in the order of time."""
     if len(estimate_xyzw) < FEWEST_SAMPLES:
-        return ()
+        return None
     errors = quaternion.multiply(estimate_xyzw, quaternion.conjugate(true_xyzw))
     late = np.concatenate(later_quarters(len(errors)))
     turn = mean(errors[late])
@@ -37,10 +91,5 @@ def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> tuple[Finding, ...]:
     error, left = float(np.median(before[late])), worst_quarter(after)
     most = min(LARGEST_LEFT, LARGEST_SHARE * error, LARGEST_SHARE * from_mean(true_xyzw[late]))
     if left > most or angles(turn).inclination < LEAST_TILT:
-        return ()
-    message = (
-        f"The world of the estimate is turned by {angle_and_axis(turn)} of the world: see whether the "
-        "accelerometer, the magnetometer or what they are held against has the wrong sign or other axes, or whether "
-        f"nothing corrects a wrong first attitude ({gain(np.degrees(before), np.degrees(after))})."
-    )
-    return (Finding("world_turned", message, rms(np.degrees(after))),)
+        return None
+    return TurnedWorld(turn, before, after)

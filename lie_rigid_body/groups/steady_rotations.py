@@ -112,9 +112,10 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
 
     The verdict depends on one relative tolerance ε: round-off, or the unsteadiness of the given rate if that is larger.
-    Curvatures of the energy on the orbit within ε of their terms count as 0. Eigenvalues within √ε count as equal, as
-    a double eigenvalue splits by that much. An indefinite curvature with an odd number of negative directions is
-    unstable however slow the growth; on SO(3), whose orbits have two dimensions, the signs of the curvature decide.
+    Curvatures of the energy on the orbit, and linearised motions, within ε of their terms count as 0. Eigenvalues
+    within √ε count as equal, as a double eigenvalue splits by that much. An indefinite curvature with an odd number of
+    negative directions is unstable however slow the growth; on SO(3), whose orbits have two dimensions, the signs of
+    the curvature decide.
 
     Parameters
     ----------
@@ -142,7 +143,8 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     linear = tangent.T @ linearisation(lagrangian, w) @ tangent
     signs = _signs(algebra.T @ _energy_curvature(lagrangian, w) @ algebra, resolution * _curvature_scale(lagrangian, w))
     eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
-    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution))))
+    zero = resolution * float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
+    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
@@ -210,8 +212,13 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     return turned / scale if scale else 0.0
 
 
-def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float) -> Stability:
-    """The stability by the linearised motion and the signs of the energy's curvature on the orbit, of dimension m."""
+def _verdict(
+    linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float, zero: float
+) -> Stability:
+    """The stability by the linearised motion and the signs of the energy's curvature on the orbit, of dimension m.
+
+    A linearised motion no larger than `zero` is what its terms leave where they cancel: none.
+    """
     if np.all(signs > 0) or np.all(signs < 0):
         return Stability.STABLE
     size = float(np.linalg.norm(linear, 2))
@@ -221,7 +228,8 @@ def _verdict(linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[
     indefinite = bool(signs.min() < 0 < signs.max())
     if odd or (indefinite and eigenvalues.real.max() > split * size):
         return Stability.UNSTABLE
-    return Stability.LINEARLY_STABLE if _semisimple(linear, eigenvalues, split * size) else Stability.MARGINAL
+    rests = size <= zero or _semisimple(linear, eigenvalues, split * size)
+    return Stability.LINEARLY_STABLE if rests else Stability.MARGINAL
 
 
 def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from motions import turns
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Run, simulate
@@ -266,3 +267,37 @@ def test_no_fault_has_a_false_name(fault, scenario, grade, way):
     estimate, names = wrong(fault, run, way)
     of_sensors = OF_THE_SENSORS if grade != "perfect" else set()
     assert {finding.code for finding in told(run, estimate)} <= names | of_sensors
+
+
+TILTS = [turn.as_quat() for turn in Rotation.create_group("O") if abs(turn.as_matrix()[2, 2]) < 0.5]
+"""The turns between axes of the world by which its vertical comes to lie."""
+
+
+@pytest.mark.parametrize("scenario", ["tumbling_cubesat", "asymmetric_top", "tossed_phone"])
+@pytest.mark.parametrize("noise_deg", [0.0, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_a_world_that_lies_is_told_as_such_and_not_as_what_does_the_same_to_a_motion(scenario, noise_deg):
+    """Some of them are several conventions with a mounting, and to a body that spins as its own lag nearly."""
+    run = recorded(scenario, "perfect")
+    true = quaternion.multiply(run.truth.at(run.stamps_ns), turns(noise_deg, 7, len(run.stamps_ns)))
+    for tilt in TILTS[:: 1 if noise_deg else 8]:
+        score = evaluate(run.stamps_ns, quaternion.multiply(tilt, true), run.truth)
+        [finding] = score.findings
+        assert finding.code == "world_turned"
+        assert finding.rms_deg_after == pytest.approx(noise_deg * np.sqrt(3.0), rel=0.1, abs=1e-6)
+        assert score.lag_s == pytest.approx(0.0, abs=0.003)
+
+
+def test_a_gyro_that_is_integrated_from_no_turn_has_a_wrong_first_attitude():
+    run = recorded("tumbling_cubesat", "perfect")
+    first = quaternion.conjugate(run.truth.at(run.stamps_ns[:1]))
+    [finding] = told(run, quaternion.multiply(first, integrated(run, run.gyro)))
+    assert finding.code == "world_turned"
+    assert "120° about (-0.577, 0.577, -0.577)" in finding.message
+
+
+def test_round_off_is_no_component_of_an_axis():
+    run = recorded("asymmetric_top", "perfect")
+    true = run.truth.at(run.stamps_ns)
+    [finding] = told(run, quaternion.multiply(true, quaternion.exp([0.5 * np.pi, 0.0, 0.0])))
+    assert "turned by 90° about (1, 0, 0) of the body" in finding.message
+    assert "by (-0.707107, 0, 0, 0.707107) from the right; its x, y, z are x, z, -y of the body (" in finding.message

@@ -62,6 +62,19 @@ def test_a_unit_that_is_mistaken_begins_at_0_not_at_the_first_estimate():
     assert float(message.split()[7]) == pytest.approx(10.0, rel=2e-3)
 
 
+@pytest.mark.parametrize(("times", "said"), [(0.1, "10 times as slow"), (2.0, "2 times as fast")])
+def test_a_clock_of_a_body_that_nearly_spins_is_told_where_no_gyro_would_fill_the_time(times, said):
+    """Of a body that turns by 58° in all a gyro with ten times the scale would make as much."""
+    run = simulate("tumbling_cubesat", duration=20.0, imu_rate=50.0)
+    assert run.imu is not None
+    estimate = quaternion.multiply(run.attitude().at(run.imu.t_ns), turns(0.5, 5, len(run.imu.t_ns)))
+    [(code, message)] = told(run.score(estimate, np.round(times * run.imu.t_ns).astype(np.int64))).items()
+    assert code == "clock_rate"
+    [(factor, word)] = re.findall(r"runs (\S+) times as (fast|slow) as", message)
+    assert word == said.split()[-1]
+    assert float(factor) == pytest.approx(float(said.split()[0]), rel=0.02)
+
+
 @pytest.mark.parametrize("rate", [10.0, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_an_estimate_at_another_rate_than_the_truth_is_by_the_same_clock(rate):
     run = simulate("dzhanibekov", duration=10.0, rate=100.0)

@@ -89,8 +89,11 @@ def test_log(name, scale):
 
 
 def test_log_of_su3_is_shortest_where_the_principal_one_has_a_trace():
-    """Angles 2, 2, 2π − 4 are principal with sum 2π; within the algebra 2, 2, −4 is shortest."""
+    """Angles 2, 2, 2π − 4 are principal with sum 2π; within the algebra 2, 2, −4 is shortest.
+
+    Eigenvectors of angles that differ by 0.1 are known to ten times the round-off, and turn by it what differs by 6.1.
+    """
     group = SU(3)
     V = group.random(np.random.default_rng(32))
     A = V @ np.diag(np.exp([2j, 2.1j, -4.1j])) @ V.conj().T
-    np.testing.assert_allclose(group.hat(group.log(A)), V @ np.diag([2j, 2.1j, -4.1j]) @ V.conj().T, rtol=0, atol=2e-14)
+    np.testing.assert_allclose(group.hat(group.log(A)), V @ np.diag([2j, 2.1j, -4.1j]) @ V.conj().T, rtol=0, atol=4e-14)
