@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
-from lie_rigid_body.wording import listed, short_repr, shortened, suggestion
+from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
 TYPES: Final[dict[str, tuple[str, ...]]] = {
@@ -231,6 +232,25 @@ def _remedy(path: Path, otherwise: str) -> str:
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
     topics = listed([track.topic for track in found])
     return BagError(f"{path} has several topics .../{name}: {topics}: {_choice(name, found[0].topic)}")
+
+
+def require_topics(topics: Mapping[str, str]) -> None:
+    """Refuse an argument ``topics`` of Python that gives no names of `TYPES` their topics.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(topics, Mapping) or not all(isinstance(text, str) for pair in topics.items() for text in pair):
+        raise InputError(f'topics {shown(topics)}: not names and topics; give for example topics={{"pose": "/a/pose"}}')
+    for name in topics:
+        if name not in TYPES:
+            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, TYPES, 'topics of a body')}")
+
+
+def for_python(error: BagError) -> BagError:
+    """An error of `bodies`, with the argument ``topics`` in place of that of the command line."""
+    return BagError(re.sub(r"--topic (\S+?):=([^\s:]+)", r'topics={"\1": "\2"}', str(error)))
 
 
 def _choice(name: str, topic: str) -> str:
