@@ -93,8 +93,8 @@ def printable(text: str) -> str:
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
     """A text on one line of bounded length.
 
-    Words that are long lose their middle first, such as values and paths; then the text loses words of its own. What is
-    left ends with the end of the text: in a message that is the remedy.
+    Words that are long lose their middle first, such as values and paths, those after the last colon, in a message the
+    remedy, only if the others do not suffice; then the text loses words of its own. What is left ends with its end.
 
     Parameters
     ----------
@@ -107,11 +107,13 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
     str
     """
     words = _without_middle(" ".join(text.splitlines()), _MOST_READ * most).split(" ")
-    while (excess := len(" ".join(words)) - most) > 0:
-        longest = max(words, key=len)
-        if len(longest) <= _SHORT_WORD:
-            break
-        words[words.index(longest)] = _short_word(longest, max(_SHORT_WORD, len(longest) - excess))
+    remedy = max((i for i, word in enumerate(words, 1) if word.endswith(":")), default=0)
+    for end in (remedy, len(words)):
+        while (excess := len(" ".join(words)) - most) > 0:
+            longest = max(words[:end], key=len, default="")
+            if len(longest) <= _SHORT_WORD:
+                break
+            words[words.index(longest)] = _short_word(longest, max(_SHORT_WORD, len(longest) - excess))
     return _without_middle_words(words, most)
 
 

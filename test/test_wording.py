@@ -94,6 +94,16 @@ def test_long_words_lose_their_middle_before_the_sentence_does() -> None:
     assert set(sentence.split()) == {"word", "...", "and", "so:", "do", "that"}  # none is cut
 
 
+def test_a_remedy_is_whole_while_other_words_can_be_shorter() -> None:
+    topic, remedy = (
+        "/spacecraft/lie_rigid_body/scenario",
+        "say which, as by --topic scenario:=/spacecraft/lie_rigid_body/x",
+    )
+    line = shortened(f"{'folder/' * 9}a.mcap has several topics: {topic}, {topic}: {remedy}", 160)
+    assert len(line) <= 160
+    assert line.endswith(f": {remedy}")
+
+
 @pytest.mark.parametrize("kind", [LieRigidBodyError, InputError])
 def test_every_error_of_the_package_is_one_short_line(kind: type[LieRigidBodyError]) -> None:
     message = str(kind(f"first\nsecond {'x' * 10_000}: remedy"))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
-from lie_rigid_body.cli.judgement import Judgement, judge_all
+from lie_rigid_body.cli.judgement import Judgement, judge_all, judge_bodies
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import listed
 
@@ -50,18 +50,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     residuals = None if given.report is None else ResidualsOverTime()
     with progress_bar(given.bags) as bar:
         bodies = Bag.all_of(given.bags[0], bar.update, topics)
+        whole = [body for body in bodies.values() if isinstance(body, Bag)]
         alone = len(bodies) == 1
         watch = residuals if alone else None
         of_the_page = 0 if watch is None else 2
-        bar.total = size(given.bags[0]) * (1 + sum(passes(body, watch) for body in bodies) + of_the_page)
-        certificates = [certify(body, inertia, watch) for body in bodies]
-        drawn = alone and residuals is not None and certificates[0].segments
-        pieces = thinned_segments(bodies[0], inertia) if drawn else []
-    if alone:
-        return _one(given, bodies[0], certificates[0], inertia, residuals, pieces)
-    _refuse_proof(given)
-    pairs = zip(bodies, certificates, strict=True)
-    return _answer(given, [Judgement(given.bags[0], body.body or "/", certificate) for body, certificate in pairs])
+        bar.total = size(given.bags[0]) * (1 + sum(passes(body, watch) for body in whole) + of_the_page)
+        if alone:
+            certificate = certify(whole[0], inertia, watch)
+            pieces = thinned_segments(whole[0], inertia) if watch is not None and certificate.segments else []
+        else:
+            _refuse_proof(given)
+            judgements = judge_bodies(given.bags[0], bodies, inertia)
+    return _one(given, whole[0], certificate, inertia, residuals, pieces) if alone else _answer(given, judgements)
 
 
 def _one(

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import PASSES, progress_bar, size
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.errors import BagError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.wording import short_repr
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
+    from lie_rigid_body.recording.bag_reader import Bag
 
 _LOOK_EVERY: Final = 0.2
 """Time between two looks at how far the bags have been read, s."""
@@ -44,7 +45,7 @@ class Judgement:
         Its namespace, where the bag has several bodies.
     certificate : Certificate or None
     reason : str
-        Why the bag cannot be judged, in one line that begins with the bag.
+        Why it cannot be judged, in one line that begins with the bag.
     """
 
     bag: str
@@ -74,17 +75,37 @@ def judge(
     inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
 ) -> list[Judgement]:
     """The judgements of all bodies of a bag; whatever is wrong with it is its judgement."""
-    from lie_rigid_body.certificate import certify
     from lie_rigid_body.recording.bag_reader import Bag
 
     try:
-        bags = Bag.all_of(bag, progress, topics)
-        return [Judgement(bag, each.body or "/" if len(bags) > 1 else None, certify(each, inertia)) for each in bags]
+        return judge_bodies(bag, Bag.all_of(bag, progress, topics), inertia)
     except Exception as error:
-        if os.environ.get(console.DEBUG):
-            traceback.print_exc()
-        reason = console.explanation(error)
-        return [Judgement(bag, None, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")]
+        return [_unusable(bag, None, error)]
+
+
+def judge_bodies(
+    bag: str, bodies: Mapping[str, Bag | BagError], inertia: Sequence[float] | None = None
+) -> list[Judgement]:
+    """The judgements of the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its judgement."""
+    return [_of_body(bag, name if len(bodies) > 1 else None, found, inertia) for name, found in bodies.items()]
+
+
+def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Judgement:
+    from lie_rigid_body.certificate import certify
+
+    try:
+        if isinstance(found, BagError):
+            raise found
+        return Judgement(bag, body, certify(found, inertia))
+    except Exception as error:
+        return _unusable(bag, body, error)
+
+
+def _unusable(bag: str, body: str | None, error: Exception) -> Judgement:
+    if os.environ.get(console.DEBUG):
+        traceback.print_exc()
+    reason = console.explanation(error)
+    return Judgement(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
 
 
 def judge_all(

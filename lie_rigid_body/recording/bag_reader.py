@@ -68,7 +68,7 @@ class Bag:
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
     name : str
-        Its path.
+        Its path; of one of several bodies also that body.
     library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
     sensors
         As in `Recording`.
@@ -100,27 +100,38 @@ class Bag:
     @classmethod
     def all_of(
         cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
-    ) -> tuple[Bag, ...]:
-        """A bag for each body of a file or folder, which is read once to find them."""
+    ) -> dict[str, Bag | BagError]:
+        """A bag for each body of a file or folder, which is read once to find them, by their names.
+
+        What is wrong with one of several stands in its place.
+        """
         files = BagFiles(path, progress)
         contents = files.contents(nothing)
         is_ours = partial(_is_ours, files.path, contents)
         found = bodies(files.path, contents, topics, is_ours)
         others = other_bodies(files.path, contents, found, is_ours) if topics else []
-        known = [track for body in (*found, *others) for track in (*body.tracks, *body.sensors.values())]
-        bags = []
+        known = [track for body in (*found, *others) for track in body.all_tracks]
+        bags: dict[str, Bag | BagError] = {}
         for body in found:
-            bag = cls.__new__(cls)
-            bag._take(files, contents, body)
+            bag, name = cls.__new__(cls), body.name or "/"
+            try:
+                bag._take(files, contents, body)
+            except BagError as error:
+                if len(found) == 1:
+                    raise
+                bags[name] = error
+                continue
             bag.others = (*(_not_chosen(other) for other in others), *_others(contents, known))
-            bags.append(bag)
-        return tuple(bags)
+            bag.name += f" {name}" * (len(found) > 1)
+            bags[name] = bag
+        return bags
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
+        if body.fault:
+            raise BagError(body.fault)
         self._path, self._files, self.body, self.name = files.path, files, body.name, str(files.path)
         self._topics = tuple(contents.tracks)
-        own, sensors = body.tracks, body.sensors
-        known = (*own, *sensors.values())
+        own, sensors, known = body.tracks, body.sensors, body.all_tracks
         for track in known:
             require_cdr(self._path, track)
         pose, twist, scenario = own
@@ -326,7 +337,8 @@ def _is_ours(path: Path, contents: McapContents, track: RawTrack) -> bool:
 
 
 def _not_chosen(body: Body) -> str:
-    return f"body {body.name or '/'} ({body.pose.topic} and what goes with it), which was not asked for"
+    topic = next(track.topic for track in body.tracks if track.count)
+    return f"body {body.name or '/'} ({topic} and what goes with it), which was not asked for"
 
 
 def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:

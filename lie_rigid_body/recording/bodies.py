@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
 from lie_rigid_body.recording.track_decoding import texts
-from lie_rigid_body.wording import listed, short_repr, shortened, suggestion
+from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
 TYPES: Final[dict[str, tuple[str, ...]]] = {
@@ -43,6 +44,8 @@ class Body:
     pose, twist, scenario : RawTrack
     sensors : dict of str to RawTrack
         What its sensors read, and their faults, by their relative names, as far as it is there.
+    fault : str
+        Why it cannot be read, in one line; a topic that is not in the bag is a track without a message.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Body:
     twist: RawTrack
     scenario: RawTrack
     sensors: dict[str, RawTrack] = field(default_factory=dict)
+    fault: str = ""
 
     __repr__ = short_repr
 
@@ -57,6 +61,11 @@ class Body:
     def tracks(self) -> tuple[RawTrack, RawTrack, RawTrack]:
         """Pose, twist and scenario."""
         return self.pose, self.twist, self.scenario
+
+    @property
+    def all_tracks(self) -> tuple[RawTrack, ...]:
+        """Those, and the sensors'."""
+        return *self.tracks, *self.sensors.values()
 
 
 def _any_text(track: RawTrack) -> bool:
@@ -68,7 +77,8 @@ def bodies(
 ) -> list[Body]:
     """The bodies of a bag: one for each scenario topic with a pose and a twist in its namespace.
 
-    Where there is none, the only topics of the right types are taken, or those with the right last name.
+    Where there is none, the only topics of the right types are taken, or those with the right last name. One of several
+    that cannot be read has a fault.
 
     Parameters
     ----------
@@ -85,14 +95,15 @@ def bodies(
     Raises
     ------
     BagError
-        If a topic is not there, has no message, or cannot be told from others; with those that are there.
+        If a topic of the only body is not there, has no message, or cannot be told from others; with those that are
+        there.
     """
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     own = [name for name in (POSE, TWIST, SCENARIO) if name in given]
     complete = _complete(path, contents, given, is_ours)
-    found = [tracks for tracks in complete if all(tracks[name] is given[name] for name in own)]
-    found = found or [_single(path, contents, given, is_ours)]
-    return [_body(path, contents, tracks, given, alone=len(found) == 1) for tracks in found]
+    found = [(tracks, fault) for tracks, fault in complete if all(tracks[name] is given[name] for name in own)]
+    found = found or [(_single(path, contents, given, is_ours), "")]
+    return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
 def tells_of_body(path: Path, topic: str, pieces: Iterable[RawMessages]) -> bool:
@@ -120,18 +131,21 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str], is_o
     found = bodies(path, contents, topics, is_ours)
     if len(found) > 1:
         names = listed([body.name or "/" for body in found])
-        raise BagError(
-            f"{path} holds {len(found)} bodies, {names}: say which, as by --topic pose:={found[0].pose.topic}"
-        )
+        first = min(found, key=lambda body: body.fault != "")
+        raise BagError(f"{path} holds {len(found)} bodies, {names}: {_choice(POSE, first.pose.topic)}")
     return found[0]
 
 
 def _complete(
     path: Path, contents: McapContents, given: Mapping[str, RawTrack], is_ours: OfScenario
-) -> list[dict[str, RawTrack]]:
-    """The tracks of each body that has its topics in one namespace, in the order of their names."""
+) -> list[tuple[dict[str, RawTrack], str]]:
+    """The tracks of each body that has its topics in one namespace, in the order of their names, and what is wrong.
+
+    Beside them, those of which pose or twist is missing.
+    """
     found: dict[str, dict[str, RawTrack]] = {}
-    lacking = []
+    lacking: dict[str, dict[str, RawTrack]] = {}
+    faults: dict[str, str] = {}
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
     if SCENARIO in given:
         scenarios = [given[SCENARIO]]
@@ -141,16 +155,20 @@ def _complete(
             if not own:
                 continue
             if len(own) == 1 and is_ours(scenario):
-                lacking.append((scenario, namespace, next(name for name in (POSE, TWIST) if name not in own)))
+                name = TWIST if POSE in own else POSE
+                none = RawTrack(f"{namespace}/{name}", TYPES[name][0], "cdr")
+                lacking[namespace] = {**own, name: none, SCENARIO: scenario}
+                faults[namespace] = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
             elif len(own) == 2 and namespace in found:
-                found[namespace][SCENARIO] = _ours(path, [found[namespace][SCENARIO], scenario], is_ours)
+                try:
+                    found[namespace][SCENARIO] = _ours(path, [found[namespace][SCENARIO], scenario], is_ours)
+                except BagError as error:
+                    faults[namespace] = str(error)
             elif len(own) == 2:
                 found[namespace] = {**own, SCENARIO: scenario}
             break
-    if found and lacking and not given:
-        scenario, namespace, name = lacking[0]
-        raise BagError(f"{path} has {scenario.topic} and no topic {namespace}/{name}: record it as well")
-    return [found[namespace] for namespace in sorted(found)]
+    every = found and found | lacking
+    return [(every[namespace], faults.get(namespace, "")) for namespace in sorted(every)]
 
 
 def _ours(path: Path, scenarios: list[RawTrack], is_ours: OfScenario) -> RawTrack:
@@ -212,8 +230,31 @@ def _remedy(path: Path, otherwise: str) -> str:
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
-    names = listed([f"{track.topic} ({_last(track.message_type)})" for track in found])
-    return BagError(f"{path} has several topics .../{name}: {names}: say which, as by --topic {name}:={found[0].topic}")
+    topics = listed([track.topic for track in found])
+    return BagError(f"{path} has several topics .../{name}: {topics}: {_choice(name, found[0].topic)}")
+
+
+def require_topics(topics: Mapping[str, str]) -> None:
+    """Refuse an argument ``topics`` of Python that gives no names of `TYPES` their topics.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(topics, Mapping) or not all(isinstance(text, str) for pair in topics.items() for text in pair):
+        raise InputError(f'topics {shown(topics)}: not names and topics; give for example topics={{"pose": "/a/pose"}}')
+    for name in topics:
+        if name not in TYPES:
+            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, TYPES, 'topics of a body')}")
+
+
+def for_python(error: BagError) -> BagError:
+    """An error of `bodies`, with the argument ``topics`` in place of that of the command line."""
+    return BagError(re.sub(r"--topic (\S+?):=([^\s:]+)", r'topics={"\1": "\2"}', str(error)))
+
+
+def _choice(name: str, topic: str) -> str:
+    return f"say which, as by --topic {name}:={topic}"
 
 
 def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
@@ -245,16 +286,23 @@ def _last(name: str) -> str:
 
 
 def _body(
-    path: Path, contents: McapContents, tracks: Mapping[str, RawTrack], given: Mapping[str, RawTrack], *, alone: bool
+    path: Path,
+    contents: McapContents,
+    tracks: Mapping[str, RawTrack],
+    given: Mapping[str, RawTrack],
+    fault: str,
+    *,
+    alone: bool,
 ) -> Body:
-    for track in tracks.values():
-        if not track.count:
-            how = _remedy(path, "record it while the body is published")
-            raise BagError(f"{path} has no message on {track.topic}: {how}")
+    silent = [track.topic for track in tracks.values() if not track.count]
+    if silent and not fault:
+        fault = f"{path} has no message on {silent[0]}: {_remedy(path, 'record it while the body is published')}"
+    if fault and alone:
+        raise BagError(fault)
     namespace = tracks[POSE].topic.rpartition("/")[0]
     sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
-    return Body(namespace, tracks[POSE], tracks[TWIST], tracks[SCENARIO], there)
+    return Body(namespace, tracks[POSE], tracks[TWIST], tracks[SCENARIO], there, fault)
 
 
 def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *, alone: bool) -> RawTrack | None:

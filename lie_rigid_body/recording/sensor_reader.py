@@ -11,17 +11,16 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import (
     IMU,
     MAGNETIC_FIELD,
     POSE_WITH_COVARIANCE_STAMPED,
     VECTOR3_STAMPED,
 )
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents
 from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns
 from lie_rigid_body.sensors import Fault
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import short_repr
 
 _NUMBERS: Final = {IMU: 37, MAGNETIC_FIELD: 12, POSE_WITH_COVARIANCE_STAMPED: 43, VECTOR3_STAMPED: 3}
 """How many float64 fields each type has."""
@@ -117,17 +116,17 @@ def varying_fields(message_type: str) -> Booleans:
     return fields
 
 
-def sensor_track(path: Path, contents: McapContents, name: str) -> SensorTrack | None:
-    """The messages of a sensor's topic, by its relative name; None for one that is not in the bag.
+def sensor_track(path: Path, contents: McapContents, topic: SensorTopic | None) -> SensorTrack | None:
+    """The messages of a sensor's topic; None for one that is not in the bag.
 
     Raises
     ------
     BagError
-        If several topics are called so, or the messages are not of the topic's type.
+        If the messages are not of the topic's type.
     """
-    track = _find(path, contents, name)
-    if track is None:
+    if topic is None:
         return None
+    track = contents.tracks[topic.topic, topic.message_type]
     log_times, stamps, read = stamped_columns(path, track, _NUMBERS[track.message_type])
     return SensorTrack(track.topic, log_times, stamps, read.numbers)
 
@@ -144,18 +143,3 @@ def recorded_faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
         return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
     except InputError as error:
         raise BagError(f"{name}: {error}") from None
-
-
-def is_of_sensor(topic: str, message_type: str) -> bool:
-    """Whether a topic has name and type of those of a sensor's readings."""
-    return any(message_type == kind and f"/{topic}".endswith(f"/{name}") for name, kind in SENSOR_TOPICS.items())
-
-
-def _find(path: Path, contents: McapContents, name: str) -> RawTrack | None:
-    kind = SENSOR_TOPICS[name]
-    found = [t for t in contents.tracks.values() if t.message_type == kind and f"/{t.topic}".endswith(f"/{name}")]
-    found = [track for track in found if track.count]
-    if len(found) > 1:
-        topics = listed([track.topic for track in found])
-        raise BagError(f"{path} has several topics .../{name}: {topics}: record those of one body")
-    return found[0] if found else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from os import PathLike
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import numbers
@@ -88,32 +88,46 @@ class Run:
         )
 
     @classmethod
-    def from_bag(cls, path: str | Path) -> Run:
+    def from_bag(cls, path: str | Path, *, topics: Mapping[str, str] | None = None) -> Run:
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
         Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
         sensor is None if its topic is not in the bag, and its biases are if ``imu/bias`` is not; a reading whose stamp
         is not on that topic has the bias NaN.
 
+        Parameters
+        ----------
+        path : str or Path
+            An MCAP file, or a folder of them.
+        topics : mapping of str to str, optional
+            Topics that are called otherwise, or choose one body of several, as ``{"pose": "/a/pose"}``.
+
         Raises
         ------
         BagError
-            If it is no bag, cut off or damaged, or lacks the scenario, the poses or the twists.
+            If it is no bag, cut off or damaged, lacks the scenario, the poses or the twists, or has several bodies.
         ParameterError
             If it declares a scenario that cannot be.
         """
         from lie_rigid_body.certificate.segments import recorded_segments
         from lie_rigid_body.certificate.survey import as_written
         from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN
-        from lie_rigid_body.recording.bag_reader import Bag
-        from lie_rigid_body.recording.sensor_reader import FaultMessages, is_of_sensor, recorded_faults, sensor_track
+        from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
+        from lie_rigid_body.recording.bodies import for_python, require_topics
+        from lie_rigid_body.recording.sensor_reader import FaultMessages, recorded_faults, sensor_track
 
         if not isinstance(path, str | PathLike):
             raise InputError(f"bag {shown(path)} is no path: give that of an MCAP file, or of a folder of them")
-        path, bag = Path(path), Bag(path)
-        contents, own = bag.messages_of(is_of_sensor), as_written(bag)
-        names = (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)
-        data, bias, field, attitude, sun = (sensor_track(path, contents, name) for name in names)
+        topics = NO_TOPICS if topics is None else topics
+        require_topics(topics)
+        try:
+            path, bag = Path(path), Bag(path, topics=topics)
+        except BagError as error:
+            raise for_python(error) from None
+        sensors = [bag.sensors.get(name) for name in (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)]
+        keys = {(sensor.topic, sensor.message_type) for sensor in sensors if sensor}
+        contents, own = bag.messages_of(lambda *key: key in keys), as_written(bag)
+        data, bias, field, attitude, sun = (sensor_track(path, contents, sensor) for sensor in sensors)
         recording = bag.load()
         pieces = recorded_segments(recording)
         has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others

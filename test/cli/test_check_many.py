@@ -241,16 +241,18 @@ def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
     assert found[1].reason.startswith("deadly: the process that read it was killed")
 
 
-def with_scenario(target: Path, source: Path, message: bytes) -> None:
-    """A bag with another message on the scenario topic."""
+def with_messages(target: Path, source: Path, topic: str, message: bytes | None) -> None:
+    """A bag with another message, or none, in place of each on the topics that end so."""
     with target.open("wb") as stream, source.open("rb") as content:
         writer = Writer(stream)
         writer.start("ros2", "a recorder")
         for schema, channel, each in make_reader(content).iter_messages(log_time_order=False):
             assert schema is not None
+            data = message if channel.topic.endswith(topic) else each.data
+            if data is None:
+                continue
             own = writer.register_schema(schema.name, schema.encoding, schema.data)
             number = writer.register_channel(channel.topic, channel.message_encoding, own)
-            data = message if channel.topic.endswith("/scenario") else each.data
             writer.add_message(number, each.log_time, data, each.publish_time)
         writer.finish()
 
@@ -259,8 +261,8 @@ def test_each_line_about_one_of_several_begins_with_its_bag(tmp_path, monkeypatc
     good, late = write_bag(tmp_path / "good", 3), write_bag(tmp_path / "late", 3, epoch_ns=10**18)
     with late.open("rb") as content:
         ((_, _, scenario),) = make_reader(content).iter_messages(topics=["/lie_rigid_body/scenario"])
-    with_scenario(tmp_path / "a.mcap", good, scenario.data)
-    with_scenario(tmp_path / "b.mcap", good, b"\0\1\0\0\3\0\0\0{}\0")
+    with_messages(tmp_path / "a.mcap", good, "/scenario", scenario.data)
+    with_messages(tmp_path / "b.mcap", good, "/scenario", b"\0\1\0\0\3\0\0\0{}\0")
     (tmp_path / "c.mcap").write_bytes(good.read_bytes()[:-9])
     monkeypatch.chdir(tmp_path)
     *_, err = answer(capsys, ".")
@@ -269,6 +271,50 @@ def test_each_line_about_one_of_several_begins_with_its_bag(tmp_path, monkeypatc
     assert all(line.count(".mcap") == 1 for line in said)
     assert "before the first scenario message's start" in said[0]
     assert "does not explain itself" in said[1]
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "said"),
+    [
+        ("/b/twist", None, "x.mcap has /b/lie_rigid_body/scenario and no topic /b/twist: record it as well"),
+        ("/b/lie_rigid_body/scenario", b"\0\1\0\0\3\0\0\0{}\0", "x.mcap /b does not explain itself"),
+        ("/b/lie_rigid_body/scenario", b"\0\1", "x.mcap: topic /b/lie_rigid_body/scenario: message 0"),
+        ("/b/pose", b"\0\1\0\0\0\0\0\0", "x.mcap: topic /b/pose: message 0"),
+    ],
+)
+def test_a_body_that_cannot_be_judged_stops_no_other(tmp_path, monkeypatch, capsys, topic, message, said):
+    good = write_bag(tmp_path / "good", 40)
+    with_messages(tmp_path / "x.mcap", merged(tmp_path / "two", a=good, b=good), topic, message)
+    monkeypatch.chdir(tmp_path)
+    for bags in (["x.mcap"], ["x.mcap", "good"]):
+        status, out, err = answer(capsys, *bags)
+        assert (status, len(err)) == (2, 1)
+        assert said in err[0]
+        verdicts = [line.split()[0] for line in out[1 : len(bags) + 2]]
+        assert verdicts == ["certified", "unusable", "certified"][: len(bags) + 1]
+        assert out[1].endswith("x.mcap /a")
+        assert out[2].endswith("x.mcap /b")
+        assert f"of {len(bags) + 1} bodies {len(bags)} are certified, 0 broken, 1 unusable." in " ".join(out)
+        assert "/b/" not in " ".join(out)  # nor are its topics called others'
+    content = json.loads("\n".join(answer(capsys, "x.mcap", "--json")[1]))
+    assert (content["passed"], content["certified"], content["unusable"]) == (False, 1, 1)
+    whole, faulty = content["bags"]
+    assert (whole["body"], whole["passed"]) == ("/a", True)
+    assert faulty == {"bag": "x.mcap", "body": "/b", "passed": None, "error": faulty["error"]}
+    assert faulty["error"].startswith(said)
+    assert answer(capsys, "x.mcap", "--topic", "pose:=/a/pose")[0] == 0
+    status, out, err = answer(capsys, "x.mcap", "--topic", "pose:=/b/pose")
+    assert (status, out, len(err)) == (2, [], 1)
+
+
+def test_the_topic_that_is_proposed_is_one_that_can_be_given(tmp_path, monkeypatch, capsys):
+    good = write_bag(tmp_path / "good", 3)
+    with_messages(tmp_path / "half", merged(tmp_path / "two", a=good, b=good), "/a/pose", None)
+    with_messages(tmp_path / "abtb.mcap", tmp_path / "half", "/b/twist", None)
+    monkeypatch.chdir(tmp_path)
+    proposed = refused(capsys, ["abtb.mcap"]).rpartition("--topic ")[2].strip()
+    assert proposed == "scenario:=/a/lie_rigid_body/scenario"
+    assert "not NAME:=/TOPIC" not in " ".join(answer(capsys, "abtb.mcap", "--topic", proposed)[2])
 
 
 def children_of(process: int) -> list[int]:

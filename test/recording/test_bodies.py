@@ -11,7 +11,7 @@ from test_bag_reader import rewrite
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bodies import Body, bodies
+from lie_rigid_body.recording.bodies import Body, bodies, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 
 HERE = Path("x.mcap")
@@ -94,7 +94,7 @@ def test_sensors_belong_to_the_body_of_their_namespace() -> None:
         (BODY, {"pose": "/pos"}, "no topic /pos: did you mean /pose"),
         (BODY, {"pose": "/twist"}, "/twist is of TwistStamped, not PoseStamped: the topics of PoseStamped are /pose"),
         (BODY, {"imu__mag": "/x"}, "no topic /x: no topic is of MagneticField"),
-        ({**BODY, "/a/pose": POSE, "/a/scenario": TEXT}, {}, "/a/scenario and no topic /a/twist: record it"),
+        ({**BODY, "/a/pose": POSE, "/a/scenario": TEXT}, {"pose": "/a/pose"}, "no topic /a/twist: record it"),
         ({**BODY, "/other/scenario": TEXT}, {}, "several topics .*scenario:=/lie_rigid_body/scenario"),
         ({"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT}, {}, "several .*pose:=/truth/pose"),
     ],
@@ -103,6 +103,25 @@ def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[s
     with pytest.raises(BagError, match=said) as caught:
         found(topics, **renamed)
     assert len(str(caught.value).splitlines()) == 1
+
+
+def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
+    two, rest = {**inside("/a"), **inside("/b")}, {"/b/imu/data_raw": IMU}
+    without_twist = {topic: kind for topic, kind in two.items() if topic != "/b/twist"} | rest
+    mute, doubled = contents(two, **{"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
+    for held, fault in (
+        (contents(without_twist), "x.mcap has /b/lie_rigid_body/scenario and no topic /b/twist: record it as well"),
+        (mute, "x.mcap has no message on /b/pose: record it while the body is published"),
+        (doubled, "x.mcap has several topics .../scenario: "),
+    ):
+        whole, faulty = bodies(HERE, held, {})
+        assert (whole.name, whole.fault, faulty.name) == ("/a", "", "/b")
+        assert faulty.fault.startswith(fault)
+        assert [body.name for body in bodies(HERE, held, {"pose": "/a/pose"})] == ["/a"]
+    without_pose = contents({topic: kind for topic, kind in two.items() if topic != "/a/pose"})
+    with pytest.raises(BagError, match="holds 2 bodies, /a, /b: say which, as by --topic pose:=/b/pose"):
+        the_body(HERE, without_pose, {})
+    assert sensors(bodies(HERE, contents(without_twist), {})[1]) == {"imu/data_raw": "/b/imu/data_raw"}
 
 
 def test_a_renamed_bag_is_read_by_the_names_that_are_given(make_bag: MakeBag, tmp_path: Path) -> None:

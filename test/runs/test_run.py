@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mcap.writer import Writer
+from test_check_many import merged
 
 from lie_rigid_body import BagError, ClosedForm, InputError, Run, Scenario, simulate
 from lie_rigid_body.evaluation import attitude_error
@@ -232,6 +233,27 @@ def without_topic(source: Path, target: Path, topic: str, keep_every: int = 0) -
                 channels[channel.topic] = writer.register_channel(channel.topic, "cdr", number)
             writer.add_message(channels[channel.topic], message.log_time, message.data, message.publish_time)
         writer.finish()
+
+
+def test_one_body_of_several_is_chosen_by_its_topics(run, tmp_path):
+    run.to_bag(tmp_path / "a.mcap")
+    simulate(duration=1.0).to_bag(tmp_path / "b.mcap")
+    two = merged(tmp_path / "two.mcap", a=tmp_path / "a.mcap", b=tmp_path / "b.mcap")
+    with pytest.raises(BagError, match=r'holds 2 bodies, /a, /b: say which, as by topics={"pose": "/a/pose"}$'):
+        Run.from_bag(two)
+    first, second = (Run.from_bag(two, topics={"pose": f"/{name}/pose"}) for name in "ab")
+    assert [each.tobytes() for each in arrays(first)] == [each.tobytes() for each in arrays(run)]
+    assert second.imu is None  # those of the other body are not its own
+    assert second.certificate().passed
+    with pytest.raises(BagError, match=r'topics={"pose": "/pose"}: there is no topic /pose: did you mean'):
+        Run.from_bag(two, topics={"pose": "/pose"})
+
+
+@pytest.mark.parametrize("topics", [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000])
+def test_topics_that_are_none_are_one_line(tmp_path, topics):
+    with pytest.raises(InputError, match=r"^topics") as caught:
+        Run.from_bag(tmp_path / "a.mcap", topics=topics)
+    assert len(str(caught.value)) <= LONGEST_LINE
 
 
 def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
