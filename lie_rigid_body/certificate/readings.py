@@ -12,7 +12,7 @@ err from that by the limits of the certificate, δω of the body rate and δA of
 and through scale factors or soft iron, of which a row has the norm |s|. Noise adds nothing to that but round-off: its
 words are the same everywhere, and what libraries make of them differs in last bits. A bias that walks sums them up, and
 its roundings, k of them, at random. Faults of axes come and go at times that the seed determines exactly, and are part
-of the signal. At last the sensor saturates and rounds, which keeps the order of numbers: a faithful reading lies
+of the signal. At last the sensor rounds and saturates, which keeps the order of numbers: a faithful reading lies
 between what becomes of the two ends, which is one number, unless a step lies between them.
 """
 

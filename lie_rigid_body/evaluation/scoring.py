@@ -211,7 +211,7 @@ def evaluate(
     whole, limits = Estimate.read(stamps_ns, attitude_xyzw), limits or Limits()
     known = truth.covers(whole.stamps_ns)
     if not known.any():
-        raise InputError(_apart(whole.stamps_ns, truth))
+        raise InputError(_apart(whole.stamps_ns, np.size(stamps_ns), truth))
     estimate = Estimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
     true = truth.at(estimate.stamps_ns)
     error = attitude_error(estimate.attitude_xyzw, true)
@@ -327,12 +327,18 @@ def _within(
     return comparison, diagnose(inner, nearer) if len(inner.stamps_ns) else None
 
 
-def _apart(stamps: Integers, truth: Truth) -> str:
+def _apart(stamps: Integers, given: int, truth: Truth) -> str:
+    """That no stamp of so many estimates, some of which may be of one stamp, is within the truth."""
     ahead = (int(stamps[0]) - truth.first_ns) / 1e9
+    span = f"within the truth, from {truth.first_ns / 1e9:.12g} s to {truth.last_ns / 1e9:.12g} s"
+    if len(stamps) < min(given, 2):
+        return (
+            f"estimate: all of its {given} messages have the stamp {stamps[0] / 1e9:.12g} s, which is not {span}: "
+            "fill in header.stamp"
+        )
     return (
-        f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
-        f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; "
-        "stamp them by its clock, in ns"
+        f"estimate: none of its {given} stamps is {span}: they begin {abs(ahead):.9g} s "
+        f"{'after' if ahead > 0 else 'before'} it; stamp them by its clock, in ns"
     )
 
 

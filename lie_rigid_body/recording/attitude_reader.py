@@ -146,7 +146,7 @@ def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
     usable = [track for track in found if track.message_type in ATTITUDE_TYPES]
     if not found:
         topics = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
-        raise BagError(f"{path} has no topic {topic}; attitudes are on {listed(topics) or 'none of its topics'}")
+        raise BagError(f"{path} has no topic {topic}; topics of types with attitudes are {listed(topics) or 'none'}")
     if not usable:
         raise BagError(f"{path}: topic {topic} {wrong_type(found[0].message_type)}")
     if len(usable) > 1 or not usable[0].count:

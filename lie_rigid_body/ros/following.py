@@ -99,7 +99,7 @@ class Following:
         """What is missing, and what there is instead."""
         there = self.published()
         known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
-        attitudes = f"attitudes are on {listed(sorted(known)) or 'no topic'} of domain {self._domain}"
+        attitudes = f"topics of types with attitudes are {listed(sorted(known)) or 'none'} in domain {self._domain}"
         if self.live is not None and self.live.messages:
             if self.live.truth.is_known:
                 return self.live.why_not_compared()

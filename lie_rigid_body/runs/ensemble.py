@@ -71,7 +71,7 @@ def simulate(
     Parameters
     ----------
     scenario : str, Path or Scenario, optional
-        Name of a scenario of the package, path of a ROS 2 parameter file, or a scenario. None: the defaults.
+        A str is the name of a scenario of the package, a Path that of a ROS 2 parameter file. None: the defaults.
     duration : float
         Every sample before this time after the first is simulated, s.
     seeds : iterable of int, optional
@@ -169,6 +169,8 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
         return dict(scenario.parameters())
     if isinstance(scenario, Path):
         return gather(None, [scenario], [])
+    if isinstance(scenario, str) and ("/" in scenario or scenario.endswith((".yaml", ".yml"))):
+        raise InputError(f"scenario {shown(scenario)} is no name of one, but a path: give it as pathlib.Path(...)")
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")

@@ -35,7 +35,7 @@ class MagnetometerModel:
 
     ::
 
-        y_k = quantise(saturate(C Aᵀ B + h + n_k)),   n_k = N √f ν_k
+        y_k = saturate(quantise(C Aᵀ B + h + n_k)),   n_k = N √f ν_k
 
     with f the sample rate and each ν independent and standard normal. Soft iron distorts the field before the sensor
     meets it, and hard iron adds its own; noise, range and resolution are the sensor's.
@@ -140,7 +140,7 @@ class Magnetometer:
             WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
         )
         self._disturbance = model.disturbance
-        self._faults = None if model.faults is None else FaultyTriad(model.faults, model.rate)
+        self._faults = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
 
     __copy__ = copy.deepcopy  # it goes on by itself
 

@@ -12,26 +12,27 @@ from lie_rigid_body.errors import ParameterError
 
 FINEST_RESOLUTION: Final = 1e-18
 """In the sensor's unit: far below any instrument, and far above where a reading in steps would overflow."""
+_ROUND_OFF: Final = 2.0**-50
+"""Of the ratio of two numbers that were rounded: 0.3 has three steps of 0.1, though their product is more."""
 
 
 @dataclass(frozen=True)
 class Converter:
-    """An amplifier that saturates and, after it, a converter that counts in steps.
+    """A converter that counts in steps, and saturates at the last step within its range.
 
     Parameters
     ----------
     resolution : float
         One step, in the unit of the reading; 0: continuous.
     range : float
-        Largest size of what enters the converter; 0: no limit. A reading can exceed it by half a step, when it is no
-        multiple of the step.
+        Largest size of a reading; 0: no limit.
     """
 
     resolution: float
     range: float
 
     def read(self, values: Array) -> Array:
-        """The readings: saturated, then rounded to the nearest multiple of the resolution, ties to even.
+        """The readings: the nearest multiple of the resolution, ties to even, that is within the range.
 
         Parameters
         ----------
@@ -41,11 +42,19 @@ class Converter:
         -------
         ndarray, shape (..., 3)
         """
-        if self.range:
-            values = np.minimum(np.maximum(values, -self.range), self.range)
         if self.resolution:
             values = np.rint(values / self.resolution) * self.resolution
+        if self.range:
+            largest = self.largest_within(self.range)
+            values = np.minimum(np.maximum(values, -largest), largest)
         return values
+
+    def largest_within(self, limit: float) -> float:
+        """The largest reading within a limit: the last multiple of the resolution."""
+        if not self.resolution:
+            return limit
+        steps = float(np.floor(limit / self.resolution * (1.0 + _ROUND_OFF)))
+        return min(steps * self.resolution, limit)
 
     @property
     def variance(self) -> float:

@@ -28,13 +28,13 @@ class TriadModel:
 
     ::
 
-        y_k = quantise(saturate(S R(μ)ᵀ x_k + b_k + n_k))
+        y_k = saturate(quantise(S R(μ)ᵀ x_k + b_k + n_k))
         b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = σ₀ ν,   n_k = N √f ν_k
 
     with f the sample rate and each ν independent and standard normal. The order is the signal's own: the mounting R(μ)
     decides what lies along the sensitive axes, the elements scale it by S, bias and noise add in units of the output,
-    as data sheets give them, then the amplifier saturates and the converter counts in steps. So neither mounting nor
-    scale changes the noise, and no reading leaves the range by more than half a step.
+    as data sheets give them, then the converter counts in steps up to its range. So neither mounting nor scale changes
+    the noise, and no reading leaves the range.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Triad:
         steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
         self._bias = BlockBuffer(RandomWalk(start, steps))
         self._noise = BlockBuffer(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
-        self._faults = None if model.faults is None else FaultyTriad(model.faults, rate)
+        self._faults = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
 
     def read(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
         """The next readings.

@@ -14,6 +14,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.episodes import Episodes, Window, nanoseconds
 from lie_rigid_body.sensors.fault import AXES, Fault, stream
 from lie_rigid_body.sensors.noise import BlockBuffer, Draws, WhiteNoise
+from lie_rigid_body.sensors.quantisation import Converter
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,9 @@ class TriadFaults:
     stuck : Episodes or None
         In which an axis repeats what it read before.
     saturation : Episodes or None
-        In which the amplifier saturates at a lower level.
+        In which the readings saturate at a lower level.
     saturation_level : float
-        Unit.
+        Unit; no multiple of the resolution that is above it, but for round-off, is read.
     drift : float
         Standard deviation of the change of the bias on each axis, unit.
     drift_duration_ns : int
@@ -149,13 +150,16 @@ class FaultyTriad:
     model : TriadFaults
     rate : float
         Readings per second.
+    converter : Converter
+        Of the readings.
     """
 
-    def __init__(self, model: TriadFaults, rate: float) -> None:
+    def __init__(self, model: TriadFaults, rate: float, converter: Converter) -> None:
         self._model = model
         self._count = 0
         self._drift = model.drifted()
         self._last: Array | None = None
+        self._level = converter.largest_within(model.saturation_level)
         sigma = model.burst_density * math.sqrt(rate)
         self._burst = BlockBuffer(WhiteNoise(model.seed, stream(model.sensor, "noise_burst", 1), sigma))
 
@@ -188,7 +192,7 @@ class FaultyTriad:
         model = self._model
         if model.saturation is None:
             return signal
-        saturated = np.clip(signal, -model.saturation_level, model.saturation_level)
+        saturated = np.clip(signal, -self._level, self._level)
         return np.where(model.saturation.at(times_ns)[:, np.newaxis] >= 0, saturated, signal)
 
     def _stuck(self, times_ns: Integers, signal: Array) -> Array:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, said
 from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
@@ -97,8 +97,8 @@ def _require_scenario(scenario: str | Path | Scenario, settings: dict[str, Any])
 
 
 def _fail(message: str) -> NoReturn:
-    """As ``parametrize`` refuses what it is given: one line without a traceback."""
-    pytest.fail(f"{FIXTURE}: {message}", pytrace=False)
+    """As ``parametrize`` refuses what it is given: one line without a traceback, nor the error that it tells."""
+    raise pytest.fail.Exception(f"{FIXTURE}: {message}", pytrace=False) from None
 
 
 def _settings(grade: str, chosen: dict[str, Any]) -> dict[str, Any]:
@@ -183,7 +183,8 @@ def assert_attitude(
     t_ns : array_like of int, shape (K,), optional
         Stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
     plot : str or Path, optional
-        A PNG that is drawn when a limit is broken, such as ``tmp_path / "errors.png"``; an older one is replaced.
+        A PNG that is drawn when a limit is broken, such as ``tmp_path / "errors.png"``; an older one is replaced. The
+        message says where it is, or why there is none.
     **options
         Further arguments of `Run.score`, such as ``covariance`` and ``gyro_bias``.
 
@@ -203,18 +204,27 @@ def assert_attitude(
     from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.runs import Run
 
-    if not isinstance(run, Run):
-        raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
-    limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
-    if limits == Limits():
-        raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")
-    score = run.score(estimate, t_ns, after_s=after_s, limits=limits, **options)
+    try:
+        if not isinstance(run, Run):
+            raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
+        limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
+        if limits == Limits():
+            raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")
+        score = run.score(estimate, t_ns, after_s=after_s, limits=limits, **options)
+    except InputError as error:
+        raise error.with_traceback(None) from None  # which pytest would show down to the package's own lines
     if score.passed:
         return score
-    picture = []
-    if plot is not None:
+    picture = [] if plot is None else [_drawn(score, plot)]
+    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture]))
+
+
+def _drawn(score: Score, plot: str | Path) -> str:
+    """Draw the errors, and say where they are, or why they are not."""
+    try:
         from lie_rigid_body.report import write_plot
 
         write_plot(score, plot, overwrite=True)
-        picture = [f"The errors over time: {plot}"]
-    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture]))
+    except Exception as error:  # whatever it is, the broken limit is what the test is to tell
+        return f"The errors over time are not drawn: {said(error)}"
+    return f"The errors over time: {plot}"

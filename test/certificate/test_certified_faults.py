@@ -9,7 +9,9 @@ from tampering import Message, at, declared, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import LawResult, SegmentCertificate, certify, readings, sensor_topics
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.runs import Run
 
+SENSORS = ("gyro", "accelerometer", "magnetometer")
 ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
 
 
@@ -61,6 +63,27 @@ def test_faults_of_axes_after_steps_and_a_converter(tmp_path, motion):
     found = certify(Bag(write(tmp_path / "a.mcap", *stages)))
     assert found.passed, found.messages
     assert found.sensors == ALL
+
+
+@pytest.mark.parametrize("draw", range(6))
+def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
+    """What saturates is at the last step within it, in the bag and where it is computed anew."""
+    random = np.random.default_rng(draw)
+    coarse = {
+        f"{sensor}_{key}": size * random.uniform(*share)
+        for sensor, size in (("gyro", 0.5), ("accelerometer", 5.0), ("magnetometer", 2e-5))
+        for key, share in (("range", (1.0, 2.0)), ("saturation_level", (0.1, 0.9)), ("resolution", (0.01, 0.8)))
+    }
+    low = {key: value for sensor in SENSORS for key, value in episodes(f"{sensor}_saturation", 0.3, 0.2).items()}
+    path = write(tmp_path / "a.mcap", ({**START, **coarse, **low}, 1.0))
+    found = certify(Bag(path))
+    assert found.passed, found.messages
+    assert all(law.worst == 0.0 for value in VALUES for law in laws(found, value))
+    run = Run.from_bag(path)
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    for sensor, read in zip(SENSORS, (run.imu.gyro, run.imu.specific_force, run.magnetometer.field), strict=True):
+        assert np.abs(read).max() <= coarse[f"{sensor}_range"]
 
 
 @pytest.mark.parametrize("name", AXES)

@@ -52,7 +52,9 @@ def test_two_bodies_are_refused(own, stamps, noisy, tmp_path, capsys):
 
 
 def test_topics_without_an_attitude_are_refused(own, bag, tmp_path, capsys):
-    assert "attitudes are on /pose, /imu/data_raw, /imu/bias" in refused(capsys, own, "--estimate", "/imu/data")
+    assert "topics of types with attitudes are /pose, /imu/data_raw, /imu/bias" in refused(
+        capsys, own, "--estimate", "/imu/data"
+    )
     assert "has no orientation" in refused(capsys, own, "--estimate", "/imu/data_raw")
     assert "is of TwistStamped: give PoseStamped, " in refused(capsys, own, "--estimate", "/twist")
     assert "does not exist" in refused(capsys, tmp_path / "no.mcap", "--estimate", "/pose")

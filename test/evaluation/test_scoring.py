@@ -159,6 +159,14 @@ def test_one_sample_has_a_score():
             NOISY,
             "none of its 1501 stamps is within the truth, from 0 s to 30 s: they begin 1e.09 s after it",
         ),
+        (STAMPS.repeat(2)[:1501] + 10**18, NOISY, "none of its 1501 stamps is within the truth, from 0 s to 30 s"),
+        (
+            np.full(1501, -(10**9)),
+            NOISY,
+            "all of its 1501 messages have the stamp -1 s, which is not within the truth, from 0 s to 30 s: fill in "
+            "header.stamp",
+        ),
+        (STAMPS[:1] - 10**9, NOISY[:1], "none of its 1 stamps is within the truth"),
         (STAMPS[::-1], NOISY, "out of order in 1500 places"),
         (STAMPS, np.where(np.arange(1501)[:, np.newaxis] < 9, NOISY, np.nan), "1492 of 1501 rows are not finite"),
         ([], np.empty((0, 4)), "at least one"),

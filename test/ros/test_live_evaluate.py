@@ -291,7 +291,10 @@ def of(name: str, arrays: list[Any]) -> list[Any]:
         ("--ros-args -p covariance_axes:=map", "axes 'map' are unknown: give 'world' or 'body'"),
         ("--duration -1", "duration -1.0 is not a time from 1e-9 to 1e10 seconds: give for example 60.0"),
         ("--duration 1e300", "duration 1e+300 is not a time from 1e-9 to 1e10 seconds"),
-        ("--wait 0.1 --ros-args -r estimate:=/nobody", "there is no topic /nobody: attitudes are on "),
+        (
+            "--wait 0.1 --ros-args -r estimate:=/nobody",
+            "there is no topic /nobody: topics of types with attitudes are ",
+        ),
         ("--truth a.mcap", "--truth goes only with a bag: remap the topic"),
         ("--topic pose:=/b", "--topic goes only with a bag: remap the topic, --ros-args -r truth:=TOPIC"),
         ("--report no/such/folder/a.html", "the folder no/such/folder does not exist: make it"),
@@ -313,7 +316,7 @@ def test_interrupted_before_an_estimate_came(
 ) -> None:
     monkeypatch.setattr(Following, "look", lambda self: os.kill(os.getpid(), signal.SIGINT))
     assert main(["--ros-args", "-r", "estimate:=/imu/data"]) == 130
-    assert "interrupted: there is no topic /imu/data: attitudes are on no topic" in capfd.readouterr().err
+    assert "interrupted: there is no topic /imu/data: topics of types with attitudes are none" in capfd.readouterr().err
 
 
 def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -338,7 +341,10 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
     with Peer("evaluator") as other:  # a graph of its own
         following = Following(other.node, partial(LiveEstimate, limits=Limits()))
         eventually(lambda: len(following.published().keys() - {*OF_EVERY_NODE}) == 6, "all topics")
-        assert "attitudes are on /a/imu/data, /a/pose, /b/pose, /imu/data of domain" in following.silence()
+        assert (
+            "topics of types with attitudes are /a/imu/data, /a/pose, /b/pose, /imu/data in domain"
+            in following.silence()
+        )
         following.estimate = "/a/imu/data"
         following.look()
         assert set(following._subscriptions) == {"/a/imu/data", "/a/lie_rigid_body/scenario", "/a/pose"}

@@ -344,6 +344,8 @@ def test_scores_of_a_run(run):
         ({"duration": 1.0, "seeds": [1], "sensor_seed": 2}, "beside seeds"),
         ({"duration": 1.0, "seeds": [-1]}, "sensor_seed: -1 is outside"),
         ({"scenario": 5, "duration": 1.0}, "scenario 5 is no name"),
+        ({"scenario": "a/file", "duration": 1.0}, r"'a/file' is no name of one, but a path: give it as pathlib.Path\("),
+        ({"scenario": "file.yml", "duration": 1.0}, "'file.yml' is no name of one, but a path"),
     ],
 )
 def test_refusals_are_one_line(arguments, message):

@@ -219,6 +219,24 @@ def test_saturation_and_spikes_stay_within_the_range() -> None:
     assert np.abs(imu.gyro[~low]).max() == 1.5
 
 
+@pytest.mark.parametrize("sensor", ["gyro", "magnetometer"])
+@pytest.mark.parametrize("share", [0.6, 1.0, 2.7, 100.4])
+def test_saturation_reads_the_last_step_within_its_level(sensor: str, share: float) -> None:
+    """The level, like the range, need be no multiple of the resolution."""
+    level = {"gyro": 0.3, "magnetometer": 1e-5}[sensor]
+    given = {"resolution": level / share, "range": 7.7 * level / min(share, 1.0), "saturation_level": level}
+    episodes = {"saturation_interval": 10.0, "saturation_duration": 2.0}
+    found = run(**{f"{sensor}_{key}": value for key, value in (given | episodes).items()})
+    assert found.magnetometer is not None
+    t_ns, read = {
+        "gyro": (imu_of(found).t_ns, imu_of(found).gyro),
+        "magnetometer": (found.magnetometer.t_ns, found.magnetometer.field),
+    }[sensor]
+    low = inside(t_ns, of_kind(found, "saturation"))
+    assert np.abs(read[low]).max() == pytest.approx(np.floor(share) * level / share, rel=1e-15)
+    assert np.abs(read[~low]).max() > level
+
+
 def test_a_drift_with_temperature_is_a_ramp_of_the_bias() -> None:
     given = {"gyro_temperature_drift": 0.1, "gyro_temperature_drift_duration": 20.0, "fault_begin": 10.0}
     found = run(**given, gyro_turn_on_bias=0.01)

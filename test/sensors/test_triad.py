@@ -6,6 +6,8 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from reference_noise import normal, words
 from scipy import stats
 from scipy.spatial.transform import Rotation
@@ -14,6 +16,7 @@ from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
 from lie_rigid_body import RigidBody, State
 from lie_rigid_body.sensors import Imu
 from lie_rigid_body.sensors.noise import NoiseSource
+from lie_rigid_body.sensors.quantisation import Converter
 
 COUNT = 50_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -84,9 +87,22 @@ def test_rounding_of_halves_goes_to_the_even_step() -> None:
     assert gyro_reads([[0.125, 0.375, -0.125]], gyro_resolution=0.25)[0].tolist() == [0.0, 0.5, 0.0]
 
 
-def test_range_comes_before_resolution() -> None:
-    """The converter counts what the amplifier lets through: 1.0 is 4 steps of 0.3 away from nothing but 0.9."""
-    assert gyro_reads([[5.0, -5.0, 0.5]], gyro_range=1.0, gyro_resolution=0.3)[0] == pytest.approx([0.9, -0.9, 0.6])
+@given(st.floats(1e-6, 1e6), st.integers(1, 10**6), st.integers(0, 10**6))
+def test_no_reading_leaves_the_range_and_the_last_step_within_it_is_read(limit: float, parts: int, more: int) -> None:
+    """The range need be no multiple of the resolution."""
+    converter = Converter(limit / (parts + more / (10**6 + 1)), limit)
+    values = limit * np.array([0.0, 0.3, 0.499, 0.7, 0.95, 1.0, 1.3, 1e9])
+    read = converter.read(values)
+    assert np.all(np.abs(read) <= limit)
+    assert converter.read(-values).tolist() == (-read).tolist()
+    assert converter.read(read).tolist() == read.tolist()
+    steps = np.minimum(np.rint(values / converter.resolution), np.floor(limit / converter.resolution * (1.0 + 1e-15)))
+    assert read == pytest.approx(steps * converter.resolution, rel=1e-15)
+
+
+@pytest.mark.parametrize(("limit", "step"), [(0.3, 0.1), (0.7, 0.1), (2000.0 * np.pi / 180.0, np.pi / 180.0 / 16.384)])
+def test_the_range_is_read_where_it_is_a_multiple_but_for_round_off(limit: float, step: float) -> None:
+    assert Converter(step, limit).read(np.array([9e9, -9e9])) == pytest.approx([limit, -limit], rel=1e-15)
 
 
 def test_noise_comes_before_range() -> None:

@@ -243,7 +243,31 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
     listed = outcome(done, errors=5)
     for said in (*wrong.values(), "scenario 'flat_plat' is unknown: did you mean flat_plate"):
         assert f"\nattitude_run: {said}" in listed
+        assert listed.count(f"\n{said}") == 0
+    assert "During handling of the above exception" not in listed
     assert "ensemble.py" not in listed
+
+
+def test_of_what_cannot_be_judged_only_the_line_of_the_test_is_shown(tmp_path):
+    (tmp_path / "test_user.py").write_text(
+        """
+import numpy as np
+import pytest
+from lie_rigid_body.testing import assert_attitude
+
+WRONG = {"not finite": {"max_rms_deg": 1.0}, "is below 0": {"max_rms_deg": 1.0, "after_s": -1}, "a limit": {},
+         "no Run": {"run": None, "max_rms_deg": 1.0}, "is not above 0": {"max_rms_deg": -1}}
+
+@pytest.mark.attitude_run(scenarios="flat_plate", grades="mems", duration=0.1)
+@pytest.mark.parametrize("what", WRONG)
+def test_one(attitude_run, what):
+    assert_attitude(**{"estimate": np.full((10, 4), np.nan), "run": attitude_run, **WRONG[what]})
+"""
+    )
+    listed = outcome(run_pytest(tmp_path, "-q"), failed=5)
+    assert listed.count("lie_rigid_body.errors.InputError: ") >= 5
+    assert str(ROOT / "lie_rigid_body") not in listed
+    assert "../lie_rigid_body" not in listed
 
 
 def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
@@ -254,3 +278,14 @@ def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
     with pytest.raises(AssertionError, match=r"The errors over time: .*errors\.png"):
         assert_attitude(late, run, max_rms_deg=0.01, plot=picture)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("plot", "why"), [("no/such/folder/errors.png", "folder .* does not exist"), ("errors.svg", r"\.png"), (5, "")]
+)
+def test_a_picture_that_cannot_be_drawn_hides_no_broken_limit(run, tmp_path, plot, why):
+    late = run.attitude().at(np.maximum(stamps(run) - 20_000_000, 0))
+    with pytest.raises(AssertionError, match=f"\nThe errors over time are not drawn: .*{why}") as failure:
+        assert_attitude(late, run, max_rms_deg=0.01, plot=tmp_path / plot if isinstance(plot, str) else plot)
+    assert str(failure.value).startswith("the error is ")
+    assert "\nlagging: " in str(failure.value)
