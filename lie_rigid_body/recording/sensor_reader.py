@@ -104,6 +104,12 @@ class SensorTrack:
 
     __repr__ = short_repr
 
+    @classmethod
+    def without_messages(cls, name: str) -> SensorTrack:
+        """That of a topic of which there is no message, by its relative name."""
+        none = np.empty(0, dtype=np.int64)
+        return cls(f"/{name}", none, none, np.empty((0, _NUMBERS[SENSOR_TOPICS[name]])))
+
     def columns(self, first: int, count: int) -> Array:
         """So many fields from one on, shape (N, count)."""
         return self.numbers[:, first : first + count].copy()
