@@ -8,12 +8,14 @@ import stat
 import sys
 import time
 from contextlib import suppress
+from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import yaml
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 LONGEST_WAIT: Final = 10.0
 """Longest time that the writers of a pipe may take, s."""
@@ -21,6 +23,20 @@ SILENT_WAIT: Final = 1.0
 """Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
 """Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
+
+
+def as_path(given: str | PathLike[str], what: str = "file", remedy: str = "that of a file") -> Path:
+    """A path that was given from Python.
+
+    Raises
+    ------
+    InputError
+        If it is none, such as None, a number or bytes.
+    """
+    try:
+        return Path(given)
+    except TypeError:
+        raise InputError(f"{what} {shown(given)} is no path: give {remedy}, as a text or a Path") from None
 
 
 def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
@@ -35,11 +51,11 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
     Raises
     ------
     InputError
-        If it is a device or a socket, or a pipe that will not do.
+        If it is no path, a device or a socket, or a pipe that will not do.
     OSError, ValueError
         If it cannot be opened.
     """
-    mode = os.stat(path).st_mode
+    mode = os.stat(as_path(path)).st_mode
     is_pipe = stat.S_ISFIFO(mode)
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")

@@ -89,7 +89,16 @@ def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
 
 def how_to_certify(bag: str | Path) -> str:
     """The command that certifies a bag, for a shell."""
-    return f"certify them with: {program('check')} {shlex.quote(str(bag))}"
+    return f"certify them with: {program('check')} {quoted(bag)}"
+
+
+def quoted(path: str | Path) -> str:
+    """The name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show."""
+    name = str(path)
+    if name.isprintable():
+        return shlex.quote(name)
+    plain = {*map(chr, range(32, 127))} - {*"\\'"}
+    return "$'" + "".join(c if c in plain else "".join(f"\\x{b:02x}" for b in os.fsencode(c)) for c in name) + "'"
 
 
 def require_suffix(option: str, path: str | None, suffix: str) -> None:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from lie_rigid_body import bounded_input
+from lie_rigid_body import Run, bounded_input, simulate
 from lie_rigid_body.bounded_input import load_yaml, open_file, read_text
+from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.scenario.parameter_file import LARGEST_FILE, gather, read_parameter_file
 
 PARAMETERS = b"/**: {ros__parameters: {rate: 10.0}}"
@@ -112,3 +116,22 @@ def test_nobody_waits_for_ever_for_a_writer(
         with pytest.raises(InputError, match="is a pipe"):
             open_file(waiting)
     os.close(writer)
+
+
+@pytest.mark.parametrize("given", [None, 5, b"a.mcap", ["a.mcap"]])
+def test_what_is_no_path_is_refused_wherever_python_takes_one(given: Any) -> None:
+    """A number would be a descriptor to the system, such as that of stdin."""
+    run = simulate(duration=0.1)
+    score = run.score(run.truth.attitude_xyzw, diagnosed=False)
+    takers: list[Callable[[Any], object]] = [
+        run.to_bag,
+        Run.from_bag,
+        read_bag,
+        Campaign.from_file,
+        read_parameter_file,
+        lambda path: write_plot(score, path),
+        lambda path: write_report(score, path),
+    ]
+    for take in takers:
+        with pytest.raises(InputError, match=r"is no path: give that of|let the name end in"):
+            take(given)

@@ -16,7 +16,10 @@ from mcap.writer import Writer
 from lie_rigid_body import console
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.cli.evaluate import main as evaluate
+from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.wording import LONGEST_LINE
 
@@ -104,6 +107,41 @@ def test_json_names_every_file(bag: Path, tmp_path: Path, capsys: pytest.Capture
     odd.hardlink_to(bag)
     assert check([str(odd), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["bag"] == str(odd)
+
+
+NAMES = ["we ird\nname", "\udcff\udcfe", "it's \\ a\ttab", "$x é\u2028", "-o"]
+
+
+@pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
+@pytest.mark.parametrize(
+    ("verb", "arguments", "status"),
+    [
+        (check, "{bag}", 0),
+        (check, "{bag} {other}", 0),
+        (check, "{bag} {other} --inertia 1,2,2.5", 1),
+        (record, "{new} --duration 0.1", 0),
+        (recover, "{bag} -o {new}", 0),
+        (plot, "{bag} -o {new}.png", 0),
+        (evaluate, "{bag} --estimate /pose --plot {new}.png", 0),
+    ],
+)
+def test_the_name_of_a_file_stays_on_its_line(
+    verb: console.Main, arguments: str, status: int, bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a\nb.mcap").hardlink_to(bag)
+    names = {"bag": tmp_path / "a\nb.mcap", "new": tmp_path / "c\nd.mcap", "other": bag}
+    assert verb([argument.format(**names) for argument in arguments.split(" ")]) == status
+    said = capsys.readouterr().out
+    for name in ("a\nb", "c\nd"):
+        assert name not in said
+    assert r"a\nb.mcap" in said or r"c\nd.mcap" in said
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_shell_finds_the_file_that_a_command_names(name: str) -> None:
+    said = subprocess.run(["bash", "-c", f"printf %s {console.quoted(name)}"], capture_output=True, check=True).stdout
+    assert said == os.fsencode(name)
+    assert console.quoted(name).isprintable()
 
 
 def test_a_terminal_is_not_controlled_by_what_a_file_says(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,8 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Value, exact_duration
@@ -159,8 +161,16 @@ class Campaign:
         return exact_duration(self.duration, "duration", "60.0")
 
     def drawn(self, run: int) -> dict[str, Any]:
-        """The values of the parameters that vary, for one run."""
-        return {name: draw(Uniforms(self.seed, run, name)) for name, draw in self._draws.items()}
+        """The values of the parameters that vary, for one run.
+
+        Raises
+        ------
+        InputError
+            If there is no run of that number.
+        """
+        if isinstance(run, bool) or not isinstance(run, int | np.integer) or not 0 <= run < self.runs:
+            raise InputError(f"run {shown(run)} is none of this campaign: give a number from 0 to {self.runs - 1}")
+        return {name: draw(Uniforms(self.seed, int(run), name)) for name, draw in self._draws.items()}
 
     def scenario_of(self, run: int) -> Scenario:
         """The scenario of one run.
@@ -168,7 +178,7 @@ class Campaign:
         Raises
         ------
         InputError
-            Naming the run, where its parameters make no scenario.
+            If there is no run of that number, or naming the run, where its parameters make no scenario.
         """
         try:
             return Scenario.from_parameters({**self._base, **self.drawn(run)})

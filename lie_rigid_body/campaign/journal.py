@@ -62,8 +62,11 @@ class Journal:
             self._file = self.path.open("a+b")
             self._lock()
             self._read()
+        except FileExistsError as error:
+            raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
         except OSError as error:
-            raise BagError(f"{self.path} cannot be used: {error.strerror}: give another folder") from None
+            path = error.filename or self.path
+            raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
 
     @classmethod
     def is_begun(cls, campaign: Campaign, folder: Path) -> bool:

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import BagError, InputError, said
+from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.wording import MOST_NAMES, counted, listed, shortened, shown
+from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 MOST_TRIED: Final = 1000
 """Runs whose parameters are tried before the first is begun: each takes some milliseconds."""
+_LONGEST_REASON: Final = 70
+"""Largest length of what a run failed of in an error line, characters."""
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
 
 
@@ -205,20 +207,26 @@ def _without_a_score(campaign: Campaign, runs: str, error: str) -> InputError:
     """That an estimator gave no score, and why not in the first of its runs."""
     from lie_rigid_body.campaign.estimator import MENDED
 
-    said = f"{campaign.estimator} gave no score in {runs}: {shortened(error.removesuffix(f': {MENDED}'), 70)}"
-    return InputError(f"estimator {said}: mend it, and give a new folder")
+    reason = shortened(error.removesuffix(f": {MENDED}"), _LONGEST_REASON)
+    return InputError(
+        f"estimator {campaign.estimator} gave no score in {runs}: {reason}: mend it, and give a new folder"
+    )
 
 
 def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
     """That runs failed, and what the first of them failed of; the table has the others."""
     from lie_rigid_body.campaign.journal import RESUMED
 
-    reason = said(failed[min(failed)]).partition("; ")[0]  # without the rescue of its bag, as the run is done again
+    error = failed[min(failed)]
+    reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
+    reason = reason.replace(f"{journal.folder}/", "")
+    if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
+        reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
+    reason = shortened(reason, _LONGEST_REASON)
     named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
     return BagError(
-        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {shortened(reason, 70)}; {kept}: mend that, and "
-        f"{RESUMED}"
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
     )
 
 
@@ -228,7 +236,8 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     table, tally = journal.write_table(), _Tally.of(journal.rows())
     broken, certified = tally.broken, tally.count - len(tally.broken)
     lines = [
-        f"{counted(tally.count, 'run')}, {certified} certified, attitudes within {tally.worst:.2g} rad, in {table}"
+        f"{counted(tally.count, 'run')}, {certified} certified, attitudes within {tally.worst:.2g} rad, "
+        f"in {printable(str(table))}"
     ]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
@@ -240,7 +249,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
 
         content = page(f"Campaign {given.campaign}", campaign, [*journal.rows()])
         write_file(given.report, content, overwrite=given.force)
-        lines.append(f"wrote {given.report}")
+        lines.append(f"wrote {printable(given.report)}")
     console.say("\n".join(lines), done=f"{table} is written")
     if broken:
         return console.BROKEN

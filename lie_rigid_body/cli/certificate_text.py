@@ -8,7 +8,7 @@ from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.parameters import Value
-from lie_rigid_body.wording import counted
+from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Of the columns of `law_cells`."""
@@ -38,7 +38,7 @@ def as_table(bag: str, certificate: Certificate) -> str:
     str
         Without a final newline.
     """
-    lines = [bag]
+    lines = [printable(bag)]
     for i, segment in enumerate(certificate.segments, 1):
         lines += ["", *_segment_lines(i, len(certificate.segments), segment)]
     for law in certificate.whole:

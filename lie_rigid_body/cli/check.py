@@ -12,7 +12,7 @@ from lie_rigid_body import console
 from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
 from lie_rigid_body.cli.judgement import Judgement, judge_all, judge_bodies
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import listed, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
@@ -86,7 +86,7 @@ def _one(
         content |= {} if proof is None else {"proved": proof_text.as_json(proof)}
         console.say(json.dumps(content, indent=2), done)
     else:
-        wrote = [f"wrote {given.report}"] if given.report else []
+        wrote = [f"wrote {printable(given.report)}"] if given.report else []
         console.say("\n".join([certificate_text.as_table(name, certificate), *proved, *wrote]), done)
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
@@ -124,7 +124,7 @@ def _write_overview(given: argparse.Namespace, judgements: Sequence[Judgement]) 
     title, what = f"Certificates of {listed(given.bags)}", kind_of(judgements)
     content = certificates_page(title, certificates, reasons, uncovered(judgements), what)
     write_file(given.report, content, overwrite=given.force)
-    return f"\nwrote {given.report}"
+    return f"\nwrote {printable(given.report)}"
 
 
 def _refuse_proof(given: argparse.Namespace) -> None:

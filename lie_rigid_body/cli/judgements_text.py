@@ -12,7 +12,7 @@ from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.cli import certificate_text
 from lie_rigid_body.cli.judgement import Judgement
-from lie_rigid_body.wording import counted, shortened
+from lie_rigid_body.wording import counted, printable, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _COLUMNS: Final = "{verdict:<9} {samples:>9} {accuracy:>8} {law:<34} {used:>7}  {bag}"
@@ -57,7 +57,12 @@ def _row(judgement: Judgement) -> str:
         if certificate.passed:
             accuracy = f"{certificate.attitude_accuracy:.2g}"
     return _COLUMNS.format(
-        verdict=_VERDICTS[judgement.status], samples=samples, accuracy=accuracy, law=law, used=used, bag=judgement.name
+        verdict=_VERDICTS[judgement.status],
+        samples=samples,
+        accuracy=accuracy,
+        law=law,
+        used=used,
+        bag=printable(judgement.name),
     ).rstrip()
 
 
@@ -94,7 +99,7 @@ def _faults(judgements: Sequence[Judgement]) -> Iterator[str]:
         assert judgement.certificate is not None
         others = len(judgement.certificate.messages) - 1
         more = f" ({others} more)" if others else ""
-        text = f"{shortened(judgement.name)}: {_worst_law(judgement.certificate).message}{more}"
+        text = f"{shortened(printable(judgement.name))}: {_worst_law(judgement.certificate).message}{more}"
         yield _item(text)
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
@@ -110,7 +115,7 @@ def uncovered(judgements: Sequence[Judgement]) -> list[str]:
     for what, places in found.items():
         texts, bags = {text for _, text in places}, {judgement.bag for judgement, _ in places}
         first = places[0][0].name if len(places) == 1 else places[0][0].bag
-        where = shortened(first) if len(bags) == 1 else f"{len(bags)} of {count} bags"
+        where = shortened(printable(first)) if len(bags) == 1 else f"{len(bags)} of {count} bags"
         lines.append(f"{texts.pop() if len(texts) == 1 else what} ({where})")
     more = len(lines) - _MOST_TOLD
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]

@@ -11,6 +11,7 @@ from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
+from lie_rigid_body.wording import printable
 
 
 @console.run
@@ -38,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with np.errstate(all="ignore"):  # recorded numbers may be anything
         draw(pieces).savefig(picture, format="png")
     write_file(given.out, picture.getvalue(), overwrite=given.force)
-    console.say(f"wrote {given.out}", done=f"{given.out} is written")
+    console.say(f"wrote {printable(given.out)}", done=f"{given.out} is written")
     return console.SUCCESS
 
 

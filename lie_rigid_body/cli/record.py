@@ -14,7 +14,7 @@ from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import exact_duration
-from lie_rigid_body.wording import counted
+from lie_rigid_body.wording import counted, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
@@ -142,7 +142,7 @@ def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: In
         clock = simulation.clock
         first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
         console.say(
-            f"{counted(done, 'sample')}, stamps {first} to {last} s, in {bag.path} ({size})\n"
+            f"{counted(done, 'sample')}, stamps {first} to {last} s, in {printable(str(bag.path))} ({size})\n"
             f"{console.how_to_certify(bag.path)}",
             done=f"{bag.path} is written and whole",
         )

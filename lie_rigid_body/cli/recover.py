@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
-from lie_rigid_body.wording import counted
+from lie_rigid_body.wording import counted, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.recovery import Recovery
@@ -27,13 +26,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     broken, out = Path(given.broken), Path(given.out)
     if broken.is_dir():
         found = recover_folder(broken, out)
-        wrong = [str(each) for each in found.values() if not isinstance(each, Recovery)]
+        wrong = [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
     else:
         found, wrong = {broken: recover(broken, out, overwrite=given.force)}, []
     parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
     wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))] + wrong
     console.say(
-        "\n".join([_how_much(given.out, [*parts.values()]), *(wrong or [f"{broken} was whole"]), *_what_next(given)]),
+        "\n".join(
+            [
+                _how_much(given.out, [*parts.values()]),
+                *(wrong or [f"{printable(given.broken)} was whole"]),
+                *_what_next(given),
+            ]
+        ),
         done=f"{given.out} is written and whole",
     )
     return console.SUCCESS
@@ -68,7 +73,7 @@ def _how_much(out: str, parts: Sequence[Recovery]) -> str:
     first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
     messages = counted(sum(part.messages for part in parts), "message")
     topics = counted(max(part.topics for part in parts), "topic")
-    where = f"{out} ({console.size(sum(map(os.path.getsize, files)))})"
+    where = f"{printable(out)} ({console.size(sum(map(os.path.getsize, files)))})"
     return f"{messages} on {topics}, stamps {first} to {last} s, in {where}"
 
 
@@ -88,7 +93,7 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     if recovery.rewritten:
         chunks = counted(len(recovery.rewritten), "chunk")
         found.append(f"has {chunks} of more than one compressed frame, written anew, at byte {recovery.rewritten[0]}")
-    return f"{broken} {' and '.join(found)}" if found else ""
+    return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 
 def _what_next(given: argparse.Namespace) -> list[str]:
@@ -97,9 +102,9 @@ def _what_next(given: argparse.Namespace) -> list[str]:
     if os.path.isdir(given.broken):
         return [
             console.how_to_certify(given.out),
-            f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {shlex.quote(given.out)}",
+            f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {console.quoted(given.out)}",
         ]
     whole = whole_of(Path(given.broken))
     if whole is not None:
-        return [f"it is one file of a bag that was split; recover all with: recover {shlex.quote(str(whole))} -o FIXED"]
+        return [f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"]
     return [console.how_to_certify(given.out)]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from lie_rigid_body.bounded_input import load_yaml, read_text
+from lie_rigid_body.bounded_input import as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
 from lie_rigid_body.recording.mcap_contents import McapContents, Wanted
@@ -45,12 +45,15 @@ class BagFiles:
 
     Raises
     ------
+    InputError
+        If the path is none, such as a number.
     BagError
         If the path or its metadata cannot be read, or name no files.
     """
 
     def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
-        self.path, self.progress = Path(path), progress
+        self.path = as_path(path, "bag", "that of an MCAP file, or of a folder of them")
+        self.progress = progress
         self._metadata = self.path / METADATA
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None

@@ -12,6 +12,7 @@ from io import BufferedWriter, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
 
 if TYPE_CHECKING:
@@ -41,12 +42,14 @@ class OutputFile:
 
     Raises
     ------
+    InputError
+        If the path is none, such as a number.
     BagError
         If the file cannot be created, saying why and what to do.
     """
 
     def __init__(self, path: str | Path, *, overwrite: bool) -> None:
-        self.path = Path(path)
+        self.path = as_path(path)
         try:
             self._target = self._replaceable(overwrite)
             if self._target is None:
@@ -72,7 +75,7 @@ class OutputFile:
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
         if self.path.is_dir():
-            raise BagError(f"{self.path} is a folder: give the name of a file in it, such as {self.path / 'out.mcap'}")
+            raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
         if not (overwrite and self.path.exists()):
             return None
         if not self.path.is_file():

@@ -11,6 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import (
     IMU,
     MAGNETIC_FIELD,
@@ -102,6 +103,12 @@ class SensorTrack:
     numbers: Array
 
     __repr__ = short_repr
+
+    @classmethod
+    def without_messages(cls, name: str) -> SensorTrack:
+        """That of a topic of which there is no message, by its relative name."""
+        none = np.empty(0, dtype=np.int64)
+        return cls(f"/{name}", none, none, np.empty((0, _NUMBERS[SENSOR_TOPICS[name]])))
 
     def columns(self, first: int, count: int) -> Array:
         """So many fields from one on, shape (N, count)."""

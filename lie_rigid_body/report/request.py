@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import listed, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
@@ -151,6 +151,6 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         content = text.as_json(source or None, read, score, series=given.series)
         said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        said = "\n".join([text.as_table(title, read, score), *(f"wrote {path}" for path in files)])
+        said = "\n".join([text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else console.BROKEN

@@ -5,11 +5,12 @@ from __future__ import annotations
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.summary import findings, table, verdict, wrapped
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+from lie_rigid_body.wording import printable
 
 
 def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
     """The score in lines for a terminal, without a final newline."""
-    lines = [title, *wrapped(extent(read, score)), ""]
+    lines = [printable(title), *wrapped(extent(read, score)), ""]
     lines += [*table(score), ""]
     for note in read.notes:
         lines += wrapped(note, "note: ")

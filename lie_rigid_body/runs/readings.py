@@ -65,9 +65,13 @@ class ImuArrays:
         )
 
     @classmethod
-    def of_tracks(cls, data: SensorTrack, bias: SensorTrack | None, *, own: bool) -> ImuArrays:
-        """Those of the topics of a bag, whose log times tell arrivals if it is one of our own."""
-        oriented = len(data.numbers) > 0 and data.numbers[0, 4] != -1.0
+    def of_tracks(cls, data: SensorTrack, bias: SensorTrack | None, *, own: bool, oriented: bool) -> ImuArrays:
+        """Those of the topics of a bag, whose log times tell arrivals if it is one of our own.
+
+        Whether they tell an orientation the readings say, or, where there are none, ``oriented``.
+        """
+        if len(data.numbers):
+            oriented = data.numbers[0, 4] != -1.0
         return cls(
             data.stamps_ns,
             data.columns(13, 3),
@@ -210,7 +214,7 @@ def _arrival(track: SensorTrack, own: bool) -> Integers:
 def _biases(t_ns: Integers, bias: SensorTrack | None) -> tuple[Array | None, Array | None]:
     """Biases of gyro and accelerometer at the stamps of readings."""
     if bias is None:
-        return None, None
+        return (None, None) if len(t_ns) else (np.empty((0, 3)), np.empty((0, 3)))
     vectors = bias.columns(13, 3), bias.columns(25, 3)
     if np.array_equal(bias.stamps_ns, t_ns):
         return vectors

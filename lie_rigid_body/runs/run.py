@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
@@ -26,7 +25,7 @@ from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Samples, Segment, Taken
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
@@ -92,8 +91,9 @@ class Run:
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
         Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
-        sensor is None if its topic is not in the bag, and its biases are if ``imu/bias`` is not; a reading whose stamp
-        is not on that topic has the bias NaN.
+        sensor is None if no scenario of the bag declares it, nor its topic is in the bag; one that is declared and
+        whose readings are all lost has arrays of none. Of readings the biases are None if ``imu/bias`` is not in the
+        bag; a reading whose stamp is not on that topic has the bias NaN.
 
         Parameters
         ----------
@@ -111,26 +111,31 @@ class Run:
         """
         from lie_rigid_body.certificate.segments import recorded_segments
         from lie_rigid_body.certificate.survey import as_written
-        from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN
+        from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN, sensor_topics
         from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
         from lie_rigid_body.recording.bodies import for_python, require_topics
-        from lie_rigid_body.recording.sensor_reader import FaultMessages, recorded_faults, sensor_track
+        from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorTrack, recorded_faults, sensor_track
 
-        if not isinstance(path, str | PathLike):
-            raise InputError(f"bag {shown(path)} is no path: give that of an MCAP file, or of a folder of them")
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         try:
-            path, bag = Path(path), Bag(path, topics=topics)
+            bag = Bag(path, topics=topics)
         except BagError as error:
             raise for_python(error) from None
-        sensors = [bag.sensors.get(name) for name in (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)]
-        keys = {(sensor.topic, sensor.message_type) for sensor in sensors if sensor}
+        path = Path(path)
+        sensors = {name: bag.sensors.get(name) for name in (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)}
+        keys = {(sensor.topic, sensor.message_type) for sensor in sensors.values() if sensor}
         contents, own = bag.messages_of(lambda *key: key in keys), as_written(bag)
-        data, bias, field, attitude, sun = (sensor_track(path, contents, sensor) for sensor in sensors)
+        tracks = {name: sensor_track(path, contents, sensor) for name, sensor in sensors.items()}
         recording = bag.load()
         pieces = recorded_segments(recording)
-        has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others
+        declared = [piece.segment.scenario.sensors for piece in pieces]
+        wanted = {topic for models in declared for topic in sensor_topics(models)}
+        for name in wanted & {IMU_DATA, MAG, ATTITUDE, SUN}:
+            tracks[name] = tracks[name] or SensorTrack.without_messages(name)
+        data, bias, field, attitude, sun = tracks.values()
+        oriented = any(models.imu is not None and models.imu.orientation is not None for models in declared)
+        has_faults = any(models.have_faults for models in declared)  # else they are of others
         told = recording.readings.get(FAULTS) if has_faults else None
         return cls(
             np.concatenate([piece.stamps_ns for piece in pieces]),
@@ -138,7 +143,7 @@ class Run:
                 np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
                 np.concatenate([piece.states.body_rate for piece in pieces]),
             ),
-            None if data is None else ImuArrays.of_tracks(data, bias, own=own),
+            None if data is None else ImuArrays.of_tracks(data, bias, own=own, oriented=oriented),
             None if field is None else MagnetometerArrays.of_track(field, own=own),
             tuple(piece.segment for piece in pieces),
             None if attitude is None else AttitudeSensorArrays.of_track(attitude, own=own),
@@ -166,7 +171,7 @@ class Run:
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the run has readings of an IMU without their biases, be it one, as some bags.
+            If the path is none, or the run has readings of an IMU without their biases, be it one, as some bags.
         """
         from lie_rigid_body.messages.batch import BatchEncoder
         from lie_rigid_body.recording.bag_writer import BagWriter

@@ -122,3 +122,18 @@ def test_a_folder_of_something_else_is_left_alone(
     assert {path.name for path in tmp_path.iterdir()} == {"precious", "campaign.yaml"}
     assert main([str(written(tmp_path, CAMPAIGN.replace("seed: 7", "seed: 8"))), "--out", str(out)]) == 2
     assert "another campaign" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("taken", ["bags", ""])
+@pytest.mark.parametrize("dangling", [False, True])
+def test_what_is_no_folder_is_named(
+    taken: str, dangling: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    (out / taken).parent.mkdir(exist_ok=True)
+    (out / taken).symlink_to("nowhere") if dangling else (out / taken).write_text("precious")
+    if taken:
+        (out / "runs.jsonl").touch()
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(out)]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"{Path('out', taken)} is no folder: move it away, or give another folder" in line

@@ -10,6 +10,7 @@ import pytest
 from scipy import stats
 from scipy.integrate import tplquad
 
+from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
@@ -120,6 +121,22 @@ FIRST_OF_SEED_7 = 0.289175079078131
 
 def test_the_run_is_its_number() -> None:
     assert drawn(count=5, distribution="run").tolist() == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("run", [-1, 3, 10**30, "x", "1", 1.5, 1.0, None, True, np.bool_(False), np.int64(3), math.nan])
+def test_a_run_that_there_is_not_is_refused(run: Any) -> None:
+    campaign = Campaign(runs=3, seed=7, duration=1.0, vary={"sensor_seed": {"distribution": "run"}})
+    for refuse in (campaign.scenario_of, campaign.drawn):
+        with pytest.raises(InputError, match="is none of this campaign: give a number from 0 to 2"):
+            refuse(run)
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.uint8])
+def test_the_number_of_a_run_may_be_one_of_numpy(kind: Any) -> None:
+    vary = {"sensor_seed": {"distribution": "run"}, "rate": {"distribution": "uniform", "low": 1.0, "high": 9.0}}
+    campaign = Campaign(runs=3, seed=7, duration=1.0, vary=vary)
+    assert campaign.scenario_of(kind(2)) == campaign.scenario_of(2)
+    assert type(campaign.drawn(kind(2))["sensor_seed"]) is int
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from lie_rigid_body.campaign.run import carry_out
 from lie_rigid_body.cli import campaign as campaign_verb
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.wording import LONGEST_LINE
 
 pytestmark = NEEDS_DASK
 
@@ -36,6 +37,23 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     assert f"{most} of 1000000 runs failed, first: run 0: rate: -3 is outside" in line
     assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
     assert not finished(tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    "folder", ["out", "a_folder_of_a_long_name/" * 6 + "out", "a folder of a long name/" * 6 + "out"]
+)
+def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -> None:
+    """Whatever has to go so that it is short enough."""
+    campaign, out = Campaign(runs=40, seed=1, duration=0.02), tmp_path / folder
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with Journal(campaign, out) as journal:
+        (out / "bags" / "000002.mcap").mkdir()
+        with pytest.raises(BagError) as failed:
+            carry_out(campaign, 2, str(out))
+        line = str(campaign_verb._failure(campaign, journal, {2: failed.value}))
+    assert line.startswith("1 of 40 runs failed (2), first: ")
+    assert "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest" in line
+    assert len(line) <= LONGEST_LINE
 
 
 def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:

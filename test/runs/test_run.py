@@ -216,6 +216,25 @@ def test_faults_that_leave_no_reading_are_in_the_run_of_the_bag(tmp_path):
     assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
 
 
+@pytest.mark.parametrize("oriented", [False, True])
+@pytest.mark.parametrize("fault", [{"dropout_probability": 1.0}, {"latency": 9.0}])
+def test_a_sensor_of_which_no_reading_arrives_has_none_from_its_bag_either(fault, oriented, tmp_path):
+    sensors = ("imu", "magnetometer", "attitude_sensor", "sun_sensor")
+    given = {f"{sensor}_{name}": value for sensor in sensors for name, value in {"rate": 10.0, **fault}.items()}
+    run = simulate(duration=1.0, imu_orientation=oriented, **given)
+    run.to_bag(tmp_path / "a.mcap")
+    read = Run.from_bag(tmp_path / "a.mcap")
+
+    def kinds(run: Run) -> list[dict[str, Any]]:
+        arrays = [vars(part) for part in (run.imu, run.magnetometer, run.attitude_sensor, run.sun)]
+        return [{name: a is not None and (a.shape, a.dtype) for name, a in part.items()} for part in arrays]
+
+    assert kinds(read) == kinds(run)
+    assert len(imu_of(read).t_ns) == 0
+    read.to_bag(tmp_path / "b.mcap")
+    assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
+
+
 def without_topic(source: Path, target: Path, topic: str, keep_every: int = 0) -> None:
     from mcap.reader import make_reader
 
