@@ -200,7 +200,7 @@ def test_who_gives_one_file_of_a_split_bag_is_told_to_give_the_folder(
     fixed.replace(part)
     assert check([str(part)]) == 2
     line = capsys.readouterr().err
-    assert "/lie_rigid_body/scenario: it is one file of a bag that was split: give the folder " in line
+    assert "_rigid_body/scenario: it is one file of a bag that was split: give the folder " in line
     assert line.endswith("/my run\n")
 
 
