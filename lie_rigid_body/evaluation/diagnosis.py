@@ -188,6 +188,8 @@ def _conventions(comparison: Comparison, error: float, named: Explanation) -> Ex
     found = Explanation(ALONE[first], frozenset(), Misalignment(), float(np.median(left[first][late])))
     if len(found.causes) < 2 or medians[first] > most or named.convention == found.convention:
         return named
+    if len(named.causes) == 1 and named.median <= found.median:
+        return named
     least = named.median * BY_EACH_CONSTANT ** len(named.free)
     return found if not named.causes or found.median <= least else named
 

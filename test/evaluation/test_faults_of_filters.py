@@ -174,6 +174,15 @@ def test_two_conventions_beside_the_errors_of_mems_sensors_are_both_named_and_no
     assert found[-1].rms_deg_after < 15.0
 
 
+@pytest.mark.parametrize("heading_deg", [-96.0, -84.0])
+def test_two_conventions_are_not_named_where_one_cause_leaves_less(heading_deg):
+    """Of a disc that spins about the vertical, near enough for sensors, the inverse in an NED world is a heading."""
+    run = recorded("thrown_disc", "perfect")
+    true = quaternion.multiply(quaternion.exp(np.radians(heading_deg) * UP), run.truth.at(run.stamps_ns))
+    [finding] = told(run, quaternion.multiply(true, turns(2.0, 3, len(true))))
+    assert finding.code == "heading_offset"
+
+
 @pytest.mark.parametrize("samples", [1, 2, 3])
 def test_a_lag_that_leaves_more_than_a_near_one_with_a_mounting_is_not_named(samples):
     run = recorded("tossed_phone", "mems")
