@@ -8,6 +8,7 @@ import fcntl
 import os
 import secrets
 import stat
+from collections.abc import Iterable
 from io import BufferedWriter, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -150,14 +151,29 @@ class OutputFile:
             self.stream.close()
 
 
-def require_room(path: str | Path, *, overwrite: bool) -> None:
-    """Refuse, before the work for it, a file that `write_file` would refuse after it.
+def require_other(path: str | Path, others: Iterable[str | Path], kind: str = "input") -> None:
+    """Refuse an output that is one of some other files, be it through a link, whether or not it may be replaced.
 
     Raises
     ------
     BagError
-        If it exists and may not be replaced, or cannot be created.
     """
+    if not os.path.exists(path):
+        return
+    for other in others:
+        if os.path.exists(other) and os.path.samefile(path, other):
+            raise BagError(f"{path} is the {kind} {other} itself, which would be lost: give another name")
+
+
+def require_room(path: str | Path, inputs: Iterable[str | Path], *, overwrite: bool) -> None:
+    """Refuse, before the work for it, a file that `write_file` would refuse after it, and one that is an input.
+
+    Raises
+    ------
+    BagError
+        If it is an input itself, exists and may not be replaced, or cannot be created.
+    """
+    require_other(path, inputs)
     OutputFile(path, overwrite=overwrite).discard()
 
 
