@@ -50,6 +50,7 @@ class OutputFile:
         self.path = Path(path)
         try:
             self._target = self._replaceable(overwrite)
+            _remove_rests((self._target or self.path).parent)  # now, as nothing is to come between a file and its use
             if self._target is None:
                 self._written, self._file = self.path, _GrowingFile(self.path)
             else:
@@ -68,7 +69,6 @@ class OutputFile:
                 f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
             ) from None
         self.stream = BufferedWriter(self._file)
-        _remove_rests(self._written.parent)
 
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
@@ -144,7 +144,7 @@ class OutputFile:
         self._close(remove=True)
 
     def _close(self, *, remove: bool) -> None:
-        with contextlib.suppress(OSError):  # another file may have taken its place
+        with contextlib.suppress(OSError, ValueError):  # another file took its place, or it is whole and closed
             if remove and os.path.samestat(self._written.stat(), os.fstat(self._file.fileno())):
                 self._written.unlink()
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
