@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interruption import count_as_handled
+from lie_rigid_body.interruption import count_as_handled, interruptible
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
 
@@ -291,7 +291,8 @@ def run(main: Main) -> Main:
     Returns
     -------
     callable
-        The same, which returns 130 when interrupted, and 2 after a usage error and any other exception.
+        The same, which returns 130 when interrupted by SIGINT, SIGTERM or SIGHUP, and 2 after a usage error and any
+        other exception.
     """
     verb = main.__module__.rpartition(".")[2]
 
@@ -305,6 +306,11 @@ def run(main: Main) -> Main:
 def status_of(prog: str, action: Callable[[], int]) -> int:
     """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
     _open_standard_streams()
+    with interruptible():
+        return _status_of(prog, action)
+
+
+def _status_of(prog: str, action: Callable[[], int]) -> int:
     try:
         return action()
     except SystemExit as request:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
@@ -86,6 +88,30 @@ class Interruption:
             self._allowed = True
         if self.requested:
             raise KeyboardInterrupt
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """A context in which each of these signals raises KeyboardInterrupt, but not while one is handled: none tears that.
+
+    Signals that the process ignores, as SIGHUP under nohup, or handles itself are left to it, and in a thread all are.
+    """
+    own = threading.current_thread() is threading.main_thread()
+    handlers = {number: signal.getsignal(number) for number in _SIGNALS if own}
+    taken = {n: handler for n, handler in handlers.items() if handler in (signal.SIG_DFL, signal.default_int_handler)}
+    for number in taken:
+        signal.signal(number, _interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in taken.items():
+            if signal.getsignal(number) is _interrupt:  # an Interruption that was requested ignores them to the end
+                signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if not isinstance(sys.exc_info()[1], KeyboardInterrupt):
+        raise KeyboardInterrupt
 
 
 def count_as_handled() -> None:

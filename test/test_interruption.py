@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+
+from lie_rigid_body.console import status_of
 
 BEGIN = """
 import os, signal
@@ -89,3 +93,34 @@ with Interruption() as interruption:
 def test_what_is_put_off_interrupts_at_the_end() -> None:
     ended = subprocess.run([sys.executable, "-c", PUT_OFF], capture_output=True, text=True, check=True)
     assert ended.stdout.splitlines() == ["whole", "interrupted"]
+
+
+def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
+    """As ``main`` may be called in a process that lives on, and in a thread of one."""
+
+    def own(number: int, frame: object) -> None:
+        heard.append(number)
+
+    def action() -> int:
+        inside.append([signal.getsignal(number) for number in numbers])
+        signal.raise_signal(signal.SIGHUP)
+        signal.raise_signal(signal.SIGTERM)
+        return 0
+
+    heard: list[int] = []
+    inside: list[list[object]] = []
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, own)
+    before = [signal.getsignal(number) for number in numbers]
+    assert status_of("test", lambda: status_of("test", action)) == 130
+    assert [signal.getsignal(number) for number in numbers] == before
+    assert heard == [signal.SIGHUP]
+    assert inside[0][1] not in before
+
+    signal.signal(signal.SIGTERM, own)
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(status_of, "test", lambda: 3).result() == 3
+    assert status_of("test", action) == 0
+    assert heard == [signal.SIGHUP, signal.SIGHUP, signal.SIGTERM]

@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if given.report is not None:
         from lie_rigid_body.report import html_page
 
-        html_page.require_room(given.report, overwrite=given.force)
+        html_page.require_room(given.report, [given.campaign], overwrite=given.force)
     campaign = Campaign.from_file(given.campaign)
     if not Journal.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)

@@ -32,9 +32,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     topics = console.topic_names(given.topic, TYPES)
     inertia = None if given.inertia is None else _inertia(given.inertia)
     if given.report is not None:
+        from lie_rigid_body.recording.bag_folders import files_of
         from lie_rigid_body.report import html_page
 
-        html_page.require_room(given.report, overwrite=given.force)
+        files = (file for bag in given.bags for file in files_of(bag))
+        html_page.require_room(given.report, files, overwrite=given.force)
     if len(given.bags) > 1 or is_folder_of_bags(given.bags[0]):
         return _several(given, inertia, topics)
 

@@ -21,10 +21,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
+    from lie_rigid_body.recording.bag_folders import files_of
     from lie_rigid_body.recording.bodies import TYPES
 
     topics = console.topic_names(given.topic, TYPES)
-    require_room(given.out, overwrite=given.force)
+    require_room(given.out, files_of(given.bag), overwrite=given.force)
 
     import numpy as np
 

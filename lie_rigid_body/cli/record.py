@@ -39,8 +39,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter, expect_messages
+    from lie_rigid_body.recording.output_file import require_other
+    from lie_rigid_body.scenario.parameter_file import files_read
     from lie_rigid_body.simulation import Simulation
 
+    require_other(given.out, files_read(given.scenario, given.params_file))
     scenario = console.scenario(given)
     if scenario.without_effect and not given.quiet:
         console.complain(console.program("record"), scenario.without_effect, "warning")

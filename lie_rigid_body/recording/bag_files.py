@@ -43,6 +43,10 @@ class BagFiles:
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
 
+    Attributes
+    ----------
+    files : list of Path
+
     Raises
     ------
     InputError
@@ -57,13 +61,13 @@ class BagFiles:
         self._metadata = self.path / METADATA
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None
-            self._files = _files(self.path, self._information)
+            self.files = _files(self.path, self._information)
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
     def read(self, contents: McapContents, wanted: Wanted) -> Iterator[int]:
         """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
-        for file in self._files:
+        for file in self.files:
             before = 0
             read = read_database if file.suffix == SUFFIX else read_file
             for position in read(file, wanted, contents):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
-from lie_rigid_body.recording.bag_files import SUFFIXES, is_one_bag, natural_order
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_files import METADATA, SUFFIXES, BagFiles, is_one_bag, natural_order
 
 
 def whole_of(file: Path) -> Path | None:
@@ -49,6 +51,17 @@ def bags_in(folder: Path) -> list[Path]:
         itself: whoever opens it is told why it is none.
     """
     return sorted(_bags_below(folder), key=natural_order) or [folder]
+
+
+def files_of(bag: str | Path) -> Iterator[Path]:
+    """The files of a bag, or of all bags in a folder, whatever is wrong with them."""
+    if not Path(bag).is_dir():
+        yield Path(bag)
+        return
+    for each in bags_in(Path(bag)):
+        with suppress(BagError):
+            yield from BagFiles(each).files
+        yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
 
 
 def _bags_below(folder: Path) -> Iterator[Path]:

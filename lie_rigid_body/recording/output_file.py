@@ -8,6 +8,7 @@ import fcntl
 import os
 import secrets
 import stat
+from collections.abc import Iterable
 from io import BufferedWriter, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -52,6 +53,7 @@ class OutputFile:
         self.path = as_path(path)
         try:
             self._target = self._replaceable(overwrite)
+            _remove_rests((self._target or self.path).parent)  # now, as nothing is to come between a file and its use
             if self._target is None:
                 self._written, self._file = self.path, _GrowingFile(self.path)
             else:
@@ -70,7 +72,6 @@ class OutputFile:
                 f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
             ) from None
         self.stream = BufferedWriter(self._file)
-        _remove_rests(self._written.parent)
 
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
@@ -146,21 +147,36 @@ class OutputFile:
         self._close(remove=True)
 
     def _close(self, *, remove: bool) -> None:
-        with contextlib.suppress(OSError):  # another file may have taken its place
+        with contextlib.suppress(OSError, ValueError):  # another file took its place, or it is whole and closed
             if remove and os.path.samestat(self._written.stat(), os.fstat(self._file.fileno())):
                 self._written.unlink()
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
 
 
-def require_room(path: str | Path, *, overwrite: bool) -> None:
-    """Refuse, before the work for it, a file that `write_file` would refuse after it.
+def require_other(path: str | Path, others: Iterable[str | Path], kind: str = "input") -> None:
+    """Refuse an output that is one of some other files, be it through a link, whether or not it may be replaced.
 
     Raises
     ------
     BagError
-        If it exists and may not be replaced, or cannot be created.
     """
+    if not os.path.exists(path):
+        return
+    for other in others:
+        if os.path.exists(other) and os.path.samefile(path, other):
+            raise BagError(f"{path} is the {kind} {other} itself, which would be lost: give another name")
+
+
+def require_room(path: str | Path, inputs: Iterable[str | Path], *, overwrite: bool) -> None:
+    """Refuse, before the work for it, a file that `write_file` would refuse after it, and one that is an input.
+
+    Raises
+    ------
+    BagError
+        If it is an input itself, exists and may not be replaced, or cannot be created.
+    """
+    require_other(path, inputs)
     OutputFile(path, overwrite=overwrite).discard()
 
 

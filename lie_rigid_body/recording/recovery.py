@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 from array import array
 from collections import defaultdict
@@ -26,7 +25,7 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.chunk import MAGIC, Entries, RawChunk
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
-from lie_rigid_body.recording.output_file import NO_ROOM, OutputFile, reason, unwritten
+from lie_rigid_body.recording.output_file import NO_ROOM, OutputFile, reason, require_other, unwritten
 from lie_rigid_body.wording import short_repr
 
 T = TypeVar("T")
@@ -111,8 +110,7 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     try:
         with open_file(broken) as stream:
             _require_mcap(broken, stream)
-            if fixed.exists() and os.path.samefile(broken, fixed):
-                raise BagError(f"{fixed} is the broken file itself, which is never touched: give another name")
+            require_other(fixed, [broken])
             return _written(broken, stream, OutputFile(fixed, overwrite=overwrite))
     except InputError as error:
         raise BagError(str(error)) from None

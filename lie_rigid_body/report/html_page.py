@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body import __version__
@@ -87,8 +88,8 @@ function project(plot, {times, duration, pictures}) {
 """
 
 
-def require_room(path: str, *, overwrite: bool) -> None:
-    """Refuse a page that could not be written when the work for it is done, or where plotly is not installed.
+def require_room(path: str, inputs: Iterable[str | Path], *, overwrite: bool) -> None:
+    """Refuse a page that could not be written after the work for it, or is an input, or where plotly is not installed.
 
     Raises
     ------
@@ -96,7 +97,7 @@ def require_room(path: str, *, overwrite: bool) -> None:
     """
     if not find_spec("plotly"):
         raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
-    output_file.require_room(path, overwrite=overwrite)
+    output_file.require_room(path, inputs, overwrite=overwrite)
 
 
 def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:

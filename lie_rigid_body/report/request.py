@@ -104,17 +104,26 @@ def _parser() -> console.Parser:
 
 
 def require_room(given: argparse.Namespace) -> None:
-    """Refuse picture and page before the work if they could not be written after it; ``given`` is as `parse` gives it.
+    """Refuse picture and page before the work if they could not be written after it, or are inputs or one file.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        As `parse` gives it.
 
     Raises
     ------
     BagError
     """
     from lie_rigid_body.recording import output_file
+    from lie_rigid_body.recording.bag_folders import files_of
 
+    bags = [bag for bag in (given.run, given.truth) if bag is not None]
     for path in (given.plot, given.report):
         if path is not None:
-            output_file.require_room(path, overwrite=given.force)
+            output_file.require_room(path, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
+    if given.plot is not None and given.report is not None:
+        output_file.require_other(given.report, [given.plot], "output")
 
 
 def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score) -> int:

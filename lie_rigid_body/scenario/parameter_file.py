@@ -164,6 +164,11 @@ def gather(
     return merge(sources(scenario, files, assignments, node_name, namespace))
 
 
+def files_read(scenario: str | None, files: Sequence[str | Path]) -> list[str | Path]:
+    """The files that `gather` reads."""
+    return [*([scenario_file(scenario)] if scenario is not None else []), *files]
+
+
 def sources(
     scenario: str | None,
     files: Sequence[str | Path],
@@ -172,8 +177,7 @@ def sources(
     namespace: str = "/",
 ) -> list[Source]:
     """What `gather` merges, each file read once: a pipe can be read no second time."""
-    paths = [*([scenario_file(scenario)] if scenario is not None else []), *files]
-    given = [(path, read_parameter_file(path, node_name, namespace)) for path in paths]
+    given = [(path, read_parameter_file(path, node_name, namespace)) for path in files_read(scenario, files)]
     return [*given, (None, dict(_own_assignment(text, node_name) for text in assignments))]
 
 

@@ -86,15 +86,6 @@ def test_an_output_without_room_is_blamed_itself(broken: Path, capsys: pytest.Ca
     assert not fixed.exists()
 
 
-@pytest.mark.parametrize("name", ["broken.mcap", "link.mcap"])
-def test_the_input_is_never_replaced(broken: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
-    before = broken.read_bytes()
-    broken.with_name("link.mcap").symlink_to(broken)
-    assert recover([str(broken), "-o", str(broken.with_name(name)), "--force"]) == 2
-    assert "is the broken file itself" in capsys.readouterr().err
-    assert broken.read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("name", "said"),
     [

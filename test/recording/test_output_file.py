@@ -24,6 +24,7 @@ from mcap.stream_reader import StreamReader
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.output_file import OutputFile
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -265,3 +266,11 @@ def test_a_disk_that_is_not_full_needs_no_room(
     monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(BagError, match=rf"a.mcap cannot be written: {os.strerror(number)}; {advice}.* rescue it"):
         bag.finish()
+
+
+def test_what_is_committed_is_not_taken_back(tmp_path: Path) -> None:
+    """As by an interruption after the last byte."""
+    out = OutputFile(tmp_path / "a", overwrite=False)
+    out.commit()
+    out.discard()
+    assert os.listdir(tmp_path) == ["a"]
