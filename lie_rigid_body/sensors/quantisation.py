@@ -42,12 +42,11 @@ class Converter:
         -------
         ndarray, shape (..., 3)
         """
+        if self.range:
+            values = _within(values, self.range)  # beyond it the number of steps may overflow
         if self.resolution:
             values = np.rint(values / self.resolution) * self.resolution
-        if self.range:
-            largest = self.largest_within(self.range)
-            values = np.minimum(np.maximum(values, -largest), largest)
-        return values
+        return _within(values, self.largest_within(self.range)) if self.range else values
 
     def largest_within(self, limit: float) -> float:
         """The largest reading within a limit: the last multiple of the resolution."""
@@ -85,3 +84,7 @@ class Converter:
                 f"{step:g} is more than {sensor}_range, {self.range:g}: give a finer resolution, or a range of 0 "
                 "for none",
             )
+
+
+def _within(values: Array, limit: float) -> Array:
+    return np.asarray(np.minimum(np.maximum(values, -limit), limit))

@@ -105,6 +105,12 @@ def test_the_range_is_read_where_it_is_a_multiple_but_for_round_off(limit: float
     assert Converter(step, limit).read(np.array([9e9, -9e9])) == pytest.approx([limit, -limit], rel=1e-15)
 
 
+def test_a_signal_of_any_size_saturates() -> None:
+    """Also one with more steps than floating point has room for."""
+    with np.errstate(all="raise"):
+        assert Converter(1e-18, 10.0).read(np.array([1e300, -1e300])) == pytest.approx([10.0, -10.0])
+
+
 def test_noise_comes_before_range() -> None:
     noisy = gyro_reads(np.full((2000, 3), 0.99), gyro_range=1.0, gyro_noise_density=0.1)
     assert noisy.max() == 1.0
