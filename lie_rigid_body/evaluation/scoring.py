@@ -294,7 +294,7 @@ def _diagnosis(
         ):
             return clock_lag(everything, clock), (clock_finding(everything, clock),), ()
     found = findings(comparison, diagnosis) if diagnosis else ()
-    if world is not None and not (found and diagnosis and not world.is_better_than(diagnosis.explanation)):
+    if world is not None and not (found and diagnosis and not world.is_better_than(diagnosis, period_ns(stamps) / 1e9)):
         return told_lag(*world.beside(comparison)), (world.finding,), ()
     lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
     if not unlike or found:

@@ -13,9 +13,10 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import LAG, Comparison, Convention, Misalignment
 from lie_rigid_body.evaluation.attitude_error import angles
 from lie_rigid_body.evaluation.attitudes import angles_between, from_mean, mean
+from lie_rigid_body.evaluation.diagnosis import Diagnosis
 from lie_rigid_body.evaluation.explanation import NEGLIGIBLE, TIE_FACTOR, Explanation, median_left
 from lie_rigid_body.evaluation.findings import Finding, angle_and_axis, gain
 from lie_rigid_body.evaluation.statistics import FEWEST_SAMPLES, later_quarters, rms, worst_quarter
@@ -29,9 +30,13 @@ LARGEST_SHARE: Final = 0.25
 LEAST_TILT: Final = float(np.radians(10.0))
 """Smaller ones of the vertical, rad, are errors of sensors; a turn about the vertical is a heading offset."""
 
-
 NAMED_TURNS: Final = {"ned_world", "heading_offset"}
 """Causes that turn the world, in the words of people who have them."""
+LAG_AS_GOOD: Final = 4.0
+"""A near lag, which of a body that spins is nearly a turn of the world, is told if it leaves less than so many times as
+much as the turn."""
+NEAR_SAMPLES: Final = 3.0
+"""Lags of at most so many samples are near: a filter errs by one or two."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +62,22 @@ class TurnedWorld:
         """As that of an `Explanation`: one cause, the least simple one."""
         return 1.0 + float(np.log2(TIE_FACTOR * max(np.median(self.after), NEGLIGIBLE)))
 
-    def is_better_than(self, explanation: Explanation) -> bool:
-        """Whether it costs less than an explanation, which is no such turn itself but for what sensors make of one."""
-        is_turn = set(explanation.causes) <= NAMED_TURNS and explanation.median < LEAST_TILT
-        return self.cost < explanation.cost and not is_turn
+    def is_better_than(self, diagnosis: Diagnosis, period_s: float) -> bool:
+        """Whether it costs less than what is named, which with what sensors add to it is no such turn itself.
+
+        `period_s` is the time between two estimates.
+        """
+        named = diagnosis.explanation
+        with_others = [e for e in (named, *diagnosis.tried) if set(named.causes) <= set(e.causes)]
+        is_turn = _turns_the_world(named) and any(self._may_be(e, period_s) for e in with_others)
+        return self.cost < named.cost and not is_turn
+
+    def _may_be(self, explanation: Explanation, period_s: float) -> bool:
+        """Whether what turns the world leaves little; with a lag, which turns that of a spin, beside this one too."""
+        before, after = float(np.median(self.before)), float(np.median(self.after))
+        most = min(LARGEST_SHARE * before, LAG_AS_GOOD * after) if LAG in explanation.free else np.inf
+        is_far = abs(explanation.misalignment.lag_s) > NEAR_SAMPLES * period_s
+        return _turns_the_world(explanation) and explanation.median < min(LEAST_TILT, most) and not is_far
 
     def beside(self, comparison: Comparison) -> tuple[Comparison, Explanation]:
         """A comparison with the world turned back, and that nothing else explains what is left."""
@@ -78,6 +95,11 @@ class TurnedWorld:
             f"against has the wrong sign or other axes ({gain(before, after)})."
         )
         return Finding("world_turned", message, rms(after))
+
+
+def _turns_the_world(explanation: Explanation) -> bool:
+    """Whether the causes are some that do, a lag of a body that spins among them."""
+    return set(explanation.causes) <= NAMED_TURNS | {LAG}
 
 
 def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> TurnedWorld | None:

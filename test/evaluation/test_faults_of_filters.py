@@ -215,10 +215,17 @@ def test_a_lag_is_none_by_which_what_errs_has_no_truth():
     assert {finding.code for finding in told(run, corrected(signed, run.gyro))} <= {"world_turned"}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("grade", ["perfect", "mems"])
-def test_of_a_motion_that_nearly_repeats_the_near_lag_is_told(grade):
-    run = recorded("tossed_phone", grade)
+@pytest.mark.parametrize(
+    ("scenario", "grade"),
+    [
+        ("tossed_phone", "perfect"),
+        pytest.param("tossed_phone", "mems", marks=pytest.mark.slow),
+        pytest.param("prolate_top", "perfect", marks=pytest.mark.slow),
+    ],
+)
+def test_of_a_motion_that_nearly_repeats_the_near_lag_is_told(scenario, grade):
+    """And no turn of the world, which to a body that spins is nearly the same."""
+    run = recorded(scenario, grade)
     [finding] = told(run, corrected(run, run.gyro, ahead=True))
     assert finding.code == "leading"
     assert float(finding.message.split()[5]) == pytest.approx(0.05, rel=0.2)
