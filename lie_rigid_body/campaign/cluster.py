@@ -18,6 +18,7 @@ from lie_rigid_body.campaign.connection import Connection
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
@@ -213,8 +214,8 @@ def finished(
         return futures
 
     def outcome(future: Any, result: Any) -> tuple[int, Any]:
-        """The number of a run and what came of it, which is forgotten elsewhere."""
-        found = result[1] if future.status == "error" else result
+        """The number of a run and what came of it, which is kept here and forgotten elsewhere."""
+        found = result[1] if future.status == "error" else _kept(result, folder)
         future.release()
         return numbers.pop(future.key), found
 
@@ -232,24 +233,22 @@ def finished(
                 killed.append(run)
                 lost(len(killed))
             else:
-                yield run, found if isinstance(found, BaseException) else _row(found, folder)
+                yield run, found
             if in_a_row == MOST_FAILURES + at_once:
                 yield from ((run, BagError(_DEAD)) for run in killed)
                 return
         for again in killed:  # alone: those that waited at a process for another run's end died with it
             for arrived in connection.arriving(pooled(submitted([again]))):
                 run, found = outcome(*arrived)
-                if isinstance(found, KilledWorker):
-                    found = BagError(_DEAD)
-                yield run, found if isinstance(found, BaseException) else _row(found, folder)
+                yield run, BagError(_DEAD) if isinstance(found, KilledWorker) else found
 
 
-def _row(result: Row | tuple[Row, bytes | None], folder: Path) -> Row:
-    if isinstance(result, Row):
-        return result
-    row, content = result
+def _kept(result: Row | tuple[Row, bytes | None], folder: Path) -> Row | BagError:
+    """The row of a run, with its bag, which came over the network, in the folder; or why that cannot be written."""
+    row, content = (result, None) if isinstance(result, Row) else result
     if row.bag is not None and content is not None:
-        part = folder / f"{row.bag}.part"
-        part.write_bytes(content)
-        os.replace(part, folder / row.bag)
+        try:
+            write_file(folder / row.bag, content, overwrite=True)
+        except BagError as error:
+            return error
     return row

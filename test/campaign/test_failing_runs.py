@@ -56,6 +56,22 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     assert len(line) <= LONGEST_LINE
 
 
+def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
+    scheduler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = written(tmp_path, "runs: 6\nseed: 1\nduration: 0.1"), tmp_path / "out"
+    given = [str(path), "--out", str(out), "--scheduler", scheduler]
+    with Journal(Campaign.from_file(path), out):
+        (out / "bags" / "000002.mcap").mkdir()
+    assert main(given) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "1 of 6 runs failed (2), first: " in line
+    assert "000002.mcap is a folder; 5 are kept, in runs.parquet: mend that, " in line
+    (out / "bags" / "000002.mcap").rmdir()
+    assert main(given) == 0
+    assert len(finished(out)) == 6
+
+
 def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:
     campaign, before = Campaign(runs=1, seed=1, duration=1.0), resource.getrlimit(resource.RLIMIT_FSIZE)
     (tmp_path / "bags").mkdir()
