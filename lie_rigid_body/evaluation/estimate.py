@@ -36,7 +36,7 @@ class Remark:
     Attributes
     ----------
     code : str
-        ``gaps``, ``not_unit``, ``stuck``, ``turn_rate`` or ``turn_axes``.
+        ``gaps``, ``not_unit``, ``stuck``, ``mixed``, ``turn_rate`` or ``turn_axes``.
     message : str
         One sentence.
     """

@@ -38,7 +38,7 @@ class Finding:
     ----------
     code : str
         ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
-        ``clock_rate``, ``world_turned``, ``stuck``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
+        ``clock_rate``, ``world_turned``, ``stuck``, ``mixed``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
     message : str
         One sentence with numbers, and what to do.
     rms_deg_after : float

@@ -24,7 +24,7 @@ from lie_rigid_body.evaluation.lag import told_lag
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
-from lie_rigid_body.evaluation.turning import stuck, turning
+from lie_rigid_body.evaluation.turning import mixed, stuck, turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.evaluation.world import world_turned
 from lie_rigid_body.wording import short_repr, shown
@@ -37,7 +37,7 @@ ABSENT: Final = 0.05
 LARGEST_SETTLED_DEG: Final = 20.0
 """An estimate that errs by more, degrees, has not converged, unless a larger limit is given."""
 UNLIKE_DEG: Final = 5.0
-"""Median error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
+"""Error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
 
 
 @dataclass(frozen=True)
@@ -273,7 +273,9 @@ def _diagnosis(
     """
     stamps, unlike = estimate.stamps_ns, total_deg.median > UNLIKE_DEG
     turned = stamps, estimate.attitude_xyzw, true_xyzw
-    sure = (stuck(*turned) or turning(*turned, surely=True)) if unlike else ()
+    sure: tuple[Remark, ...] = ()
+    if total_deg.rms > UNLIKE_DEG:
+        sure = stuck(*turned) or (turning(*turned, surely=True) if unlike else ()) or mixed(*turned)
     if sure:
         return (None, None), (), sure
     quarter = float(stamps[-1] - stamps[0]) / 4e9

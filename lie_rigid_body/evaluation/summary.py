@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.scoring import Score
+from lie_rigid_body.evaluation.scoring import LARGEST_SETTLED_DEG, Score
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics
 
 WIDTH: Final = 88
@@ -27,9 +27,10 @@ def table(score: Score) -> list[str]:
 
 
 def findings(score: Score) -> list[str]:
-    """Each finding under its code, wrapped."""
+    """Each finding under its code, wrapped; that there is none is said with a warning where it errs by much."""
     found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
-    return found or ["no findings"]
+    large = score.total_deg.median > LARGEST_SETTLED_DEG
+    return found or [f"no findings{': no mistake that is known explains errors as large' if large else ''}"]
 
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:

@@ -1,4 +1,4 @@
-"""How an estimate turns beside the body: not at all, too fast, or about other axes, whatever its attitude is.
+"""How an estimate turns beside the body: not at all, to and fro, too fast, or about other axes, whatever its attitude.
 
 The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth times a
 scale and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed frame leave
@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
 from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
@@ -25,6 +25,16 @@ LEAST_TURN: Final = 0.5
 """A body that turns by less in all, rad, tells nothing."""
 STUCK: Final = 0.01
 """Share of the body's turn below which an estimate does not turn."""
+LONG: Final = 0.1
+"""Share of the run in which it does not, if it does in others."""
+JUMP: Final = 3.0
+"""A step so many times as large as the body's is a jump, as are those between two attitudes beside their own."""
+LEAST_MIXED: Final = 0.02
+"""Share of the steps that are jumps from one attitude to another, at least."""
+MOST_SORTED: Final = 4000
+"""Samples that are told apart by the attitude that they are of."""
+FAR: Final = 1.5
+"""Ratio of two rates from which on they are not told from each other by the errors of a gyro."""
 LARGEST_MISS: Final = 0.2
 """Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
 SMALLEST_MISS: Final = 1e-3
@@ -54,16 +64,54 @@ AXES: Final = np.array(
 
 
 def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """That an estimate does not turn, if the body does; shapes as those of `turning`."""
+    """That an estimate does not turn, in all or for long, if the body does; shapes as those of `turning`."""
     whole = _whole(stamps_ns)
-    turned, turn = (float(sizes(_steps(q, whole)).sum()) for q in (estimate_xyzw, true_xyzw))
-    if len(whole) < FEWEST_STEPS or turn < LEAST_TURN or turned >= STUCK * turn:
+    ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
+    turned, turn, when = float(ours.sum()), float(true.sum()), "in all"
+    if turned >= STUCK * turn:
+        first, last = _longest(ours < STUCK * true)
+        since, until = ((stamps_ns[k] - stamps_ns[0]) / 1e9 for k in (whole[first], whole[last - 1] + 1))
+        whole, turned, turn = whole[first:last], float(ours[first:last].sum()), float(true[first:last].sum())
+        when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
+        duration = (stamps_ns[-1] - stamps_ns[0]) / 1e9
+        if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
+            return ()
+    if len(whole) < FEWEST_STEPS or turn < LEAST_TURN:
         return ()
+    turned, turn = (round(float(np.degrees(angle)), 6) for angle in (turned, turn))
     message = (
-        f"The estimate turns by {np.degrees(turned):.3g}° in all, the body by {np.degrees(turn):.4g}°: "
+        f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
         "see whether the filter gets its readings, and publishes what it makes of them."
     )
     return (Remark("stuck", message),)
+
+
+def mixed(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
+    """That the samples of an estimate are of two attitudes in turns; shapes as those of `turning`.
+
+    Each sample is of that attitude, of the two that came last, which is nearer.
+    """
+    whole = _whole(stamps_ns)
+    ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
+    jumps = ours > np.maximum(LEAST_TURN, JUMP * true)
+    if np.count_nonzero(jumps) < max(FEWEST_STEPS, LEAST_MIXED * len(whole)):
+        return ()
+    first = int(whole[np.argmax(jumps)])
+    tracks = [first], [first + 1]
+    for k in range(first + 2, min(first + MOST_SORTED, len(stamps_ns))):
+        near = [abs(float(estimate_xyzw[k] @ estimate_xyzw[track[-1]])) for track in tracks]
+        tracks[near[1] > near[0]].append(k)
+    switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
+    jump = float(np.median(ours[jumps]))
+    if min(switches, *map(len, tracks)) < FEWEST_STEPS:
+        return ()
+    if any(JUMP * np.percentile(angles_between(q[:-1], q[1:]), 90) > jump for q in (estimate_xyzw[t] for t in tracks)):
+        return ()
+    message = (
+        f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are of "
+        "two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one."
+    )
+    return (Remark("mixed", message),)
 
 
 def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, surely: bool = False) -> tuple[Remark, ...]:
@@ -88,14 +136,14 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, sure
     missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
     most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
     if missed.min() > LARGEST_MISS:
-        return ()
+        return () if surely else _other_rate(ours, true)
     fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
     if len({scale for scale, _ in fitting}) != 1 or (surely and fitting[0][0] in BY_A_CLOCK):
         return ()
     if _missed_by_conventions(estimate_xyzw, true_xyzw, few, mounted=surely) <= most:
         return ()
     scale, axes = fitting[0]
-    times = f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
+    times = _times(scale)
     if axes == 0:  # also where the motion does not tell it from others
         return () if scale == 1.0 else (Remark("turn_rate", f"The estimate turns {times}: {SCALES[scale]}."),)
     if len(fitting) > 1:
@@ -112,6 +160,26 @@ def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, sure
 def named(axes: Array) -> str:
     """Rows of a matrix of axes that change places and signs, as ``y, -x, z``."""
     return ", ".join(f"{'-' if row.sum() < 0.0 else ''}{'xyz'[int(np.argmax(np.abs(row)))]}" for row in axes)
+
+
+def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
+    """That an estimate turns about the body's axes, at any other rate, from turns of shape (n, 3)."""
+    scale = float(np.sum(ours * true) / np.sum(true**2))
+    if not max(scale, 1.0 / max(scale, 1e-300)) > FAR or _missed(ours, scale * true) > LARGEST_MISS:
+        return ()
+    message = f"The estimate turns {_times(scale)}: see the time step of the filter, and the unit of its gyro."
+    return (Remark("turn_rate", message),)
+
+
+def _times(scale: float) -> str:
+    return f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
+
+
+def _longest(holds: Booleans) -> tuple[int, int]:
+    """First and last + 1 of the longest stretch in which something holds."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]))).reshape(-1, 2)
+    first, last = ends[np.argmax(ends[:, 1] - ends[:, 0])] if len(ends) else (0, 1)
+    return int(first), int(last)
 
 
 def _steps(attitude_xyzw: Array, first: Integers) -> Array:

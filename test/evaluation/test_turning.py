@@ -12,7 +12,7 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.findings import _places
-from lie_rigid_body.evaluation.turning import AXES, DEGREE, stuck, turning
+from lie_rigid_body.evaluation.turning import AXES, DEGREE, mixed, stuck, turning
 from lie_rigid_body.lie import quaternion
 
 FEW = STAMPS[:500]
@@ -35,6 +35,8 @@ def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:
         (DEGREE * UNCHANGED, "turn_rate: The estimate turns 57.3 times as fast as the body: its gyro is in deg/s"),
         (UNCHANGED / DEGREE, "turn_rate: The estimate turns 57.3 times as slow as the body: its gyro is in rad/s"),
         (2.0 * UNCHANGED, "turn_rate: The estimate turns 2 times as fast as the body: the rate of a quaternion is ½"),
+        (10.0 * UNCHANGED, "turn_rate: The estimate turns 10 times as fast as the body: see the time step"),
+        (0.3 * UNCHANGED, "turn_rate: The estimate turns 3.33 times as slow as the body: see the time step"),
         (SWAPPED, "turn_axes: The estimate turns about x, y, z as the body does about y, x, z: give .* these are not"),
         (CYCLED, "turn_axes: The estimate turns about x, y, z as the body does about z, x, y: give .* of the body"),
         (-UNCHANGED, "turn_axes: The estimate turns about x, y, z as the body does about -x, -y, -z: give"),
@@ -42,6 +44,7 @@ def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:
         (0.0 * UNCHANGED, "stuck: The estimate turns by .* in all, the body by 2"),
         (UNCHANGED, ""),
         (1.1 * UNCHANGED, ""),
+        (1.4 * UNCHANGED, ""),
     ],
 )
 def test_a_gyro_of_another_unit_or_on_other_axes_is_told(matrix, told):
@@ -67,6 +70,45 @@ def test_the_turns_of_an_estimate_are_in_its_score():
     told = {finding.code: finding for finding in score.findings}
     assert set(told) == {"turn_rate", "gaps"}  # it ends before the truth
     assert told["turn_rate"].rms_deg_after == score.total_deg.rms
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "told"),
+    [(100, 500, "0.8 s to 3.992 s"), (400, 500, "3.2 s to 3.992 s"), (150, 250, "1.2 s to 1.992 s")],
+)
+def test_an_estimate_that_stands_still_for_a_while_is_told_when(first, last, told):
+    q = attitude("slow_tumble")[:500]
+    where = np.arange(500)
+    where[first:last] = first
+    stamps = np.arange(500) * 8_000_000
+    [finding] = evaluate(stamps, q[where], SampledTruth(stamps, q)).findings
+    assert finding.code == "stuck"
+    assert f"turns by 0° from {told} after its first stamp, the body by " in finding.message
+
+
+def test_an_estimate_that_waits_at_first_is_not_stuck():
+    q = attitude("slow_tumble")[:500]
+    assert stuck(FEW, q[np.maximum(np.arange(500), 120)], q) == ()
+
+
+@pytest.mark.parametrize("every", [2, 3, 10])
+def test_the_attitudes_of_two_bodies_in_turns_are_told_as_such(every):
+    q, other = attitude("slow_tumble"), attitude("slow_tumble")[::-1]
+    estimate = q.copy()
+    estimate[1::every] = other[1::every]
+    [finding] = evaluate(STAMPS, estimate, truth_of("slow_tumble")).findings
+    assert finding.code == "mixed"
+    assert "its samples are of two attitudes in turns" in finding.message
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_outliers_noise_and_resets_are_no_two_attitudes(motion):
+    q, rng = attitude(motion), np.random.default_rng(5)
+    random = quaternion.normalize(rng.normal(size=q.shape))
+    outliers = np.where(rng.random((len(q), 1)) < 0.1, random, q)
+    resets = np.where(np.arange(len(q))[:, np.newaxis] // 60 % 2, quaternion.multiply([0.0, 0.0, 1.0, 0.0], q), q)
+    for estimate in (outliers, random, resets, quaternion.multiply(q, turns(30.0, 7))):
+        assert mixed(STAMPS, estimate, q) == ()
 
 
 def test_an_inverse_that_turns_as_about_mirrored_axes_for_a_while_is_no_more_than_that():
