@@ -51,6 +51,11 @@ CONVENTIONS_SHARE: Final = 0.125
 BY_EACH_CONSTANT: Final = 4.0
 """What leaves so many times less by each constant that it fits, or more, is taken instead of such conventions."""
 
+OF_SENSORS: Final = float(np.radians(1.0))
+"""Smaller medians, rad, errors of sensors make as well, which are nearer to a constant turn than to a lag."""
+LAG_FACTOR: Final = 3.0
+"""Ratio of two medians, up to which a lag is told beside a cause of so small ones, which a late stamp may feign."""
+
 UNLIKE: Final = 0.5
 """Nor is what leaves a larger share of the median that an attitude leaves which does not follow the body."""
 
@@ -97,12 +102,13 @@ class Diagnosis:
         rest = set(best.causes) - {cause}
         without = [e.median for e in self.tried if (e.free, e.convention) == best.without(cause)]
         # as good: about the same is left, and half of what the cause explains is explained
-        most = min(TIE_FACTOR * best.median, *((m + best.median) / 2.0 for m in without), np.inf)
+        half = min([(m + best.median) / 2.0 for m in without], default=np.inf)
         found: dict[str, Explanation] = {}
         for other in self.tried:
             new = set(other.causes) - rest - {cause}
             swapped = rest <= set(other.causes) and len(new) == 1 and len(other.causes) == len(best.causes)
-            if swapped and other.median <= most:
+            small = LAG in new and min(without, default=np.inf) < OF_SENSORS
+            if swapped and other.median <= min((LAG_FACTOR if small else TIE_FACTOR) * best.median, half):
                 found[new.pop()] = other
         return tuple(found)
 

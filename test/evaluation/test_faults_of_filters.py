@@ -192,6 +192,14 @@ def test_a_lag_that_leaves_more_than_a_near_one_with_a_mounting_is_not_named(sam
     assert score.lag_s == pytest.approx(0.05 * samples, abs=0.01)
 
 
+def test_a_mounting_as_small_as_a_late_stamp_feigns_it_says_so():
+    """Constants of the sensors are nearer to a mounting; sent there alone, one would not look at the stamps."""
+    run = recorded("tumbling_cubesat", "tactical", 2)
+    [finding] = evaluate(run.stamps_ns[3:], corrected(run, run.gyro)[:-3], run.truth).findings
+    assert finding.code == "body_mounting"
+    assert finding.message.endswith("; this motion does not tell it from lag.")
+
+
 @pytest.mark.parametrize("scenario", ["tossed_phone", "asymmetric_top"])
 @pytest.mark.parametrize("angle", [-np.pi / 2.0, np.pi / 2.0])
 @pytest.mark.parametrize("world", [[0.0, 0.0, 0.0, 1.0], NED])
