@@ -137,7 +137,8 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
 
 def _key(scenario: str | Path | Scenario, settings: dict[str, Any]) -> tuple[Scenario, str]:
     """What tells a run from others: its scenario with all parameters, and the other arguments of `simulate`."""
-    from lie_rigid_body.runs.ensemble import plain, scenario_of
+    from lie_rigid_body.arrays import plain
+    from lie_rigid_body.runs.ensemble import scenario_of
 
     others = {name: plain(value) for name, value in settings.items() if name in _OF_SIMULATE}
     parameters = {name: value for name, value in settings.items() if name not in _OF_SIMULATE}
