@@ -18,9 +18,20 @@ if TYPE_CHECKING:
     from lie_rigid_body.recording.sensor_reader import SensorTrack
 
 
+class ReadOnly:
+    """A dataclass with views of its arrays that cannot be written: an estimate is scored by the stamps it got."""
+
+    def __post_init__(self) -> None:
+        for name, array in vars(self).items():
+            if isinstance(array, np.ndarray):
+                view = array.view()
+                view.setflags(write=False)
+                object.__setattr__(self, name, view)
+
+
 @dataclass(frozen=True, eq=False)
-class ImuArrays:
-    """What an IMU read, on the sensor's axes.
+class ImuArrays(ReadOnly):
+    """What an IMU read, on the sensor's axes. All arrays are read only.
 
     Attributes
     ----------
@@ -100,8 +111,8 @@ class ImuArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class MagnetometerArrays:
-    """What a magnetometer read, on the sensor's axes.
+class MagnetometerArrays(ReadOnly):
+    """What a magnetometer read, on the sensor's axes. All arrays are read only.
 
     Attributes
     ----------
@@ -135,8 +146,8 @@ class MagnetometerArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class AttitudeSensorArrays:
-    """What an attitude sensor read.
+class AttitudeSensorArrays(ReadOnly):
+    """What an attitude sensor read. All arrays are read only.
 
     Attributes
     ----------
@@ -174,8 +185,8 @@ class AttitudeSensorArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class SunSensorArrays:
-    """What a sun sensor read.
+class SunSensorArrays(ReadOnly):
+    """What a sun sensor read. All arrays are read only.
 
     Attributes
     ----------

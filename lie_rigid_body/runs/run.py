@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
+from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, ReadOnly, SunSensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
@@ -35,8 +35,8 @@ END_OF_TIME: Final = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """The truth and the readings of one run.
+class Run(ReadOnly):
+    """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
     ----------
