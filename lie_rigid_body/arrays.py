@@ -15,3 +15,8 @@ Integers: TypeAlias = NDArray[np.int64]
 
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
+
+
+def plain(value: object) -> object:
+    """A number or an array of NumPy as those of Python."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Value, exact_duration
@@ -63,13 +64,15 @@ class Campaign:
     seed: int
     duration: float
     scenario: str | None = None
-    parameters: Mapping[str, object] = field(default_factory=dict)
-    vary: Mapping[str, object] = field(default_factory=dict)
+    parameters: Mapping[str, object] = field(default_factory=dict, hash=False)
+    vary: Mapping[str, object] = field(default_factory=dict, hash=False)
     estimator: str | None = None
 
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
+        for name in ("runs", "seed", "duration"):
+            object.__setattr__(self, name, plain(getattr(self, name)))
         _require_integer("runs", self.runs, 1, MOST_RUNS)
         _require_integer("seed", self.seed, 0, LARGEST_SEED)
         self.exact_duration  # noqa: B018 refuses what is no duration

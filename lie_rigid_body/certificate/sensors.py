@@ -10,12 +10,13 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body import __version__
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import MOST_LOST, VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.certificate.survey import Survey
+from lie_rigid_body.certificate.survey import Survey, declared_segments
 from lie_rigid_body.certificate.surveyed_segment import segment_parts
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
@@ -323,6 +324,17 @@ def _erring(segments: Sequence[Segment], name: str) -> ErringClocks | None:
     """The clocks that stamp a topic, if any errs."""
     models = [model_of(segment.scenario, name) for segment in segments]
     return ErringClocks(segments, models) if err(models) else None
+
+
+def measured_ns(recording: Recording, name: str) -> Integers:
+    """When the readings on a topic of a recorder's bag were measured, ns: their stamps, unless a clock errs."""
+    messages = recording.readings[name]
+    clocks = _erring([*declared_segments(text for _, text in recording.scenario_texts).values()], name)
+    assert isinstance(messages, SensorMessages)
+    if clocks is None:
+        return messages.stamps_ns
+    measured, unknown = clocks.measured(messages, in_order=False)
+    return messages.stamps_ns if len(unknown) else measured.stamps_ns  # as good as any where no clock shows a stamp
 
 
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:

@@ -15,6 +15,7 @@ from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSe
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, Bag
+from lie_rigid_body.recording.bag_writer import REWRITTEN
 from lie_rigid_body.recording.tracks import UNNAMED, PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import SOFTWARE, Segment
 
@@ -50,8 +51,11 @@ def as_written(recording: Bag | Recording) -> bool:
     """Whether the bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
 
     It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.
-    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received.
+    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received; what
+    `Run.to_bag` made of such a bag begins there as well.
     """
+    if REWRITTEN in recording.library:
+        return False
     if recording.library.startswith(f"{SOFTWARE} ") or recording.expected_samples is not None:
         return True
     log_time, text = recording.scenario_texts[0]

@@ -35,6 +35,12 @@ METADATA: Final = "lie_rigid_body"
 CUT_OFF: Final = "lie_rigid_body_cut_off"
 """Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
 
+LIBRARY: Final = f"{SOFTWARE} {__version__}"
+"""How a bag names its writer."""
+
+REWRITTEN: Final = f"; rewritten by {SOFTWARE} "
+"""In the name of a bag's writer, if a recorder, named before, heard what is in it, and this package only wrote it."""
+
 CHUNK_BYTES: Final = 512 * 1024
 """Default size of a chunk."""
 _SCENARIO: Final = "~/scenario"
@@ -80,6 +86,10 @@ class BagWriter:
     sensor_topics : mapping of str to str, optional
         Full names of the sensors' topics by their relative names; ``/`` goes before them by default. A sensor's topic
         is in the bag from its first message on.
+    library : str, optional
+        Who wrote it, as its header is to say.
+    end : str or None, optional
+        Name of the metadata record that ends it, if one does: `METADATA` or `CUT_OFF`.
 
     Raises
     ------
@@ -100,8 +110,10 @@ class BagWriter:
         twist_topic: str = TWIST_TOPIC,
         scenario_topic: str = SCENARIO_TOPIC,
         sensor_topics: Mapping[str, str] | None = None,
+        library: str = LIBRARY,
+        end: str | None = METADATA,
     ) -> None:
-        self._stamped_twist = stamped_twist
+        self._stamped_twist, self._end = stamped_twist, end
         self._wait_for_disk = wait_for_disk
         self._compressed, self._compressed_here = (
             partial(compressed, compression=compression, compress=compressor(compression)) for _ in range(2)
@@ -120,7 +132,7 @@ class BagWriter:
         self._queue = DiskQueue(waits=wait_for_disk)
         self._chunk = ChunkBuilder(chunk_size, self._put)
         with self._writing():
-            self._mcap = McapFile(self._file.stream, Header("ros2", f"{SOFTWARE} {__version__}"))
+            self._mcap = McapFile(self._file.stream, Header("ros2", library))
             for topic in (POSE, TWIST, _SCENARIO):
                 self._add_channel(topic)
 
@@ -144,8 +156,8 @@ class BagWriter:
         self._chunk.add(schema)
         self._chunk.add(channel)
 
-    def begin_segment(self, segment: Segment) -> None:
-        """Write the scenario message of a new segment, at the time of the segment's start.
+    def begin_segment(self, segment: Segment, text: str | None = None) -> None:
+        """Write the scenario message of a new segment, at the time of the segment's start; perhaps as one had it.
 
         Raises
         ------
@@ -154,7 +166,7 @@ class BagWriter:
         """
         if segment.scenario.stamped_twist != self._stamped_twist:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
-        text = segment.to_json()
+        text = segment.to_json() if text is None else text
         with self._writing():
             self._lay_out()
             self._add([Messages(_SCENARIO, np.array([segment.start_ns]), encode_strings([text], len(text)))])
@@ -265,7 +277,8 @@ class BagWriter:
         self._open = False
 
     def _finish(self) -> None:
-        self._mcap.add_metadata(Metadata(METADATA, {"samples": str(self.sample_count)}))
+        if self._end is not None:
+            self._mcap.add_metadata(Metadata(self._end, {"samples": str(self.sample_count)}))
         self._mcap.finish()
         self._file.commit()
 

@@ -13,7 +13,7 @@ from typing import Final, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Integers, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
@@ -174,11 +174,6 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
-
-
-def plain(value: object) -> object:
-    """A number or an array of NumPy as those of Python."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 class _SharedMotions:

@@ -18,9 +18,20 @@ if TYPE_CHECKING:
     from lie_rigid_body.recording.sensor_reader import SensorTrack
 
 
+class ReadOnly:
+    """A dataclass with views of its arrays that cannot be written: an estimate is scored by the stamps it got."""
+
+    def __post_init__(self) -> None:
+        for name, array in vars(self).items():
+            if isinstance(array, np.ndarray):
+                view = array.view()
+                view.setflags(write=False)
+                object.__setattr__(self, name, view)
+
+
 @dataclass(frozen=True, eq=False)
-class ImuArrays:
-    """What an IMU read, on the sensor's axes.
+class ImuArrays(ReadOnly):
+    """What an IMU read, on the sensor's axes. All arrays are read only.
 
     Attributes
     ----------
@@ -35,9 +46,11 @@ class ImuArrays:
     accelerometer_bias : ndarray, shape (M, 3), or None
         The true bias in each specific force, m/s². None if a bag does not tell it.
     arrival_ns : ndarray of int64, shape (M,)
-        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder the stamps.
+        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder, whose
+        log times are of another clock, when it was measured.
     orientation_xyzw : ndarray, shape (M, 4), or None
-        World-from-body, scalar last; None unless the parameter ``imu_orientation`` is true.
+        World-from-body, scalar last; None unless the parameter ``imu_orientation`` is true; the identity where
+        it is not in the segment of a reading.
     """
 
     t_ns: Integers
@@ -65,19 +78,19 @@ class ImuArrays:
         )
 
     @classmethod
-    def of_tracks(cls, data: SensorTrack, bias: SensorTrack | None, *, own: bool, oriented: bool) -> ImuArrays:
-        """Those of the topics of a bag, whose log times tell arrivals if it is one of our own.
+    def of_tracks(cls, data: SensorTrack, bias: SensorTrack | None, *, oriented: bool) -> ImuArrays:
+        """Those of the topics of a bag, which arrived at their log times.
 
-        Whether they tell an orientation the readings say, or, where there are none, ``oriented``.
+        Whether any tells an orientation the readings say, or, where there are none, ``oriented``.
         """
         if len(data.numbers):
-            oriented = data.numbers[0, 4] != -1.0
+            oriented = bool((data.numbers[:, 4] != -1.0).any())
         return cls(
             data.stamps_ns,
             data.columns(13, 3),
             data.columns(25, 3),
             *_biases(data.stamps_ns, bias),
-            _arrival(data, own),
+            data.log_times_ns,
             data.columns(0, 4) if oriented else None,
         )
 
@@ -98,8 +111,8 @@ class ImuArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class MagnetometerArrays:
-    """What a magnetometer read, on the sensor's axes.
+class MagnetometerArrays(ReadOnly):
+    """What a magnetometer read, on the sensor's axes. All arrays are read only.
 
     Attributes
     ----------
@@ -123,9 +136,9 @@ class MagnetometerArrays:
         return cls(samples.stamps_ns, samples.readings, samples.times_ns)
 
     @classmethod
-    def of_track(cls, track: SensorTrack, *, own: bool) -> MagnetometerArrays:
+    def of_track(cls, track: SensorTrack) -> MagnetometerArrays:
         """Those of a bag's topic, as `ImuArrays.of_tracks`."""
-        return cls(track.stamps_ns, track.columns(0, 3), _arrival(track, own))
+        return cls(track.stamps_ns, track.columns(0, 3), track.log_times_ns)
 
     def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
         """Those that arrive in a time."""
@@ -133,8 +146,8 @@ class MagnetometerArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class AttitudeSensorArrays:
-    """What an attitude sensor read.
+class AttitudeSensorArrays(ReadOnly):
+    """What an attitude sensor read. All arrays are read only.
 
     Attributes
     ----------
@@ -161,10 +174,10 @@ class AttitudeSensorArrays:
         return cls(samples.stamps_ns, samples.readings, model.covariance(samples.readings), samples.times_ns)
 
     @classmethod
-    def of_track(cls, track: SensorTrack, *, own: bool) -> AttitudeSensorArrays:
+    def of_track(cls, track: SensorTrack) -> AttitudeSensorArrays:
         """Those of a bag's topic, as `ImuArrays.of_tracks`."""
         covariance = track.numbers[:, 7:].reshape(-1, 6, 6)[:, 3:, 3:].copy()
-        return cls(track.stamps_ns, track.columns(3, 4), covariance, _arrival(track, own))
+        return cls(track.stamps_ns, track.columns(3, 4), covariance, track.log_times_ns)
 
     def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
         """Those that arrive in a time."""
@@ -172,8 +185,8 @@ class AttitudeSensorArrays:
 
 
 @dataclass(frozen=True, eq=False)
-class SunSensorArrays:
-    """What a sun sensor read.
+class SunSensorArrays(ReadOnly):
+    """What a sun sensor read. All arrays are read only.
 
     Attributes
     ----------
@@ -197,18 +210,13 @@ class SunSensorArrays:
         return cls(samples.stamps_ns, samples.readings, samples.times_ns)
 
     @classmethod
-    def of_track(cls, track: SensorTrack, *, own: bool) -> SunSensorArrays:
+    def of_track(cls, track: SensorTrack) -> SunSensorArrays:
         """Those of a bag's topic, as `ImuArrays.of_tracks`."""
-        return cls(track.stamps_ns, track.columns(0, 3), _arrival(track, own))
+        return cls(track.stamps_ns, track.columns(0, 3), track.log_times_ns)
 
     def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
         """Those that arrive in a time."""
         return _arriving(self.arrival_ns, self.t_ns, self.direction, inside)
-
-
-def _arrival(track: SensorTrack, own: bool) -> Integers:
-    """When the messages of a track arrived, ns; another recorder's log times are of another clock."""
-    return track.log_times_ns if own else track.stamps_ns
 
 
 def _biases(t_ns: Integers, bias: SensorTrack | None) -> tuple[Array | None, Array | None]:

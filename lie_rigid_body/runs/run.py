@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
+from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, ReadOnly, SunSensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
@@ -35,8 +35,8 @@ END_OF_TIME: Final = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """The truth and the readings of one run.
+class Run(ReadOnly):
+    """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
     ----------
@@ -110,6 +110,7 @@ class Run:
             If it declares a scenario that cannot be.
         """
         from lie_rigid_body.certificate.segments import recorded_segments
+        from lie_rigid_body.certificate.sensors import measured_ns
         from lie_rigid_body.certificate.survey import as_written
         from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN, sensor_topics
         from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
@@ -133,6 +134,9 @@ class Run:
         wanted = {topic for models in declared for topic in sensor_topics(models)}
         for name in wanted & {IMU_DATA, MAG, ATTITUDE, SUN}:
             tracks[name] = tracks[name] or SensorTrack.without_messages(name)
+        for name, track in () if own else list(tracks.items()):
+            if track is not None and name in recording.readings:
+                tracks[name] = replace(track, log_times_ns=measured_ns(recording, name))
         data, bias, field, attitude, sun = tracks.values()
         oriented = any(models.imu is not None and models.imu.orientation is not None for models in declared)
         has_faults = any(models.have_faults for models in declared)  # else they are of others
@@ -143,11 +147,11 @@ class Run:
                 np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
                 np.concatenate([piece.states.body_rate for piece in pieces]),
             ),
-            None if data is None else ImuArrays.of_tracks(data, bias, own=own, oriented=oriented),
-            None if field is None else MagnetometerArrays.of_track(field, own=own),
+            None if data is None else ImuArrays.of_tracks(data, bias, oriented=oriented),
+            None if field is None else MagnetometerArrays.of_track(field),
             tuple(piece.segment for piece in pieces),
-            None if attitude is None else AttitudeSensorArrays.of_track(attitude, own=own),
-            None if sun is None else SunSensorArrays.of_track(sun, own=own),
+            None if attitude is None else AttitudeSensorArrays.of_track(attitude),
+            None if sun is None else SunSensorArrays.of_track(sun),
             recorded_faults(bag.name, told) if isinstance(told, FaultMessages) else (),
             recording,
         )
@@ -160,6 +164,10 @@ class Run:
     def to_bag(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the run into an MCAP bag: of a simulated run the same bytes as those of ``record``.
 
+        What a recorder heard of a running node stays its recording: the new bag names the recorder as well, claims no
+        samples before its first and after its last, and is certified by the same laws as the old one. Messages are
+        logged at their stamps there, and the scenarios are in the words of the old bag, with the software's version.
+
         Parameters
         ----------
         path : str or Path
@@ -171,16 +179,32 @@ class Run:
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the path is none, or the run has readings of an IMU without their biases, be it one, as some bags.
+            If the path is none, or the run has readings of an IMU without their biases, be it one, as some bags, or of
+            a sensor that its scenario has not.
         """
         from lie_rigid_body.messages.batch import BatchEncoder
         from lie_rigid_body.recording.bag_writer import BagWriter
 
-        pieces = [(segment, self._between(*bounds)) for segment, *bounds in self._bounds()]
-        with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite) as bag:
-            for segment, taken in pieces:
-                bag.begin_segment(segment)
+        declared, origin = self._declared()
+        pieces = [(text, segment, self._within(segment, *bounds)) for text, segment, *bounds in _bounded(declared)]
+        with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
+            for text, segment, taken in pieces:
+                bag.begin_segment(segment, text)
                 bag.write(BatchEncoder(segment.scenario).encode(taken))
+
+    def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
+        """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
+        from lie_rigid_body.certificate.survey import as_written, declared_segments
+        from lie_rigid_body.recording.bag_writer import CUT_OFF, REWRITTEN
+
+        recording = self._recording
+        if recording is None:
+            return {segment.to_json(): segment for segment in self.segments}, {}
+        declared = declared_segments((text for _, text in recording.scenario_texts), recording.name)
+        if as_written(recording):
+            return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
+        recorder = recording.library.partition(REWRITTEN)[0]
+        return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
 
     def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
         """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
@@ -333,19 +357,14 @@ class Run:
             f"{len(self.t_ns)} samples of the truth: give its stamps as t_ns"
         )
 
-    def _bounds(self) -> Iterator[tuple[Segment, int, int]]:
-        """Each segment, with the first stamp that may be in it and the first after it."""
-        for i, (segment, later) in enumerate(zip_longest(self.segments, self.segments[1:])):
-            yield segment, segment.start_ns if i else 0, END_OF_TIME if later is None else later.start_ns
-
-    def _between(self, begin: int, end: int) -> Taken:
+    def _within(self, segment: Segment, begin: int, end: int) -> Taken:
         def inside(t_ns: Integers) -> Booleans:
             return np.asarray((t_ns >= begin) & (t_ns < end))
 
         kept = inside(self.t_ns)
         states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
         imu, field, attitude, sun = self.imu, self.magnetometer, self.attitude_sensor, self.sun
-        return Taken(
+        taken = Taken(
             Samples(self.t_ns[kept], states),
             None if imu is None else imu.samples(inside),
             None if field is None else field.samples(inside),
@@ -353,6 +372,20 @@ class Run:
             None if sun is None else sun.samples(inside),
             tuple(fault for fault in self.faults if begin <= fault.begin_ns < end),
         )
+        for name, samples in taken.sensors.items():
+            if len(samples) and name not in segment.scenario.sensors.on:
+                raise InputError(
+                    f"the run has {len(samples)} readings of a sensor, {name}, that its scenario has not: "
+                    "take their topic out of the bag that it is from"
+                )
+        return taken
+
+
+def _bounded(declared: Mapping[str, Segment]) -> Iterator[tuple[str, Segment, int, int]]:
+    """Each segment by its text, with the first stamp that may be in it and the first after it."""
+    starts = [segment.start_ns for segment in declared.values()]
+    for (text, segment), begin, end in zip(declared.items(), [0, *starts[1:]], [*starts[1:], END_OF_TIME], strict=True):
+        yield text, segment, begin, end
 
 
 def _first_after(stamps: Integers, after_s: float) -> int:

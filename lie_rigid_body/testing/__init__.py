@@ -129,7 +129,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     try:
         key = _key(scenario, given)
         if key not in _runs:
-            _runs[key] = _read_only(simulate(scenario, **given))
+            _runs[key] = simulate(scenario, **given)
     except InputError as error:
         _fail(str(error))
     return _runs[key]
@@ -137,23 +137,12 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
 
 def _key(scenario: str | Path | Scenario, settings: dict[str, Any]) -> tuple[Scenario, str]:
     """What tells a run from others: its scenario with all parameters, and the other arguments of `simulate`."""
-    from lie_rigid_body.runs.ensemble import plain, scenario_of
+    from lie_rigid_body.arrays import plain
+    from lie_rigid_body.runs.ensemble import scenario_of
 
     others = {name: plain(value) for name, value in settings.items() if name in _OF_SIMULATE}
     parameters = {name: value for name, value in settings.items() if name not in _OF_SIMULATE}
     return scenario_of(scenario, parameters), json.dumps(others, sort_keys=True, default=repr)
-
-
-def _read_only(made: Run | tuple[Run, ...]) -> Run | tuple[Run, ...]:
-    """Runs whose arrays no test can change for others."""
-    import numpy as np
-
-    for run in made if isinstance(made, tuple) else (made,):
-        for part in (run, run.imu, run.magnetometer, run.attitude_sensor, run.sun):
-            for array in () if part is None else vars(part).values():
-                if isinstance(array, np.ndarray):
-                    array.setflags(write=False)
-    return made
 
 
 def assert_attitude(

@@ -193,3 +193,24 @@ def test_lengths_may_be_drawn_as_integers_and_a_norm_may_be_0() -> None:
     [moments] = drawn(count=1, distribution="box", mass={"distribution": "choice", "values": [12]}, edges=[1, 1, 1])
     assert moments == pytest.approx([2.0, 2.0, 2.0])
     assert not drawn(count=1, distribution="direction", norm=0).any()
+
+
+def test_numbers_of_numpy_are_those_of_python() -> None:
+    of_numpy: dict[str, Any] = {"runs": np.int64(3), "seed": np.uint64(2**64 - 1), "duration": np.float32(0.5)}
+    campaign = Campaign(**of_numpy)
+    own = Campaign(runs=3, seed=2**64 - 1, duration=0.5)
+    assert campaign == own
+    assert campaign.to_json() == own.to_json()
+    assert campaign.exact_duration == own.exact_duration
+    refused: list[dict[str, Any]] = [{"runs": np.bool_(True)}, {"runs": np.float64(3.0)}, {"seed": np.int64(-1)}]
+    for given in refused:
+        with pytest.raises(InputError, match="is not an integer from"):
+            Campaign(**{**of_numpy, **given})
+
+
+def test_equal_campaigns_have_equal_hashes() -> None:
+    vary = {"sensor_seed": {"distribution": "run"}}
+    parameters: list[dict[str, object]] = [{"rate": 5, "imu_rate": 2.0}, {"imu_rate": 2, "rate": 5.0}, {"rate": 6.0}]
+    made = [Campaign(runs=3, seed=7, duration=1.0, parameters=given, vary=vary) for given in parameters]
+    assert hash(made[0]) == hash(made[1])
+    assert len(set(made)) == 2

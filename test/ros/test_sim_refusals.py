@@ -8,6 +8,7 @@ import subprocess
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from simulator_process import DEADLINE, sim_command
@@ -163,3 +164,26 @@ def test_an_end_while_a_wait_begins_is_no_failed_callback(
     with session.initialised([]), session.spinning(rclpy.create_node("ended")):
         pass
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_change_of_pace_while_the_node_ends_is_refused_and_not_left_as_a_failure(
+    isolated_ros: None, capfd: pytest.CaptureFixture[str]
+) -> None:
+    from peer import Peer
+
+    from lie_rigid_body.ros import session
+    from lie_rigid_body.ros.control.run_control import RunControl
+    from lie_rigid_body.ros.node import SimulatorNode
+    from lie_rigid_body.ros.timing.mailbox import Mailbox
+
+    mailbox, ended = Mailbox(), cast(Any, None)
+    mailbox.close()
+    with session.initialised([]):
+        node = SimulatorNode(lambda name, namespace: {})
+        with session.destroying(node), session.spinning(node):
+            node.serve(RunControl(ended, mailbox, ended))
+            with Peer("asking") as peer:
+                result = peer.set_together(real_time_factor=2.0)
+    assert not result.successful
+    assert result.reason == "the node is ending: start it again"
+    assert "never retrieved" not in capfd.readouterr().err

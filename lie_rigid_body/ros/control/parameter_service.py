@@ -14,6 +14,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 
 from lie_rigid_body.ros.control.parameters import refused
+from lie_rigid_body.ros.timing.mailbox import ClosedError
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import suggestion
 
@@ -58,3 +59,5 @@ class AnsweringParameterService(ParameterService):  # type: ignore[misc]
             node = self._get_node()
             unknown = next(change.name for change in changes if not node.has_parameter(change.name))
             return refused(f"{unknown}: no such parameter: {suggestion(unknown, BY_NAME, 'parameters')}")
+        except ClosedError as error:  # what acts on the change has ended
+            return refused(str(error))
