@@ -235,6 +235,7 @@ class TopicLaws:
         if not self._is_finished:
             self._compare(len(self._waiting.numbers))
             self._is_finished, self._readings = True, None
+            self._waiting = self._waiting[:0].followed_by(self._waiting[:0])  # a view would keep all that waited
 
     def results(self) -> Iterator[LawResult]:
         """How near the laws of the messages' content came to their limits."""
