@@ -55,7 +55,7 @@ class Propagation:
         rates = np.vstack([start.body_rate, probes])
         starts = State.trusted(np.tile(start.attitude_xyzw, (len(rates), 1)), rates)
         moved = ClosedForm(body, starts).at(t_ns)
-        states = State.trusted(moved.attitude_xyzw[0], moved.body_rate[0])
+        states = State.trusted(moved.attitude_xyzw[0].copy(), moved.body_rate[0].copy())  # views would keep all bodies'
         turned = quaternion.multiply(quaternion.conjugate(states.attitude_xyzw), moved.attitude_xyzw[1:])
         gains = so3.norm(quaternion.log(turned)).max(axis=0) / _PROBE
         scale = fastest / speed if speed > 0.0 else 1.0

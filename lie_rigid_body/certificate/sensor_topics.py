@@ -21,7 +21,7 @@ from lie_rigid_body.certificate.readings import (
     sensor_clock,
 )
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.stamps import StampTally, number_samples
+from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally, number_samples
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
@@ -202,21 +202,21 @@ class TopicLaws:
             off += int(np.count_nonzero(times[numbers[rows] - low] != messages.log_times_ns[rows]))
         return off
 
-    def lost(self, last: int) -> Integers:
-        """Numbers of the readings of the segment that never arrived, up to a number; none far behind all messages."""
-        segment, clock = self.found.segment, self.clock
+    def lost(self, last: int) -> Lost:
+        """The readings of the segment that never arrived, up to a number; none far behind all messages."""
+        segment, clock, first = self.found.segment, self.clock, self.first
         model = model_of(segment.scenario, self.name)
-        none = np.empty(0, dtype=np.int64)
-        if clock is None or model is None or model.delivery is None:
-            return none
+        delivery = None if model is None else model.delivery
+        if clock is None or delivery is None:
+            return NONE_LOST
         # a forged stamp may lie years ahead
         truth_ns = (self.found.last_ns or segment.start_ns) + round(2 * NS / segment.scenario.rate) + NS
-        most = max(clock.count_until(truth_ns), self.first + MOST_LOST * self.tally.count)
-        parts, end = [none], min(last + 1, most)
-        for first in range(self.first, end, BLOCK):
-            stamps = clock.stamps_ns(first, min(BLOCK, end - first))
-            parts.append(first + np.flatnonzero(model.delivery.lost(first - self.first, stamps - segment.start_ns)))
-        return np.concatenate(parts)
+        most = max(clock.count_until(truth_ns), first + MOST_LOST * self.tally.count)
+        return Lost(
+            first,
+            min(last + 1, most),
+            lambda k, n: delivery.lost(k - first, clock.stamps_ns(k, n) - segment.start_ns),
+        )
 
     def add(self, messages: SensorMessages) -> None:
         """Take the messages that come next."""
@@ -235,6 +235,7 @@ class TopicLaws:
         if not self._is_finished:
             self._compare(len(self._waiting.numbers))
             self._is_finished, self._readings = True, None
+            self._waiting = self._waiting[:0].followed_by(self._waiting[:0])  # a view would keep all that waited
 
     def results(self) -> Iterator[LawResult]:
         """How near the laws of the messages' content came to their limits."""

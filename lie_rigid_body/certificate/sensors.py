@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
@@ -291,10 +289,11 @@ class SensorLaws:
             faults += wrong
             if topic.tally.count:
                 begun.add(topic.name)
-                if end - last > np.count_nonzero(lost > last):
+                if end - last > lost.count(last + 1, end):
                     self._silent[-1].append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
             elif not wrong:
-                self._silent[-1].append(f"no reading on {topic.topic}: {self._why_silent(len(lost))}")
+                why = self._why_silent(lost.count(topic.first, end))
+                self._silent[-1].append(f"no reading on {topic.topic}: {why}")
         checked = sum(topic.tally.count for topic in topics)
         if checked or faults:
             yield stamp_result(name, clock, faults, checked)

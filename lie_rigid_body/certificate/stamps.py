@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import bisect
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs, runs_of
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -22,9 +21,8 @@ DISORDER: Final = "ord"
 
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
-_NONE: Final = np.empty(0, dtype=np.int64)
-_MOST_DOUBLED: Final = 100_000
-"""Number of doubled samples that are counted."""
+_MOST_DOUBLED: Final = 100_001
+"""Number of doubled samples that are told."""
 
 
 def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
@@ -47,6 +45,40 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
         rate = int(clock.rate)
         return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
     return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class Lost:
+    """Samples that never arrived.
+
+    Parameters
+    ----------
+    first, end : int
+        None is lost before the one number, nor from the other on.
+    which : callable
+        Of so many samples from a number on, which are lost.
+    """
+
+    first: int
+    end: int
+    which: Callable[[int, int], Booleans]
+
+    def of(self, first: int, count: int) -> Booleans:
+        """Which of so many samples from a number on are lost."""
+        lost = np.zeros(count, dtype=np.bool_)
+        begin, end = max(first, self.first), min(first + count, self.end)
+        if begin < end:
+            lost[begin - first : end - first] = self.which(begin, end - begin)
+        return lost
+
+    def count(self, first: int, last: int) -> int:
+        """How many are lost of those between two numbers."""
+        begin, end = max(first, self.first), min(last + 1, self.end)
+        parts = range(begin, end, PAGE)
+        return sum(int(np.count_nonzero(self.of(at, min(PAGE, end - at)))) for at in parts)
+
+
+NONE_LOST: Final = Lost(0, 0, lambda first, count: np.zeros(count, dtype=np.bool_))
 
 
 @dataclass(frozen=True)
@@ -148,8 +180,7 @@ class StampTally:
         self._clock, self._noun, self._shown = clock, noun, shown
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
-        self._missing: list[tuple[int, int]] = []  # first and last of each run between low and high, rising
-        self._doubled: set[int] = set()
+        self._there, self._doubled = NumberSet(), NumberSet()
         self._displaced, self._earliest, self._pairs = 0, 0, list[str]()
         self._off, self._farthest, self._worst = 0, 0, (0, 0)
 
@@ -165,9 +196,7 @@ class StampTally:
         if not self.count:
             steps[0] = 1
         self._take_order(np.flatnonzero(steps < 0), np.concatenate([[self._previous], found]))
-        edges = [0, *np.flatnonzero(steps[1:] != 1) + 1, len(found)]
-        for begin, end in itertools.pairwise(edges):
-            self._take_run(int(found[begin]), int(found[end - 1]))
+        self._take_numbers(found, are_new=found[0] > self.high and bool((steps[1:] > 0).all()))
         self._previous = int(found[-1])
         self.count += len(found)
 
@@ -186,68 +215,39 @@ class StampTally:
         self._displaced += len(at)
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
 
-    def _take_run(self, begin: int, end: int) -> None:
-        """Take samples that follow each other."""
-        if begin > self.high:
-            if begin > self.high + 1:
-                self._missing.append((self.high + 1, begin - 1))
-            self.high = end
-        elif end < self.low:
-            if end < self.low - 1:
-                self._missing.insert(0, (end + 1, self.low - 1))
-            self.low = begin
-        else:
-            self._fill(begin, end)
+    def _take_numbers(self, numbers: Integers, *, are_new: bool) -> None:
+        """Take samples that rise and are new, or any, of which some may be there already: those are doubled."""
+        if not are_new:
+            numbers, counts = np.unique(numbers, return_counts=True)
+            self._doubled.add(numbers[self._there.has(numbers) | (counts > 1)])
+        self._there.add(numbers)
+        self.low, self.high = min(self.low, int(numbers[0])), max(self.high, int(numbers[-1]))
 
-    def _fill(self, begin: int, end: int) -> None:
-        """Take samples of which some may be there already: those are doubled, others fill gaps."""
-        at = bisect.bisect_left(self._missing, begin, key=lambda gap: gap[1])
-        number = begin
-        while number <= min(end, self.high):
-            gap = self._missing[at] if at < len(self._missing) else (self.high + 1, self.high + 1)
-            known = min(end, self.high, gap[0] - 1)
-            if number <= known and number >= self.low:
-                self._doubled.update(range(number, min(known, number + _MOST_DOUBLED - len(self._doubled)) + 1))
-            number = max(number, gap[0])
-            if number > min(end, self.high):
-                break
-            last = min(end, gap[1])
-            rest = [(gap[0], number - 1), (last + 1, gap[1])]
-            self._missing[at : at + 1] = [(a, b) for a, b in rest if a <= b]
-            at += number > gap[0]
-            number = last + 1
-        if begin < self.low:
-            self.low = begin
-        self.high = max(self.high, end)
-
-    def faults(self, topic: str, first: int, last: int, lost: Integers = _NONE) -> list[StampFault]:
+    def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> list[StampFault]:
         """What is wrong, of a topic that is to have all samples from one number to another but those that are lost.
 
         Parameters
         ----------
         topic : str
         first, last : int
-        lost : ndarray of int64, optional
-            Numbers of samples that never arrived, rising.
+        lost : Lost, optional
         """
         found = []
-        gaps = self._gaps(first, last)
-        if len(lost):
-            gaps, arrived = _but_lost(gaps, lost[(lost >= first) & (lost <= last)])
-            if len(arrived):
-                some = _some([str(k) for k in arrived[:_SHOWN].tolist()], len(arrived))
-                text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
-                found.append(StampFault(DUPLICATE, len(arrived), int(arrived[0]), text))
+        gaps, arrived = self._gaps(first, last, lost)
+        if arrived.count:
+            some = _some([str(k) for k in arrived.first(_SHOWN)], arrived.count)
+            text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
+            found.append(StampFault(DUPLICATE, arrived.count, arrived.first(1)[0], text))
         if self._displaced:
             text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
             found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
-        if self._doubled:
-            doubled = sorted(self._doubled)
-            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled[:_SHOWN]], len(doubled))}"
-            found.append(StampFault(DUPLICATE, len(doubled), doubled[0], text))
-        if gaps:
-            text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps[:_SHOWN]], len(gaps))}"
-            found.append(StampFault(GAP, sum(end - begin + 1 for begin, end in gaps), gaps[0][0], text))
+        if self._doubled.count:
+            doubled, count = self._doubled.first(_SHOWN), min(self._doubled.count, _MOST_DOUBLED)
+            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled], count)}"
+            found.append(StampFault(DUPLICATE, count, doubled[0], text))
+        if gaps.count:
+            text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps.listed], gaps.count)}"
+            found.append(StampFault(GAP, gaps.total, gaps.listed[0][0], text))
         if self._off:
             number, stamp = self._worst
             measured = self._clock.stamp_ns(number)
@@ -257,30 +257,24 @@ class StampTally:
             found.append(StampFault(OFF_GRID, self._farthest, number, text))
         return found
 
-    def _gaps(self, first: int, last: int) -> list[tuple[int, int]]:
-        """First and last of each run of missing numbers between two."""
-        outer = [(first, self.low - 1), *self._missing, (self.high + 1, last)] if self.count else [(first, last)]
-        clipped = [(max(begin, first), min(end, last)) for begin, end in outer]
-        return [(begin, end) for begin, end in clipped if begin <= end]
+    def _gaps(self, first: int, last: int, lost: Lost) -> tuple[Runs, NumberSet]:
+        """The runs of missing numbers between two, without those that are lost, and the lost ones that are there."""
+        gaps, arrived = Runs(_SHOWN), NumberSet()
+        while first <= last and first < lost.end:
+            begin = first % PAGE
+            end = min(PAGE, begin + last + 1 - first)
+            there, away = self._there.page(first // PAGE)[begin:end], lost.of(first, end - begin)
+            arrived.add(first + np.flatnonzero(there & away))
+            gaps.add(*runs_of(first, ~(there | away)))
+            first += end - begin
+        for begins, ends in self._there.missing(first, last):
+            gaps.add(begins, ends)
+        return gaps, arrived
 
     def _gap_in_words(self, begin: int, end: int) -> str:
         if begin == end:
             return f"{self._noun} {begin} is missing"
         return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
-
-
-def _but_lost(gaps: Sequence[tuple[int, int]], lost: Integers) -> tuple[list[tuple[int, int]], Integers]:
-    """The runs of missing numbers without those that are lost, and the lost ones that are in no run."""
-    if not gaps:
-        return [], lost
-    begins, ends = np.array(gaps, dtype=np.int64).T
-    before, until = np.searchsorted(lost, begins), np.searchsorted(lost, ends, side="right")
-    rest: list[tuple[int, int]] = []
-    for i in np.flatnonzero(until - before <= ends - begins):
-        edges = [int(begins[i]) - 1, *lost[before[i] : until[i]].tolist(), int(ends[i]) + 1]
-        rest += [(a + 1, b - 1) for a, b in itertools.pairwise(edges) if a + 1 < b]
-    at = np.searchsorted(begins, lost, side="right") - 1
-    return rest, lost[(at < 0) | (lost > ends[at])]
 
 
 def grid(clock: SampleClock, numbers: Integers) -> Integers:

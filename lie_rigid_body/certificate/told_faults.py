@@ -7,7 +7,8 @@ late, a part of it without a gap. A size may differ in the last bits where a lib
 
 from __future__ import annotations
 
-from collections import OrderedDict
+import itertools
+from collections import OrderedDict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -113,7 +114,7 @@ class FaultLaw:
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
         self._awaited = OrderedDict[str, _Expected]()
         self._drifts: dict[Fault, str] = {}
-        self._told = OrderedDict[str, None]()
+        self._told, self._told_order = set[int](), deque[int]()  # hashes, as texts take four times as much
         self._count = self._known = 0
         self._first, self._last = (0 if is_whole else None), -1
         self._wrong: dict[str, tuple[int, str]] = {}
@@ -144,7 +145,7 @@ class FaultLaw:
         self._expect(min(fault.begin_ns, self._horizon_ns))
         found = self._found(text, fault)
         where = f"message {self._count} ({_in_words(fault)})"
-        if found is None and text in self._told:
+        if found is None and hash(text) in self._told:
             if self._is_whole:
                 self._note("twice", where, fault.begin_ns)
             self.repeated += 1
@@ -152,9 +153,14 @@ class FaultLaw:
             self._note("of which the scenario makes none", where, fault.begin_ns)
         else:
             self._match(found, where, fault.begin_ns)
-            self._told[text] = None
-            if len(self._told) > _MOST_KEPT:
-                self._told.popitem(last=False)
+            self._remember(hash(text))
+
+    def _remember(self, told: int) -> None:
+        if told not in self._told:
+            self._told.add(told)
+            self._told_order.append(told)
+        if len(self._told) > _MOST_KEPT:
+            self._told.remove(self._told_order.popleft())
 
     def _match(self, found: _Expected, where: str, begin_ns: int) -> None:
         if self._first is None:
@@ -173,14 +179,19 @@ class FaultLaw:
         return self._awaited.pop(text, None)
 
     def _expect(self, until_ns: int) -> None:
-        for segment, fault in self._expected.until(until_ns):
+        for expected in self._coming(until_ns):
+            fault = expected.fault
             text = fault.to_json()
-            self._awaited[text] = _Expected(self._known, fault, segment)
-            self._known += 1
+            self._awaited[text] = expected
             if fault.kind == "temperature_drift":
                 self._drifts[replace(fault, size=None)] = text
             if len(self._awaited) > _MOST_KEPT:
                 self._miss(self._awaited.popitem(last=False)[1])
+
+    def _coming(self, until_ns: int) -> Iterator[_Expected]:
+        for segment, fault in self._expected.until(until_ns):
+            yield _Expected(self._known, fault, segment)
+            self._known += 1
 
     def _miss(self, expected: _Expected) -> None:
         if self._first is not None and expected.number >= self._first:
@@ -195,9 +206,8 @@ class FaultLaw:
 
     def result(self, topic: str, until_ns: int) -> LawResult:
         """Whether the bag tells of every fault, of a bag that is to be whole of every one that begins up to a time."""
-        if self._is_whole:
-            self._expect(until_ns)
-        for expected in self._awaited.values():
+        rest = self._coming(until_ns) if self._is_whole else ()
+        for expected in itertools.chain(self._awaited.values(), rest):
             if expected.number < self._last or (self._is_whole and expected.fault.begin_ns <= until_ns):
                 self._miss(expected)
         self._awaited.clear()

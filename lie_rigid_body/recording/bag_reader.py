@@ -22,7 +22,15 @@ from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, other_bodies, tells_of_body, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
 from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import Topic, TopicsReader, chunks, may_read_again, one_ahead, pieces_again
+from lie_rigid_body.recording.second_reading import (
+    Topic,
+    TopicsReader,
+    chunks,
+    may_read_again,
+    one_ahead,
+    parts_of,
+    pieces_again,
+)
 from lie_rigid_body.recording.sensor_reader import (
     VALUES,
     FaultMessages,
@@ -221,9 +229,10 @@ class Bag:
         topics = [Topic(key, *self._layout(key), expected=math.ceil(share * counts[key])) for key in keys]
         reader = TopicsReader(self._path, topics)
         for outline, data in chunks(self._outlines, self._files.progress):
-            reader.add(data, outline.channels)
-            if reader.count >= _BATCH:
-                yield reader.taken()
+            for part in parts_of(data):
+                reader.add(part, outline.channels)
+                if reader.count >= _BATCH:
+                    yield reader.taken()
         yield reader.taken()
 
     def messages_of(self, wanted: Wanted) -> McapContents:

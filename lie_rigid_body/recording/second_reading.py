@@ -35,6 +35,8 @@ _RECORD: Final = struct.Struct("<BQ")
 T = TypeVar("T")
 _LARGEST_CHUNK_AHEAD: Final = 8 * 2**20
 """Bytes of a chunk, inflated, up to which what is in it is decoded ahead. Recorders make them of some MB at most."""
+_PART: Final = 2**20
+"""Bytes of a chunk, inflated, whose messages are taken at once: places for as many as it might have come first."""
 _PAYLOAD: Final = 31
 """Byte of a message record where its payload begins."""
 
@@ -309,10 +311,9 @@ def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Ou
                 for place in outline.chunks:
                     stream.seek(place)
                     _, length = _RECORD.unpack(stream.read(_RECORD.size))
-                    content = stream.read(length)
+                    data = inflated_unverified(Chunk.read(ReadDataStream(BytesIO(stream.read(length)))))
                     progress(stream.tell() - before)
                     before = stream.tell()
-                    data = inflated_unverified(Chunk.read(ReadDataStream(BytesIO(content))))
                     yield outline, data
                 _require_same(outline, stream)
             except BagError:
@@ -321,6 +322,17 @@ def chunks(outlines: Sequence[Outline], progress: Progress) -> Iterator[tuple[Ou
                 raise BagError(f"{outline.path} cannot be read: {reason(error)}: copy it to a better place") from None
             except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
                 raise _changed(outline) from error
+
+
+def parts_of(data: bytes) -> Iterator[bytes]:
+    """The records of a chunk, of a large one in parts."""
+    begin = 0
+    for table in _tables(data) if len(data) > 2 * _PART else ():
+        while begin + _PART < table.ends.max(initial=0):
+            end = int(table.ends[np.searchsorted(table.ends, begin + _PART)])
+            yield data[begin:end]
+            begin = end
+    yield data[begin:] if begin else data
 
 
 def _require_same(outline: Outline, stream: BinaryIO) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
 from lie_rigid_body.recording.mcap_contents import RawMessages, RawTrack
 from lie_rigid_body.wording import short_repr
 
+_AT_ONCE: Final = 8192
+"""Messages that are decoded at once: with all their fields they take many times what is kept of them."""
 Kind: TypeAlias = tuple[str, bytes]
 """What messages of one topic have alike: name of the frame, empty without a header, and the bits of the float64 fields
 that do not differ."""
@@ -169,6 +171,31 @@ def topic_messages(
         Whether a std_msgs/Header comes first.
     first : int
     """
+    parts = []
+    for some in _little_by_little(pieces):
+        parts.append(_topic_messages(path, topic, some, varying, stamped, first))
+        first += len(parts[-1])
+    return parts[0] if len(parts) == 1 else TopicMessages.joined(parts)
+
+
+def _little_by_little(pieces: Sequence[RawMessages]) -> Iterator[list[RawMessages]]:
+    """The same messages, some thousands at a time; at least one list."""
+    waiting, count = list[RawMessages](), 0
+    for piece in pieces:
+        for begin in range(0, len(piece.starts), _AT_ONCE):
+            rows = slice(begin, begin + _AT_ONCE)
+            some = RawMessages(piece.data, piece.starts[rows], piece.ends[rows], piece.log_times_ns[rows])
+            if count and count + len(some.starts) > _AT_ONCE:
+                yield waiting
+                waiting, count = [], 0
+            waiting.append(some)
+            count += len(some.starts)
+    yield waiting
+
+
+def _topic_messages(
+    path: Path, topic: str, pieces: Sequence[RawMessages], varying: Booleans, stamped: bool, first: int
+) -> TopicMessages:
     with named(path, topic):
         log_times, decoded = columns(pieces, len(varying), stamped=stamped, first=first)
     stamps = np.zeros(len(log_times), dtype=np.int64) if decoded.stamps_ns is None else decoded.stamps_ns

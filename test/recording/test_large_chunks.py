@@ -1,0 +1,41 @@
+"""Chunks of any size are read in parts: the messages are those of small chunks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import write_bag
+from test_bag_reader import rewrite
+
+from lie_rigid_body.recording import second_reading, track_decoding
+from lie_rigid_body.recording.bag_reader import Bag, read_bag
+
+
+@pytest.fixture
+def large(tmp_path: Path) -> Path:
+    """A bag of one chunk, with other messages between those of the body."""
+    return rewrite(write_bag(tmp_path / "bag.mcap", count=400), tmp_path / "large.mcap", chunk_size=2**24)
+
+
+def test_the_parts_of_a_chunk_are_its_records(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ((_, data),) = second_reading.chunks(Bag(large)._outlines, lambda count: None)
+    assert [*second_reading.parts_of(data)] == [data]
+    monkeypatch.setattr(second_reading, "_PART", 5000)
+    parts = [*second_reading.parts_of(data)]
+    assert b"".join(parts) == data
+    assert len(parts) > 10
+    assert max(map(len, parts)) < 6000
+    tables = [len(table.starts) for part in parts for table in second_reading._tables(part)]
+    assert sum(tables) == sum(len(table.starts) for table in second_reading._tables(data))
+
+
+def test_what_is_decoded_little_by_little_is_the_same(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = read_bag(large)
+    monkeypatch.setattr(track_decoding, "_AT_ONCE", 7)
+    for little in (read_bag(large), read_bag(large.parent / "bag.mcap")):
+        np.testing.assert_array_equal(little.poses.stamps_ns, whole.poses.stamps_ns)
+        np.testing.assert_array_equal(little.poses.attitudes_xyzw, whole.poses.attitudes_xyzw)
+        np.testing.assert_array_equal(little.twists.body_rates, whole.twists.body_rates)
+        assert little.poses.frame_ids == whole.poses.frame_ids
