@@ -24,7 +24,6 @@ print(peak.split()[1], file=sys.stderr)
 """
 """The largest memory in KiB is that of the process alone: what `wait4` gives may be that of its parent."""
 LOSING = ("imu_rate:=1000.0", "imu_dropout_probability:=0.5")
-OUTAGES = ("imu_rate:=1000.0", "imu_outage_interval:=10.0", "imu_outage_duration:=9.0")
 LARGE = ("imu_rate:=200.0", "gyro_noise_density:=0.001")
 
 
@@ -44,7 +43,6 @@ def reset_often(path: Path) -> None:
 
 BAGS: dict[str, Callable[[Path], None]] = {
     "half of the readings are lost": lambda path: recorded(path, 10.0, 1200.0, LOSING),
-    "outages": lambda path: recorded(path, 10.0, 1800.0, OUTAGES),
     "the largest chunks": lambda path: recorded(path, 1000.0, 900.0, LARGE, "--chunk-size", str(2**24)),
     "resets": reset_often,
 }

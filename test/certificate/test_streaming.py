@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from tampering import at, flipped, on, scaled_rate, tamper
 
@@ -132,6 +132,7 @@ def test_a_thinned_bag_keeps_its_envelope(honest, monkeypatch):
 
 
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=30), st.integers(1, 7))
+@example([1, 0, 1], 3)
 def test_a_tally_counts_as_the_whole_list_does(numbers, batch):
     clock = SampleClock(5, 10.0)
     tally = StampTally(clock)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +11,12 @@ import pytest
 from bags import write_bag
 from test_bag_reader import rewrite
 
+from lie_rigid_body.messages.definitions import IMU
 from lie_rigid_body.recording import second_reading, track_decoding
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.recording.mcap_contents import RawMessages
+from lie_rigid_body.recording.sensor_reader import varying_fields
+from lie_rigid_body.recording.track_decoding import topic_messages
 
 
 @pytest.fixture
@@ -39,3 +45,19 @@ def test_what_is_decoded_little_by_little_is_the_same(large: Path, monkeypatch: 
         np.testing.assert_array_equal(little.poses.attitudes_xyzw, whole.poses.attitudes_xyzw)
         np.testing.assert_array_equal(little.twists.body_rates, whole.twists.body_rates)
         assert little.poses.frame_ids == whole.poses.frame_ids
+
+
+def test_decoding_takes_little_more_than_what_is_kept() -> None:
+    payload = b"\0\1\0\0" + struct.pack("<iII4s37d", 1, 2, 4, b"imu\0", *range(37))
+    count, size = 60_000, len(payload)
+    starts = size * np.arange(count)
+    piece = RawMessages(payload * count, starts, starts + size, starts)
+    tracemalloc.start()
+    try:
+        found = topic_messages(Path("bag"), "/imu", [piece], varying_fields(IMU), stamped=True, first=0)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert (len(found), found.kinds[0][0]) == (count, "imu")
+    assert found.values[-1].tolist() == [0, 1, 2, 3, 13, 14, 15, 25, 26, 27]
+    assert peak < size * count
