@@ -1,4 +1,7 @@
-"""The three array types: float64, int64, bool."""
+"""The three array types: float64, int64, bool.
+
+And what any room does with such.
+"""
 
 from __future__ import annotations
 
@@ -20,3 +23,16 @@ Booleans: TypeAlias = NDArray[np.bool_]
 def plain(value: object) -> object:
     """A number or an array of NumPy as those of Python."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def runs_of(first: int, which: Booleans) -> tuple[Integers, Integers]:
+    """First and last of each run of numbers that are of some kind.
+
+    Parameters
+    ----------
+    first : int
+    which : ndarray of bool, shape (N,)
+        Of the numbers from ``first`` on.
+    """
+    edges = first + np.flatnonzero(np.diff(which, prepend=False, append=False))
+    return edges[::2], edges[1::2] - 1

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
+from lie_rigid_body.arrays import Booleans, Integers, runs_of
 
 PAGE: Final = 2**15
 """Numbers that are kept together."""
@@ -112,19 +112,6 @@ class Runs:
             more = self._most - len(self.listed)
             self.listed += zip(begins[:more].tolist(), ends[:more].tolist(), strict=True)
             self._end = int(ends[-1])
-
-
-def runs_of(first: int, which: Booleans) -> tuple[Integers, Integers]:
-    """First and last of each run of numbers that are of some kind.
-
-    Parameters
-    ----------
-    first : int
-    which : ndarray of bool, shape (N,)
-        Of the numbers from ``first`` on.
-    """
-    edges = first + np.flatnonzero(np.diff(which, prepend=False, append=False))
-    return edges[::2], edges[1::2] - 1
 
 
 def _by_page(numbers: Integers) -> Iterator[tuple[int, Integers]]:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.erring_clocks import FASTEST, ErringClocks, err
 from lie_rigid_body.certificate.law_result import LawResult
@@ -20,9 +19,10 @@ from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUG
 from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
-from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
+from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
 _SENSORS: Final = {
@@ -31,7 +31,6 @@ _SENSORS: Final = {
     "attitude sensor": (ATTITUDE,),
     "sun sensor": (SUN,),
 }
-_SOFTWARE: Final = f"{SOFTWARE} {__version__}"
 _COMPUTED: Final = VALUES | {FAULT_LAW}
 """The laws that depend on how this software computes noise and faults."""
 
@@ -193,7 +192,7 @@ class SensorLaws:
         if foreign is not None:
             *laws, whole = (tuple(law for law in own if law.name not in _COMPUTED) for own in (*laws, whole))
             not_certified.append(
-                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {_SOFTWARE}, which computes others"
+                f"readings of sensors: the scenario is of {foreign!r:.40}, this is {LIBRARY}, which computes others"
             )
         far = {laws_of.topic for laws_of in self._topics.values() if laws_of.is_too_far}
         not_certified += [f"{topic}: too many readings are missing to compute the others" for topic in sorted(far)]
@@ -248,7 +247,7 @@ class SensorLaws:
     def _foreign_software(self) -> str | None:
         """The first software other than this that a scenario says it is of."""
         found = (json.loads(text).get("software") for _, text in self._bag.scenario_texts)
-        return next((str(software) for software in found if software != _SOFTWARE), None)
+        return next((str(software) for software in found if software != LIBRARY), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
         self._silent.append([])

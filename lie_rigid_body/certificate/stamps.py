@@ -8,9 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
+from lie_rigid_body.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs, runs_of
+from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.simulation import SampleClock, Segment
 

@@ -61,7 +61,7 @@ ROUNDS: Final = 12
 SPIN: Final = 0.98
 """Square of the mean of a body's axes of rotation from which on it turns about one axis."""
 FAR: Final = 1.5
-"""Ratio of two rates above which they are far from each other."""
+"""Ratio of two rates above which they are far from each other, farther than errors of a gyro make them."""
 MOSTLY_SPANNED: Final = 0.8
 ONLY_LAG: Final = frozenset({LAG})
 FINE: Final = 1e-8

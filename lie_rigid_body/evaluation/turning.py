@@ -12,8 +12,9 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
+from lie_rigid_body.evaluation.clock import FAR
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
 from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
 from lie_rigid_body.lie import quaternion
@@ -33,8 +34,6 @@ LEAST_MIXED: Final = 0.02
 """Share of the steps that are jumps from one attitude to another, at least."""
 MOST_SORTED: Final = 4000
 """Samples that are told apart by the attitude that they are of."""
-FAR: Final = 1.5
-"""Ratio of two rates from which on they are not told from each other by the errors of a gyro."""
 LARGEST_MISS: Final = 0.2
 """Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
 SMALLEST_MISS: Final = 1e-3
@@ -69,9 +68,13 @@ def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[
     ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
     turned, turn, when = float(ours.sum()), float(true.sum()), "in all"
     if turned >= STUCK * turn:
-        first, last = _longest(ours < STUCK * true)
-        since, until = ((stamps_ns[k] - stamps_ns[0]) / 1e9 for k in (whole[first], whole[last - 1] + 1))
-        whole, turned, turn = whole[first:last], float(ours[first:last].sum()), float(true[first:last].sum())
+        begins, ends = runs_of(0, ours < STUCK * true)
+        if not len(begins):
+            return ()
+        k = int(np.argmax(ends - begins))
+        longest = slice(begins[k], ends[k] + 1)
+        whole, turned, turn = whole[longest], float(ours[longest].sum()), float(true[longest].sum())
+        since, until = ((stamps_ns[k] - stamps_ns[0]) / 1e9 for k in (whole[0], whole[-1] + 1))
         when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
         duration = (stamps_ns[-1] - stamps_ns[0]) / 1e9
         if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
@@ -173,13 +176,6 @@ def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
 
 def _times(scale: float) -> str:
     return f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
-
-
-def _longest(holds: Booleans) -> tuple[int, int]:
-    """First and last + 1 of the longest stretch in which something holds."""
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]))).reshape(-1, 2)
-    first, last = ends[np.argmax(ends[:, 1] - ends[:, 0])] if len(ends) else (0, 1)
-    return int(first), int(last)
 
 
 def _steps(attitude_xyzw: Array, first: Integers) -> Array:

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs, runs_of
+from lie_rigid_body.arrays import runs_of
+from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs
 from lie_rigid_body.certificate.stamps import DUPLICATE, GAP, Lost, StampTally
 from lie_rigid_body.simulation import SampleClock
 

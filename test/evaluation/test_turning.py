@@ -91,6 +91,14 @@ def test_an_estimate_that_waits_at_first_is_not_stuck():
     assert stuck(FEW, q[np.maximum(np.arange(500), 120)], q) == ()
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_least_of_estimates_that_errs_by_much_has_a_score(count):
+    stamps, wrong = STAMPS[:count], quaternion.multiply([1.0, 0.0, 0.0, 0.0], attitude("slow_tumble")[:count])
+    score = evaluate(stamps, wrong, truth_of("slow_tumble"))
+    assert score.total_deg.rms == pytest.approx(180.0)
+    assert {finding.code for finding in score.findings} == {"gaps"}
+
+
 @pytest.mark.parametrize("every", [2, 3, 10])
 def test_the_attitudes_of_two_bodies_in_turns_are_told_as_such(every):
     q, other = attitude("slow_tumble"), attitude("slow_tumble")[::-1]
