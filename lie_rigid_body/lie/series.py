@@ -85,19 +85,3 @@ def dexpinv_quadratic(theta: Array) -> Array:
     safe = np.where(small, SERIES_LIMIT, theta)
     half = 0.5 * safe
     return np.where(small, series, (1.0 - half * np.cos(half) / np.sin(half)) / safe**2)
-
-
-def bernoulli_over_factorial(k: int) -> float:
-    """Bₖ/k!, the coefficients of dexp⁻¹ = Σ Bₖ/k! adᵏ.
-
-    Parameters
-    ----------
-    k : int
-        0 or more.
-
-    Returns
-    -------
-    float
-        Exactly rounded.
-    """
-    return float(_bernoulli(k + 1)[k] / math.factorial(k))
