@@ -17,7 +17,7 @@ from lie_rigid_body.groups.elements import multiple_until
 from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.metric import symmetrised
+from lie_rigid_body.mechanics.array_input import symmetrised
 
 LARGEST_TURN: Final = math.pi
 """Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""

@@ -23,7 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.metric import require_metric, symmetrised
+from lie_rigid_body.groups.metric import require_metric
+from lie_rigid_body.mechanics.array_input import symmetrised
 from lie_rigid_body.wording import call_repr
 
 

@@ -95,7 +95,7 @@ class RigidBody:
 
         Raises
         ------
-        InputError
+        ParameterError
             If K is not symmetric or not positive semidefinite, or its rank is below 2 (a rod, a point).
         """
         return cls(inertia_from_second_moment(second_moment))
