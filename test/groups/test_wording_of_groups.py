@@ -83,7 +83,7 @@ def noisy_line() -> list[np.ndarray]:
             "product() of 0 groups (limit 1): give at least one group",
         ),
         (
-            lambda: product(3),
+            lambda: product(3),  # type: ignore[arg-type]
             "product() of 3, which is no MatrixLieGroup: give groups, as SO(3) or SU(2)",
         ),
         (

@@ -25,7 +25,7 @@ UNIT = np.eye(3)
     ("build", "said"),
     [
         (
-            lambda: RigidBody("heavy"),  # type: ignore[arg-type]
+            lambda: RigidBody("heavy"),
             "inertia: 'heavy' is not numbers: give an array of them, in equal rows",
         ),
         (lambda: RigidBody([1.0, 1.0, np.nan]), "inertia: nan is not finite: give finite numbers"),
@@ -81,7 +81,7 @@ UNIT = np.eye(3)
             "semidefinite matrix, and check signs and units",
         ),
         (
-            lambda: MassMoments(1.0, np.zeros(2), [[1.0, 0.5], [0.0, 1.0]]),
+            lambda: MassMoments(1.0, np.zeros(2), np.array([[1.0, 0.5], [0.0, 1.0]])),
             "second moment: entries across the diagonal differ by 0.5, more than round-off (1.42e-14): give a "
             "symmetric matrix",
         ),
