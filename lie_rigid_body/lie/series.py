@@ -48,8 +48,7 @@ def _horner(coefficients: tuple[float, ...], x: Array) -> Array:
 
 def half_angle_sine_ratio(theta: Array) -> Array:
     """sin(θ/2)/θ, with its limit ½ at 0."""
-    safe = np.where(theta == 0.0, 1.0, theta)
-    return np.where(theta == 0.0, 0.5, np.sin(0.5 * safe) / safe)
+    return 0.5 * sine_ratio(0.5 * theta)
 
 
 def sine_ratio(theta: Array) -> Array:

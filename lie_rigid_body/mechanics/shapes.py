@@ -40,7 +40,7 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     ParameterError
         If a mass, a length or the dimension is not positive, or the dimension no whole number.
     """
-    return ellipsoid(mass, np.full(whole_number("dimension", dimension, 1), _length("radius", radius)))
+    return ellipsoid(mass, np.full(whole_number("dimension", dimension, 1), positive("radius", radius, "m")))
 
 
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
@@ -62,7 +62,7 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    a = _lengths("semi-axes", semi_axes)
+    a = positive("semi-axes", semi_axes, "m", "(n,)")
     return _centred(mass, a**2 / (len(a) + 2))
 
 
@@ -85,7 +85,7 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    return _centred(mass, _lengths("edges", edges) ** 2 / 12)
+    return _centred(mass, positive("edges", edges, "m", "(n,)") ** 2 / 12)
 
 
 def box_sides(principal_moments: ArrayLike) -> Array:
@@ -133,7 +133,7 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    r, h = _length("radius", radius), _length("height", height)
+    r, h = positive("radius", radius, "m"), positive("height", height, "m")
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
 
 
@@ -158,7 +158,7 @@ def rod(mass: float, length: float) -> MassMoments:
     ParameterError
         If the mass or the length is not positive.
     """
-    return _centred(mass, np.array([0.0, 0.0, _length("length", length) ** 2 / 12]))
+    return _centred(mass, np.array([0.0, 0.0, positive("length", length, "m") ** 2 / 12]))
 
 
 def disc(mass: float, radius: float) -> MassMoments:
@@ -180,18 +180,10 @@ def disc(mass: float, radius: float) -> MassMoments:
     ParameterError
         If the mass or the radius is not positive.
     """
-    r = _length("radius", radius)
+    r = positive("radius", radius, "m")
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, 0.0]))
 
 
 def _centred(mass: float, mean_squares: Array) -> MassMoments:
     m = float(positive("mass", mass, "kg"))
     return MassMoments(m, np.zeros(len(mean_squares)), np.diag(m * mean_squares))
-
-
-def _length(name: str, value: float) -> float:
-    return float(positive(name, value, "m"))
-
-
-def _lengths(name: str, values: ArrayLike) -> Array:
-    return positive(name, values, "m", "(n,)")
