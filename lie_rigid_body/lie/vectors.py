@@ -10,7 +10,7 @@ from lie_rigid_body.errors import ParameterError
 
 
 def as_vectors(v: ArrayLike) -> Array:
-    """The argument as float64 vectors, shape (..., 3); a `ParameterError` that gives its shape, if it has another."""
+    """The argument as float64 vectors, shape (..., 3); a `ParameterError` with its shape, if that is another."""
     array = np.asarray(v, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ParameterError(
@@ -20,7 +20,7 @@ def as_vectors(v: ArrayLike) -> Array:
 
 
 def as_matrices(m: ArrayLike) -> Array:
-    """The argument as float64 matrices, shape (..., 3, 3); a `ParameterError` that gives its shape, if it has another."""
+    """The argument as float64 matrices, shape (..., 3, 3); a `ParameterError` with its shape, if that is another."""
     array = np.asarray(m, dtype=np.float64)
     if array.shape[-2:] != (3, 3):
         raise ParameterError(
