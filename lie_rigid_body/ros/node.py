@@ -16,7 +16,6 @@ from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.ros.control import standard_services
 from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
-from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.control.services import Services
 from lie_rigid_body.ros.control.standard_control import StandardControl
 from lie_rigid_body.ros.publishing import diagnostics, markers
@@ -25,6 +24,7 @@ from lie_rigid_body.ros.publishing.markers import Markers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import TF, Transforms
 from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
@@ -136,23 +136,19 @@ class SimulatorNode(Node):
         """Full name of the reset service, as remapped."""
         return self.resolve_service_name("~/reset")
 
-    def serve(self, control: RunControl) -> None:
+    def serve(self, run: LiveRun) -> None:
         """Offer the services, and let changes of the real-time factor take effect."""
-        self.parameters.on_change(self._change_factor(control))
-        Services(control, self.parameters.scenario).offer(self)
+
+        def change_factor(factor: float) -> None:
+            run.ask(run.change_factor, factor)
+            self.publisher.set_factor(factor)
+
+        self.parameters.on_change_of_factor(change_factor)
+        Services(run, self.parameters.scenario).offer(self)
         if standard_services.is_available():
-            standard = StandardControl(control, self.parameters.scenario, self.get_name())
+            standard = StandardControl(run, self.parameters.scenario, self.get_name())
             self._standard = standard_services.StandardServices(standard)
             self._standard.offer(self)
-
-    def _change_factor(self, control: RunControl) -> Callable[[Mapping[str, Any]], None]:
-        def act(changed: Mapping[str, Any]) -> None:
-            if "real_time_factor" in changed:
-                factor = float(changed["real_time_factor"])
-                control.change_factor(factor)
-                self.publisher.set_factor(factor)
-
-        return act
 
 
 def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:

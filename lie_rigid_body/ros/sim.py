@@ -100,7 +100,6 @@ def _simulate(given: Arguments, interruption: Interruption) -> None:
 
 
 def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption: Interruption) -> None:
-    from lie_rigid_body.ros.control.run_control import RunControl
     from lie_rigid_body.ros.publishing.announcement import announcement, farewell
     from lie_rigid_body.ros.timing.live_run import LiveRun
     from lie_rigid_body.ros.timing.mailbox import Mailbox
@@ -118,7 +117,7 @@ def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption
         factor=values["real_time_factor"],
         paused=values["paused"],
     )
-    node.serve(RunControl(run, mailbox, interruption))
+    node.serve(run)
     _say(announcement(scenario, _names(node, scenario), path))
     try:
         run.run()

@@ -72,13 +72,13 @@ class NodeParameters:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario
 
-    def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
-        """Call ``act`` with the new values, by name, when parameters in `IMMEDIATE` change."""
+    def on_change_of_factor(self, act: Callable[[float], None]) -> None:
+        """Call ``act`` with the new real-time factor when this parameter changes."""
 
         def changed(changes: Sequence[RosParameter]) -> None:
-            values = {change.name: change.value for change in changes if change.name in IMMEDIATE}
-            if values:
-                act(values)
+            for change in changes:
+                if change.name == "real_time_factor":
+                    act(float(change.value))
 
         self._node.add_post_set_parameters_callback(changed)
 

@@ -17,7 +17,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.mailbox import Mailbox, P, T
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
@@ -48,7 +48,7 @@ class RunState(Enum):
 class LiveRun:
     """The loop that owns the simulation. It runs in the main thread, which signals interrupt.
 
-    All other methods than `run` are to be called by the thread of the loop: other threads leave calls in the mailbox.
+    All other methods than `run` and `ask` are to be called by the thread of the loop: other threads `ask` for them.
 
     Parameters
     ----------
@@ -141,6 +141,20 @@ class LiveRun:
             return  # interrupted while waiting or computing: nothing is lost
         finally:
             self._abandon("the node is ending")
+
+    def ask(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Have the thread of the loop call a function between two batches; return or raise what the function does.
+
+        Raises
+        ------
+        ClosedError
+            If the run has ended.
+        """
+        return self._mailbox.request(function, *args, **kwargs)
+
+    def quit(self) -> None:
+        """End the run."""
+        self._interruption.requested = True
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample.

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from queue import Empty, SimpleQueue
 from threading import Lock
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 from lie_rigid_body.errors import LieRigidBodyError
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -55,8 +57,14 @@ class Mailbox:
         self._lock = Lock()
         self._open = True
 
-    def request(self, function: Callable[[], T]) -> T:
+    def request(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Have the owner call a function; wait for the result, and return it.
+
+        Parameters
+        ----------
+        function : callable
+        *args, **kwargs
+            Arguments for the function.
 
         Raises
         ------
@@ -65,7 +73,7 @@ class Mailbox:
         Exception
             Whatever the function raised.
         """
-        call: Call[Any] = Call(function)
+        call: Call[Any] = Call(partial(function, *args, **kwargs))
         with self._lock:
             if not self._open:
                 call.refuse()

@@ -85,7 +85,7 @@ def test_the_action_can_be_canceled(paused: Simulator) -> None:
 
 def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
     goal = Goal(10**9)
-    goal.publish_feedback = lambda message: paused.control.reset(SCENARIO)  # type: ignore[method-assign,assignment]
+    goal.publish_feedback = lambda message: paused.live.ask(paused.live.reset, SCENARIO)  # type: ignore[method-assign,assignment]
     answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends) == (FAILED, ["abort"])
     assert "reset after" in answer.result.error_message
