@@ -21,7 +21,8 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, series
-from lie_rigid_body.lie.vectors import as_matrices, as_vectors, norm
+from lie_rigid_body.lie.vectors import as_matrices, as_vectors
+from lie_rigid_body.lie.vectors import norm as norm
 
 
 def hat(v: ArrayLike) -> Array:

@@ -18,6 +18,7 @@ from lie_rigid_body.ros.control.parameter_service import AnsweringParameterServi
 from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.services import Services
 from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing import diagnostics, markers
 from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
 from lie_rigid_body.ros.publishing.markers import Markers
@@ -117,7 +118,7 @@ class SimulatorNode(Node):
         views: list[Sink] = [self._diagnostics]
         if marker_rate := values["marker_rate"]:
             views.append(Markers(self, marker_rate))
-        if values["publish_tf"] and Transforms.is_available():
+        if values["publish_tf"] and is_installed("tf2_msgs"):
             views.append(Transforms(self))
         return views
 
@@ -131,11 +132,6 @@ class SimulatorNode(Node):
         self.get_logger().error(f"{reason}; publishing goes on")
         self._diagnostics.report_failure(reason)
 
-    @property
-    def reset_service(self) -> str:
-        """Full name of the reset service, as remapped."""
-        return self.resolve_service_name("~/reset")
-
     def serve(self, run: LiveRun) -> None:
         """Offer the services, and let changes of the real-time factor take effect."""
 
@@ -145,7 +141,7 @@ class SimulatorNode(Node):
 
         self.parameters.on_change_of_factor(change_factor)
         Services(run, self.parameters.scenario).offer(self)
-        if standard_services.is_available():
+        if is_installed(standard_services.PACKAGE):
             standard = StandardControl(run, self.parameters.scenario, self.get_name())
             self._standard = standard_services.StandardServices(standard)
             self._standard.offer(self)

@@ -1,4 +1,4 @@
-"""The decisions behind the standard simulator services, in plain values: no message type is needed here.
+"""The decisions behind the standard simulator services: no message package is needed here.
 
 The package simulation_interfaces defines the services, their result codes and their fields; `standard_services` is the
 adapter to them. Two traps: a result that was never set reads "unsupported" (0), and the twist of an entity is in the
@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -94,32 +94,6 @@ class EntityState:
     attitude_xyzw: Array
     angular_velocity: Array
     angular_acceleration: Array
-
-
-@dataclass(frozen=True)
-class EntityStateRequest:
-    """The state that SetEntityState asks for.
-
-    Parameters
-    ----------
-    frame : str
-        Frame of pose and twist; empty: the world frame.
-    position : sequence of float, length 3
-        m
-    attitude_xyzw : sequence of float, length 4
-    linear, angular : sequence of float, length 3
-        Linear and angular velocity, m/s and rad/s.
-    set_pose, set_twist : bool
-        Whether the pose, and the twist, are to be set.
-    """
-
-    frame: str
-    position: Sequence[float]
-    attitude_xyzw: Sequence[float]
-    linear: Sequence[float]
-    angular: Sequence[float]
-    set_pose: bool = True
-    set_twist: bool = True
 
 
 class StandardControl:
@@ -215,38 +189,54 @@ class StandardControl:
             quaternion.rotate(attitude, scenario.body().angular_acceleration(state)),
         )
 
-    def set_entity_state(self, entity: str, wanted: EntityStateRequest) -> None:
-        """Begin a new segment from any attitude and angular velocity, given in the world frame."""
+    def set_entity_state(self, entity: str, wanted: Any, *, set_pose: bool, set_twist: bool) -> None:
+        """Begin a new segment from any attitude and angular velocity, given in the world frame.
+
+        Parameters
+        ----------
+        entity : str
+        wanted : simulation_interfaces/EntityState, or with its fields
+            Without a frame it is in the world frame.
+        set_pose, set_twist : bool
+            Whether the pose, and the twist, are to be set.
+        """
         self._require_known(entity)
-        world = self._run.segment.scenario.world_frame
-        if wanted.frame not in ("", world):
+        frame, world = wanted.header.frame_id, self._run.segment.scenario.world_frame
+        if frame not in ("", world):
             raise LieRigidBodyError(
-                f"frame {shown(wanted.frame)} is unknown: give pose and twist in {world!r}, or leave it empty"
+                f"frame {shown(frame)} is unknown: give pose and twist in {world!r}, or leave it empty"
             )
-        if wanted.set_pose and any(wanted.position):
-            raise RefusedError(
-                INVALID_POSE, f"position {list(wanted.position)} is not 0, where the mass centre stays: give 0"
-            )
-        if wanted.set_twist and any(wanted.linear):
-            raise LieRigidBodyError(f"linear velocity {list(wanted.linear)} is not 0: give 0, the mass centre stays")
-        if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
-            raise LieRigidBodyError(f"angular velocity {list(wanted.angular)} is not finite: give numbers")
+        position, linear = _components(wanted.pose.position), _components(wanted.twist.linear)
+        if set_pose and any(position):
+            raise RefusedError(INVALID_POSE, f"position {position} is not 0, where the mass centre stays: give 0")
+        if set_twist and any(linear):
+            raise LieRigidBodyError(f"linear velocity {linear} is not 0: give 0, the mass centre stays")
+        angular = _components(wanted.twist.angular)
+        if set_twist and not np.all(np.isfinite(angular)):
+            raise LieRigidBodyError(f"angular velocity {angular} is not finite: give numbers")
+        attitude_xyzw = _components(wanted.pose.orientation)
         try:
-            self._reset_to(wanted)
+            self._reset_to(attitude_xyzw if set_pose else None, angular if set_twist else None)
         except ParameterError as error:
             if error.name.endswith("attitude_xyzw"):
                 raise RefusedError(INVALID_POSE, str(error)) from None
             raise
 
-    def _reset_to(self, wanted: EntityStateRequest) -> None:
+    def _reset_to(self, attitude_xyzw: list[float] | None, angular: list[float] | None) -> None:
+        """Begin a new segment; what is None stays as it is."""
         _, present = self._run.ask(lambda: self._run.latest)
         attitude, rate = present.attitude_xyzw, present.body_rate
-        if wanted.set_pose:
-            attitude = State(wanted.attitude_xyzw, rate).attitude_xyzw
-        if wanted.set_twist:
-            rate = quaternion.rotate(quaternion.conjugate(attitude), wanted.angular)
+        if attitude_xyzw is not None:
+            attitude = State(attitude_xyzw, rate).attitude_xyzw
+        if angular is not None:
+            rate = quaternion.rotate(quaternion.conjugate(attitude), angular)
         self._run.ask(self._run.reset_to, State(attitude, rate))
 
     def _require_known(self, entity: str) -> None:
         if entity != self._entity:
             raise RefusedError(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
+
+
+def _components(message: Any) -> list[float]:
+    """The components x, y, z and, of a quaternion, w."""
+    return [getattr(message, name) for name in "xyzw" if hasattr(message, name)]

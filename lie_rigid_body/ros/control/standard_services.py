@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from importlib.util import find_spec
 from typing import Any, Final
 
 from rclpy.action import ActionServer, CancelResponse
@@ -22,7 +21,6 @@ from lie_rigid_body.ros.control.standard_control import (
     FEATURES,
     Code,
     EntityState,
-    EntityStateRequest,
     StandardControl,
 )
 
@@ -36,11 +34,6 @@ PLAIN_SERVICES: Final = (
     *("GetEntities", "GetEntityInfo", "GetEntityState", "SetEntityState"),
 )
 """Services whose handlers need the request and the response alone."""
-
-
-def is_available() -> bool:
-    """Whether the package of the standard services is installed."""
-    return find_spec(PACKAGE) is not None
 
 
 def _filled(response: Any, code: int, message: str = "") -> Any:
@@ -135,7 +128,9 @@ class StandardServices:
                     goal.canceled()
                     message = f"canceled after {steps.completed} of {steps.total} steps"
                     return _filled(result, Code.OPERATION_FAILED, message)
-                goal.publish_feedback(_progress(feedback(), steps.completed, steps.total))
+                progress = feedback()
+                progress.completed_steps, progress.remaining_steps = steps.completed, steps.total - steps.completed
+                goal.publish_feedback(progress)
         except LieRigidBodyError as error:
             goal.abort()
             return _filled(result, Code.OPERATION_FAILED, str(error))
@@ -176,18 +171,14 @@ class StandardServices:
     @_answering
     def set_entity_state(self, request: Any, response: Any) -> None:
         """Begin a new segment from any attitude and angular velocity."""
-        self._standard.set_entity_state(request.entity, _state_request(request))
+        # before release 2 of simulation_interfaces both are always set
+        pose, twist = getattr(request, "set_pose", True), getattr(request, "set_twist", True)
+        self._standard.set_entity_state(request.entity, request.state, set_pose=pose, set_twist=twist)
 
 
 def snake_case(name: str) -> str:
     """``GetEntities`` as ``get_entities``."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
-
-
-def _progress(feedback: Any, completed: int, total: int) -> Any:
-    feedback.completed_steps = completed
-    feedback.remaining_steps = total - completed
-    return feedback
 
 
 def _with_state(message: Any, state: EntityState) -> Any:
@@ -201,19 +192,3 @@ def _with_state(message: Any, state: EntityState) -> Any:
         for name, value in zip("xyzw", vector.tolist(), strict=False):
             setattr(field, name, value)
     return message
-
-
-def _state_request(request: Any) -> EntityStateRequest:
-    state = request.state
-    position, orientation = state.pose.position, state.pose.orientation
-    linear, angular = state.twist.linear, state.twist.angular
-    return EntityStateRequest(
-        frame=state.header.frame_id,
-        position=(position.x, position.y, position.z),
-        attitude_xyzw=(orientation.x, orientation.y, orientation.z, orientation.w),
-        linear=(linear.x, linear.y, linear.z),
-        angular=(angular.x, angular.y, angular.z),
-        # before release 2 of simulation_interfaces both are always set
-        set_pose=getattr(request, "set_pose", True),
-        set_twist=getattr(request, "set_twist", True),
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import Final
 
 from rclpy.node import Node
@@ -19,7 +18,7 @@ DEPTH: Final = 100
 
 
 class Transforms(Sink):
-    """A sink that publishes each attitude as a transform. It needs the package tf2_msgs, see `is_available`.
+    """A sink that publishes each attitude as a transform, if tf2_msgs is installed.
 
     Parameters
     ----------
@@ -32,11 +31,6 @@ class Transforms(Sink):
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         options = QoSOverridingOptions.with_default_policies()
         self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
-
-    @staticmethod
-    def is_available() -> bool:
-        """Whether the package tf2_msgs is installed."""
-        return find_spec("tf2_msgs") is not None
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the names of the frames."""
