@@ -211,7 +211,7 @@ class MatrixLieAlgebra:
         return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
 
     def dexp(self, x: ArrayLike) -> Array:
-        """J with d/dt exp(x) = hat(J ẋ) exp(x): eqs. (11) and (15) have J = 1 at x = 0; see `MatrixLieGroup.dexp`."""
+        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): 1 at x = 0, eqs. (11), (15); see `MatrixLieGroup.dexp`."""
         return exponential.phi(self.ad(x))
 
     def dexpinv(self, x: ArrayLike) -> Array:

@@ -196,7 +196,7 @@ class SpecialUnitaryElements(CompactElements):
         return batched_log(A, _log_of_unitary)
 
     def one_to_one(self, X: Matrix) -> Array:
-        """Where the angles of two eigenvalues of tX first are 2π apart, and another logarithm is as short."""
+        """The multiple t at which angles of two eigenvalues of tX are 2π apart, and another logarithm is as short."""
         angles = np.linalg.eigvalsh(-1j * X)
         return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
@@ -259,7 +259,7 @@ class PhaseElements(Elements):
     """Complex numbers of modulus 1, as 1×1 matrices."""
 
     def distance(self, A: Matrix) -> Array:
-        """How far the modulus is from 1."""
+        """Distance of the modulus from 1."""
         return np.asarray(np.abs(np.abs(A[..., 0, 0]) - 1.0))
 
     def project(self, A: Matrix) -> Matrix:

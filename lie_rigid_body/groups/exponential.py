@@ -61,7 +61,7 @@ _SERIES_TERMS: Final = 16
 
 
 def _halvings(Z: Matrix) -> NDArray[np.int_]:
-    """How often each matrix is to be halved for its 1-norm to be at most `REACH`, shape (...)."""
+    """Number of halvings after which the 1-norm of each matrix is at most `REACH`, shape (...)."""
     norm = np.abs(Z).sum(axis=-2).max(axis=-1)
     return np.maximum(np.frexp(norm / REACH)[1], 0)
 

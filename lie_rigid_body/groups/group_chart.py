@@ -19,7 +19,7 @@ from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import symmetrised
 
-LARGEST_TURN: Final = math.pi
+LARGEST_CHART_TURN: Final = math.pi
 """Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 _REAL_PART: Final = 1e-9
@@ -27,16 +27,16 @@ _REAL_PART: Final = 1e-9
 
 
 class ChartReach(NamedTuple):
-    """How far a chart reaches along a direction ξ, as multiples t of it.
+    """Reach of a chart along a direction ξ, as the multiples t of ξ at which it ends.
 
     Attributes
     ----------
     one_to_one : ndarray, shape (...)
-        Below it `MatrixLieGroup.log` takes exp(tξ) back to tξ. At it the coordinates of a point cease to be unique, on
-        SO(3) for a half turn.
+        Multiple below which `MatrixLieGroup.log` takes exp(tξ) back to tξ. There the coordinates of a point cease to be
+        unique, on SO(3) for a half turn.
     regular : ndarray, shape (...)
-        At it dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn: velocities
-        have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
+        Multiple at which dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn:
+        velocities have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
     """
 
     one_to_one: Array
@@ -44,7 +44,7 @@ class ChartReach(NamedTuple):
 
 
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
-    """How far the chart A₀ exp(βᵃTᵃ), eq. (38), reaches along a direction: where its coordinates end.
+    """The reach of the chart A₀ exp(βᵃTᵃ), eq. (38), along a direction: where its coordinates end.
 
     Both are infinite where nothing turns, as along translations. `GroupChart` stops its steps at half of `regular`.
 
@@ -121,12 +121,12 @@ class GroupChart:
 
 
 def _require_reach(ad: Array) -> None:
-    """Refuse eigenvalues of ad_β beyond `LARGEST_TURN`; where nothing turns, as in translations, they are all 0."""
-    if float(np.abs(ad).max()) * len(ad) < LARGEST_TURN:
+    """Refuse eigenvalues of ad_β beyond `LARGEST_CHART_TURN`; translations have none but 0."""
+    if float(np.abs(ad).max()) * len(ad) < LARGEST_CHART_TURN:
         return  # a bound of every eigenvalue
     turn = float(np.abs(np.linalg.eigvals(ad)).max())
-    if not turn <= LARGEST_TURN:
+    if not turn <= LARGEST_CHART_TURN:
         raise InputError(
-            f"a step turns by {turn:.3g} rad (limit {LARGEST_TURN:.3g} rad): lower max_step by a factor of "
-            f"{10.0 * turn / LARGEST_TURN:.1g} or more"
+            f"a step turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step by a factor of "
+            f"{10.0 * turn / LARGEST_CHART_TURN:.1g} or more"
         )

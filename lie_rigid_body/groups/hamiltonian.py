@@ -75,7 +75,7 @@ class Hamiltonian:
         return call_repr(self, {"group": self.group, "inverse_metric": self.inverse_metric})
 
     def value(self, momentum: ArrayLike) -> Array:
-        """H(p), eq. (34).
+        """The Hamiltonian H(p), eq. (34).
 
         Parameters
         ----------

@@ -265,7 +265,7 @@ class MatrixLieGroup:
         return self.algebra.ad(x)
 
     def dexp(self, x: ArrayLike) -> Array:
-        """J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
+        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
 
         For SO(3) this is `so3.left_jacobian`; with exp(x) hat(J ẋ) instead, J is ``dexp(-x)``
         (Iserles et al., Acta Numerica 9 (2000), section 2.3).

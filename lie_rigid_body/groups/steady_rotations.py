@@ -42,8 +42,8 @@ class Stability(Enum):
 
 
 @dataclass(frozen=True)
-class SteadyRotation:
-    """A steady rotation, the eigenvalues of the motion linearised about it, and its stability.
+class RelativeEquilibrium:
+    """A steady rotation (relative equilibrium), the eigenvalues of the motion linearised about it, and its stability.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
 
-def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
+def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibrium:
     """The steady rotation at a given rate, with its stability.
 
     Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
@@ -125,7 +125,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
 
     Returns
     -------
-    SteadyRotation
+    RelativeEquilibrium
 
     Raises
     ------
@@ -146,7 +146,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
     eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
     zero = resolution * float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
-    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
+    return RelativeEquilibrium(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
@@ -191,7 +191,7 @@ def _orbit(directions: Array) -> tuple[Array, Array]:
 
 
 def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
-    """|ad*_ω Mω| relative to |ω|, |Mω| and the structure constants; refused where above `STEADY_TOLERANCE`."""
+    """Size of ad*_ω Mω relative to |ω|, |Mω| and the structure constants; refused above `STEADY_TOLERANCE`."""
     if rate.ndim != 1 or not np.isfinite(rate).all():
         raise InputError(
             f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "

@@ -96,7 +96,7 @@ def log(m: ArrayLike) -> Array:
 
 
 def _matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
-    """I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation.
+    """The matrix I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation.
 
     Parameters
     ----------

@@ -68,14 +68,14 @@ class MassMoments:
 
     @property
     def first_moment(self) -> Array:
-        """∫ρ x about the origin, shape (n,), kg m."""
+        """The first moment ∫ρ x about the origin, shape (n,), kg m."""
         return self.mass * self.centre
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: eq. (10).
+        """The second moment K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: eq. (10).
 
-        It is the central second moment plus m c cᵀ (parallel axes).
+        K is the central second moment plus m c cᵀ (parallel axes).
         """
         return self.central_second_moment + self.mass * np.outer(self.centre, self.centre)
 

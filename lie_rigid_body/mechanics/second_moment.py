@@ -94,7 +94,7 @@ def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Arra
 
 
 def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
-    """K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
+    """The second moment K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
 
     It is eq. (10) of Lucas (arXiv 1111.1275) with x − o for x.
 

@@ -28,14 +28,14 @@ from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 
 SHOWN_EVERY: Final = 0.2
 """Shortest time between two printed poses, s."""
-LONGEST_WAIT: Final = 5.0
-"""Longest wait, s: for the first pose, whose absence is then reported; for a service, and for its answer."""
+LONGEST_SILENCE: Final = 5.0
+"""Longest wait for the first pose, whose absence is then reported, for a service and for its answer, s."""
 SIGNAL_INTERVAL: Final = 0.1
 """Longest time between two looks whether a signal has come, s."""
 
 
 def ask(given: argparse.Namespace, interruption: Interruption) -> None:
-    """Do what a command line of `listen` asks for.
+    """Carry out a command line of `listen`.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def ask(given: argparse.Namespace, interruption: Interruption) -> None:
 
 
 class Client:
-    """What can be asked of the node, each answer printed.
+    """Requests to the node, whose answers are printed.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Client:
 
         with translated_errors(f"--pose {topic!r}"):
             self._node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
-        silence = self._node.create_timer(LONGEST_WAIT, report_silence)
+        silence = self._node.create_timer(LONGEST_SILENCE, report_silence)
         self._spin_while(lambda: heard and not self._interruption.requested)
 
     def scenario(self, topic: str) -> None:
@@ -143,8 +143,8 @@ class Client:
         return future.result()
 
     def _wait(self, done: Callable[[], bool], complaint: str) -> None:
-        """Wait until something is done, at most `LONGEST_WAIT`."""
-        end = time.monotonic() + LONGEST_WAIT
+        """Wait until something is done, at most `LONGEST_SILENCE`."""
+        end = time.monotonic() + LONGEST_SILENCE
         self._spin_while(lambda: not (done() or self._interruption.requested or time.monotonic() > end))
         if not done():
             if self._interruption.requested:

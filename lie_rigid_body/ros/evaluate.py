@@ -1,4 +1,4 @@
-"""``evaluate`` of topics: what an attitude estimate is worth, and why, while it runs."""
+"""The command line of ``evaluate`` on topics: the score of an attitude estimate while it runs."""
 
 from __future__ import annotations
 

@@ -28,24 +28,24 @@ from lie_rigid_body.ros.session import destroying, initialised, translated_error
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.wording import suggestion
 
-NODE_NAME: Final = "evaluator"
-PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covariance_axes")
-"""Parameters of the node: the options of the same names, over which they win."""
+EVALUATOR_NAME: Final = "evaluator"
+NODE_PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covariance_axes")
+"""Parameters of the evaluator's node, which win over the options of the same names."""
 TICK_S: Final = 0.05
 """Time between two looks at what has come, s."""
 GRAPH_S: Final = (0.25, 2.0)
 """Time between two looks for topics, before and after the comparison has begun, s."""
 WORD_S: Final = (5.0, 30.0)
-"""Time after which a word is said about what is missing, and between that and the next, s."""
+"""Time until the first line about what is missing, and between later ones, s."""
 
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     """Follow the topics of a command line; return the exit status, as `ros.evaluate.main` tells it."""
     with initialised(given.ros):
         with translated_errors("this node"):
-            node = rclpy.create_node(NODE_NAME, start_parameter_services=False)
+            node = rclpy.create_node(EVALUATOR_NAME, start_parameter_services=False)
         with destroying(node):
-            _override(given, _parameters(node))
+            _override(given, overrides(node))
             limits = Limits.parse(given.max_rms, tuple(given.max_after))
             require_axes(given.covariance_axes)
             following = Following(
@@ -57,16 +57,11 @@ def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     return _score(given, following, missing, complete)
 
 
-def _parameters(node: Node) -> dict[str, object]:
-    found = overrides(node)
-    for name in found:
-        if name not in PARAMETERS:
-            raise InputError(f"parameter {name} is unknown: {suggestion(name, PARAMETERS, 'parameters')}")
-    return found
-
-
 def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> None:
+    """Take the parameters of the node, which win over the options of the same names."""
     for name, value in parameters.items():
+        if name not in NODE_PARAMETERS:
+            raise InputError(f"parameter {name} is unknown: {suggestion(name, NODE_PARAMETERS, 'parameters')}")
         if name == "max_rms":
             given.max_rms = str(value)
         elif name == "max_after":
@@ -111,7 +106,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
 
 
 class _Word:
-    """A word on stderr about what is missing, now and then, one when the comparison begins, and one about a fault."""
+    """Lines on stderr: now and then what is missing, once that the comparison begins, once a fault."""
 
     def __init__(self, following: Following) -> None:
         self._following, self._begun, self._complained = following, False, False

@@ -1,4 +1,4 @@
-"""What the launch files look for before they start anything: half of what was asked for is worse than nothing."""
+"""Checks of the launch files before they start anything: half of what was asked for is worse than nothing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 DESCRIPTIONS: Final[Mapping[str, str]] = {parameter.name: parameter.description for parameter in PARAMETERS}
-"""What each parameter of the node means, by its name, which is that of a launch argument as well."""
+"""Descriptions of the parameters of the node by name. A launch argument of that name sets each."""
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 
 

@@ -1,4 +1,4 @@
-"""``python -m lie_rigid_body.ros.listen``: poses, scenario, control and parameters, where there is no ros2 command."""
+"""The command line of ``python -m lie_rigid_body.ros.listen``, for places where there is no ros2 command."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
-from typing import Any, Final
+from typing import Final
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
@@ -19,9 +19,8 @@ from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.services import Services
 from lie_rigid_body.ros.control.standard_control import StandardControl
 from lie_rigid_body.ros.installation import is_installed
-from lie_rigid_body.ros.publishing import diagnostics, markers
-from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
-from lie_rigid_body.ros.publishing.markers import Markers
+from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
+from lie_rigid_body.ros.publishing.markers import MARKERS_TOPIC, Markers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import TF, Transforms
 from lie_rigid_body.ros.session import translated_errors
@@ -30,7 +29,7 @@ from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
-TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
+TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node, wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
     *("~/reset", "~/pause", "~/resume", "~/step"),
@@ -56,6 +55,8 @@ class SimulatorNode(Node):
     ----------
     parameters : NodeParameters
     publisher : SamplePublisher
+    sinks : list of Sink
+        The publisher, and what publishes what is made of the samples.
 
     Raises
     ------
@@ -87,7 +88,11 @@ class SimulatorNode(Node):
         )
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
-        self._views = self._make_views(values)
+        self.sinks: list[Sink] = [self.publisher, self._diagnostics]
+        if marker_rate := values["marker_rate"]:
+            self.sinks.append(Markers(self, marker_rate))
+        if values["publish_tf"] and is_installed("tf2_msgs"):
+            self.sinks.append(Transforms(self))
         self._looks = 0
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._look = self.create_timer(LOOK_INTERVAL, self._look_for_namesakes, clock=steady)
@@ -97,7 +102,7 @@ class SimulatorNode(Node):
             self.get_logger().warning(scenario.without_effect)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """As rclpy does, but what is refused is told as everywhere in the package: value, limit and remedy."""
+        """Set all parameters or none; a refusal gives value, limit and remedy, which that of rclpy does not."""
         return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
 
     def _look_for_namesakes(self) -> None:
@@ -113,19 +118,6 @@ class SimulatorNode(Node):
             )
         if found or self._looks == LOOKS:
             self._look.cancel()
-
-    def _make_views(self, values: Mapping[str, Any]) -> list[Sink]:
-        views: list[Sink] = [self._diagnostics]
-        if marker_rate := values["marker_rate"]:
-            views.append(Markers(self, marker_rate))
-        if values["publish_tf"] and is_installed("tf2_msgs"):
-            views.append(Transforms(self))
-        return views
-
-    @property
-    def sinks(self) -> list[Sink]:
-        """The sinks that publish samples or what is made of them."""
-        return [self.publisher, *self._views]
 
     def report_failure(self, reason: str) -> None:
         """Say in the log and in diagnostics why the bag can no longer be written."""

@@ -1,4 +1,4 @@
-"""``sim``: the live node."""
+"""The command line of ``sim``, the live node."""
 
 from __future__ import annotations
 

@@ -177,7 +177,7 @@ class StandardServices:
 
 
 def snake_case(name: str) -> str:
-    """``GetEntities`` as ``get_entities``."""
+    """A name in snake case: ``GetEntities`` as ``get_entities``."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
 
 

@@ -17,7 +17,7 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-TOPIC: Final = "/diagnostics"
+DIAGNOSTICS_TOPIC: Final = "/diagnostics"
 INTERVAL_NS: Final = NS
 Status: TypeAlias = tuple[bytes, str, Mapping[str, str]]
 """Level, message and values of a report."""
@@ -35,14 +35,14 @@ class Diagnostics(Sink):
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._due_ns: int | None = None
         self._before = (0, Punctuality())
         self._state: State | None = None
         self._failure = ""
 
     def report_failure(self, reason: str) -> None:
-        """Be at level ERROR for this reason from now on, and say so in the next turn of the run."""
+        """Report the level ERROR for this reason from now on, first in the next turn of the run."""
         self._failure = reason
         self._due_ns = self._before[0]
 

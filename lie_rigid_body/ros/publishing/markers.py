@@ -24,7 +24,7 @@ from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-TOPIC: Final = "markers"
+MARKERS_TOPIC: Final = "markers"
 ARROW: Final = 1.0
 """Length of the arrows at the start of a segment, m."""
 TRAIL: Final = 600
@@ -48,7 +48,7 @@ class Markers(Sink):
     """
 
     def __init__(self, node: Node, rate: float) -> None:
-        self._publisher = node.create_publisher(MarkerArray, TOPIC, QoSProfile(depth=10))
+        self._publisher = node.create_publisher(MarkerArray, MARKERS_TOPIC, QoSProfile(depth=10))
         self._interval_ns = round(NS / rate)
         self._due_ns = 0
         self._latest: tuple[int, State] | None = None

@@ -18,11 +18,11 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout
-from lie_rigid_body.ros.publishing.diagnostics import TOPIC, Status, report
+from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
 from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
 
-ERROR: Final = "~/error"
-DEPTH: Final = 1000
+ERROR_TOPIC: Final = "~/error"
+ERRORS_KEPT: Final = 1000
 INTERVAL_S: Final = 1.0
 """Time between two reports on /diagnostics, s."""
 FIRST_DIAGNOSIS_S: Final = 5.0
@@ -30,9 +30,9 @@ FIRST_DIAGNOSIS_S: Final = 5.0
 DIAGNOSIS_SHARE: Final = 0.03
 """Largest share of the time that diagnoses take, beside one whenever the time of the estimate has doubled."""
 SLOW: Final = frozenset({"heading_offset", "body_mounting"})
-"""Findings that a slow error of a healthy filter looks like for some seconds."""
+"""Codes of findings that the slow error of a healthy filter resembles for some seconds."""
 PLAIN_DEG: Final = 1.0
-"""Median error from which on these are told at once, degrees."""
+"""Median error from which on the findings in `SLOW` are told at once, degrees."""
 
 
 class Confirmed:
@@ -42,7 +42,7 @@ class Confirmed:
         self._found: deque[tuple[float, frozenset[str]]] = deque()
 
     def findings(self, score: Score, span_s: float) -> tuple[Finding, ...]:
-        """Those of a score of the second half of so many seconds; times never decrease."""
+        """The findings worth telling of a score of the second half of so many seconds; seconds never decrease."""
         self._found.append((span_s, frozenset(finding.code for finding in score.findings)))
         while len(self._found) > 1 and self._found[1][0] <= span_s / 2.0:
             self._found.popleft()
@@ -62,8 +62,8 @@ class Scores:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._error = node.create_publisher(Vector3Stamped, ERROR, QoSProfile(depth=DEPTH))
-        self._diagnostics = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._error = node.create_publisher(Vector3Stamped, ERROR_TOPIC, QoSProfile(depth=ERRORS_KEPT))
+        self._diagnostics = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._layout = Layout("", [0.0] * 3, [(0, 3)])
         self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
         self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0

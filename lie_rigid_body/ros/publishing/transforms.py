@@ -14,7 +14,7 @@ from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = "/tf"
-DEPTH: Final = 100
+TRANSFORMS_KEPT: Final = 100
 
 
 class Transforms(Sink):
@@ -28,7 +28,7 @@ class Transforms(Sink):
     def __init__(self, node: Node) -> None:
         from tf2_msgs.msg import TFMessage
 
-        qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
         options = QoSOverridingOptions.with_default_policies()
         self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
 

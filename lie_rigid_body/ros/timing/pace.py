@@ -1,4 +1,4 @@
-"""Which stamps are due at a time of the steady clock, for each way simulated time can pass. Times are integers, ns."""
+"""Paces: the stamps that are due at a time of the steady clock, as simulated time passes. Times are integers, ns."""
 
 from __future__ import annotations
 

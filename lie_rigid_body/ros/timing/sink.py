@@ -15,14 +15,14 @@ LARGEST_BATCH: Final = 250
 
 @dataclass(frozen=True)
 class Punctuality:
-    """How many samples a run has sent so far, and how late.
+    """Counts of the samples that a run has sent so far, and their lateness.
 
     Parameters
     ----------
     sent : int
         Samples of the truth sent.
     missed : int
-        Those sent more than a sample period, or a millisecond if that is longer, after they were due.
+        Samples sent more than a sample period, or a millisecond if that is longer, after they were due.
     lateness_ns : int
         Lateness of the latest batch's first sample, ns.
     worst_ns : int
@@ -71,7 +71,7 @@ class Sink(Protocol):
         steady_ns : int
             Present time of the steady clock, ns.
         punctuality : Punctuality
-            That of the run so far.
+            Punctuality of the run so far.
 
         Returns
         -------

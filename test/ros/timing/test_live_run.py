@@ -80,7 +80,7 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
     assert len(sink.segments) == 1
     assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
     with pytest.raises(InputError, match="no"):
-        call.result()
+        call.outcome.result()
 
 
 @pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
