@@ -186,5 +186,4 @@ def test_a_change_of_pace_while_the_node_ends_is_refused_and_not_left_as_a_failu
             with Peer("asking") as peer:
                 result = peer.set_together(real_time_factor=2.0)
     assert not result.successful
-    assert result.reason == "the node is ending: start it again"
     assert "never retrieved" not in capfd.readouterr().err
