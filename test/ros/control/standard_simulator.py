@@ -72,12 +72,7 @@ class Simulator:
 def running(*, paused: bool) -> Iterator[Simulator]:
     interruption, mailbox = Interruption(), Mailbox()
     simulator = Simulator(interruption, mailbox, paused=paused)
-
-    def run() -> None:
-        simulator.live.run()
-        mailbox.close()
-
-    thread = Thread(target=run, daemon=True)
+    thread = Thread(target=simulator.live.run, daemon=True)
     thread.start()
     simulator.live.ask(lambda: None)  # it has begun
     try:

@@ -122,6 +122,23 @@ def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
     assert len(errors) == 2
 
 
+def test_a_run_that_has_ended_refuses_what_comes() -> None:
+    time = FakeTime({})
+    run(time, 5)
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            time.request(int)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask, daemon=True)
+    asking.start()
+    asking.join(10.0)
+    assert len(errors) == 1
+
+
 def test_call_that_was_taken_but_not_carried_out_is_refused_at_the_end() -> None:
     """A signal may come just after the owner has taken a call."""
     mailbox = Mailbox()
