@@ -15,7 +15,7 @@ from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 DESCRIPTIONS: Final[Mapping[str, str]] = {parameter.name: parameter.description for parameter in PARAMETERS}
-"""Descriptions of the parameters of the node by name. A launch argument of that name sets each."""
+"""What each parameter of the node means, by its name, which is that of a launch argument as well."""
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 
 
