@@ -23,16 +23,16 @@ SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
 
 DEPENDENCE_LIMIT: Final = 1e-7
-"""Smallest singular value of generators of unit size below which they count as linearly dependent."""
+"""Singular value of generators of unit size below which they count as linearly dependent."""
 
 SIZE_LIMIT: Final = 1e50
-"""Largest entry of a generator, and the inverse of the least: beyond them products leave the range of a double."""
+"""Largest entry that a generator may have; the inverse is the least. Products of others leave the range of a double."""
 
 # at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
 _NEWTON_STEPS: Final = 3
 
 DEXPINV_LIMIT: Final = 1e12
-"""Largest entry of dexpinv: one beyond means that dexp is singular to within rounding."""
+"""Largest entry that dexpinv may have: a larger one means that dexp is singular to within rounding."""
 
 
 def frobenius(matrices: Matrix) -> Array:

@@ -36,7 +36,7 @@ TICK_S: Final = 0.05
 GRAPH_S: Final = (0.25, 2.0)
 """Time between two looks for topics, before and after the comparison has begun, s."""
 WORD_S: Final = (5.0, 30.0)
-"""Time until the first line about what is missing, and between later ones, s."""
+"""Time until the first line about what is missing, and between two later lines, s."""
 
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:

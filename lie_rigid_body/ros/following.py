@@ -23,7 +23,7 @@ ESTIMATE: Final = "estimate"
 TRUTH: Final = "truth"
 """Relative name of the truth's topic, to be remapped. Without that the truth is looked for beside the estimate."""
 MESSAGES_KEPT: Final = 5000
-"""Messages kept between two looks: a simulation may send as fast as it can."""
+"""Messages of a topic kept between two looks at it: a simulation may send as fast as it can."""
 
 
 class Following:

@@ -18,7 +18,7 @@ CALLS: Final = {
     "resume": "let time go on, and end",
     "step": "while paused send one sample, and end",
 }
-"""The services that an option calls, and what the help says of each."""
+"""Services that have an option of their own, each with its line in the help."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -38,7 +38,7 @@ SERVICES: Final = (
 )
 """The services of the node, those of every node among them, without the standard ones of simulators."""
 LOOK_INTERVAL: Final = 25.0
-"""Time between two looks for other nodes of the same name, s: one that was killed is seen for 20 s more."""
+"""Time between two looks for other nodes of the same name, s: a node that was killed is seen for 20 s more."""
 LOOKS: Final = 2
 
 

@@ -26,9 +26,9 @@ ERRORS_KEPT: Final = 1000
 INTERVAL_S: Final = 1.0
 """Time between two reports on /diagnostics, s."""
 FIRST_DIAGNOSIS_S: Final = 5.0
-"""Shortest time, by the stamps of the estimate, of which a diagnosis is made, s."""
+"""Shortest estimate, by its stamps, of which a diagnosis is made, s."""
 DIAGNOSIS_SHARE: Final = 0.03
-"""Largest share of the time that diagnoses take, beside one whenever the time of the estimate has doubled."""
+"""Largest share of the time spent on diagnoses; one is always made when the time of the estimate has doubled."""
 SLOW: Final = frozenset({"heading_offset", "body_mounting"})
 """Codes of findings that the slow error of a healthy filter resembles for some seconds."""
 PLAIN_DEG: Final = 1.0

@@ -29,7 +29,7 @@ STEPS_PER_BATCH: Final = 2000
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
-"""Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
+"""Lateness from which a run that is woken too seldom sends more at once, ns: else it would fall behind for ever."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
