@@ -10,7 +10,7 @@ from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.simulation import Segment
 
 LARGEST_BATCH: Final = 250
-"""Largest number of samples of the truth, or of readings of one sensor, in a batch. Publishers keep four times as many."""
+"""Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 
 
 @dataclass(frozen=True)
