@@ -28,12 +28,12 @@ class InputError(LieRigidBodyError, ValueError):
 
 
 class ParameterError(InputError):
-    """A scenario parameter is at fault.
+    """A parameter of a scenario, or another argument that has a name, is at fault.
 
     Parameters
     ----------
     name : str
-        The parameter's public name, as in parameter files.
+        Public name of the parameter, as in parameter files, or of the argument.
     message : str
         What was given, what is allowed, what to do.
     """

@@ -113,7 +113,8 @@ def test_an_erratum_is_measured(number):
 def functions(module: Any) -> dict[str, Any]:
     """Public functions of a module, and public methods and properties of its classes."""
     found: dict[str, Any] = {}
-    for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
+    own = [n for n, thing in vars(module).items() if getattr(thing, "__module__", "") == module.__name__]
+    for name in getattr(module, "__all__", [n for n in own if not n.startswith("_")]):
         thing = getattr(module, name)
         if isinstance(thing, FunctionType) and thing.__module__.startswith("lie_rigid_body"):
             found[name] = thing

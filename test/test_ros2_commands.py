@@ -75,7 +75,7 @@ def test_executables_understand_their_arguments(command: str) -> None:
     assert verb in VERBS
     if verb == "sim":
         given = parse(words)
-        assignments = (*given.assignments, *given.ros_assignments)
+        assignments = (*given.assignments, *given.given_to_ros("-p", "--param"))
         Scenario.from_parameters(gather(given.scenario, given.params_files, assignments))
     elif words:
         PARSERS[verb](words)

@@ -42,11 +42,11 @@ def _context(digits: int) -> Context:
 
 
 def root(x: Decimal) -> Decimal:
-    """√x, cut off beyond the precision in force; integers are faster at it than `Decimal.sqrt`."""
+    """The square root √x, cut off beyond the precision in force; integers are faster than `Decimal.sqrt`."""
     exponent = x.adjusted() // 2 - getcontext().prec
     return Decimal(math.isqrt(int(x.scaleb(-2 * exponent)))).scaleb(exponent)
 
 
 def dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
-    """Σ aᵢ bᵢ in the precision in force."""
+    """The scalar product Σ aᵢ bᵢ in the precision in force."""
     return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))

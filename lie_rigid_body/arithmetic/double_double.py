@@ -32,7 +32,7 @@ ONE: Final[DoubleDouble] = (1.0, 0.0)
 _SPLITTER: Final = 134217729.0  # 2²⁷ + 1
 
 _COARSE: Final = 1.5 * 2.0**64
-"""Adding and subtracting this rounds to a multiple of 2¹²."""
+"""Number that rounds another to a multiple of 2¹², when it is added and subtracted."""
 
 
 def from_decimal(value: Decimal) -> tuple[float, float]:
@@ -42,28 +42,28 @@ def from_decimal(value: Decimal) -> tuple[float, float]:
 
 
 def from_integers(values: Integers) -> DoubleDouble:
-    """64-bit integers, exactly."""
+    """The double-doubles of 64-bit integers, exactly."""
     low = values & 0xFFFFFFFF
     return fast_two_sum((values - low).astype(np.float64), low.astype(np.float64))
 
 
 @kernel
 def from_integer(value: int) -> DoubleDouble:
-    """One 64-bit integer, exactly."""
+    """The double-double of one 64-bit integer, exactly."""
     low = value & 0xFFFFFFFF
     return fast_two_sum(float(value - low), float(low))
 
 
 @kernel
 def fast_two_sum(a: Number, b: Number) -> DoubleDouble:
-    """Exactly a + b, for |a| ≥ |b| or a = 0 (Dekker 1971)."""
+    """The sum a + b, exactly, for |a| ≥ |b| or a = 0 (Dekker 1971)."""
     hi = a + b
     return hi, b - (hi - a)
 
 
 @kernel
 def two_sum(a: Number, b: Number) -> DoubleDouble:
-    """Exactly a + b (Knuth, theorem B)."""
+    """The sum a + b, exactly (Knuth, theorem B)."""
     hi = a + b
     shadow = hi - a
     return hi, (a - (hi - shadow)) + (b - shadow)
@@ -149,7 +149,7 @@ def divide(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 
 @kernel
 def square_root(a: DoubleDouble) -> DoubleDouble:
-    """√a of a number that is not negative, to 2⁻¹⁰⁰ of itself: one Newton step on the root of a double."""
+    """The root √a of a number that is not negative, to 2⁻¹⁰⁰ of itself: one Newton step on the root of a double."""
     a1, a2 = a
     first = sqrt(a1)
     # a − first² over 2·first, with first² exactly

@@ -44,7 +44,7 @@ _LN2_HI: Final = 0.693359375
 _LN2_LO: Final = float(Context(prec=40).ln(2) - Decimal(_LN2_HI))
 
 _FARTHEST: Final = 800.0
-"""exp(−800) is 0 in doubles."""
+"""Largest x of exp(−x) that is used: exp(−800) is 0 in doubles."""
 
 # Taylor's coefficients of the exponential: on ½ ln 2 the next term is below 5e-18
 _E: Final = tuple(1.0 / math.factorial(k) for k in range(14))
@@ -94,7 +94,7 @@ def sine_cosine_of_small(x: Number, rest: Number) -> tuple[Number, Number]:
 
 @kernel
 def exponential(size: Number) -> tuple[Number, Number]:
-    """exp(−x) and exp(−x) − 1 for x ≥ 0, each to a unit in the last place; 0 and −1 beyond 750.
+    """The exponential exp(−x), and exp(−x) − 1, for x ≥ 0, each to a unit in the last place; 0 and −1 beyond 750.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def _arctangent_columns() -> tuple[Array, Array]:
 
 @lru_cache(maxsize=1)
 def _arctangents() -> list[tuple[float, float]]:
-    """atan(k/32): from one to the next it grows by atan(32/(1024 + k(k + 1)))."""
+    """The arctangents of k/32: from one to the next they grow by atan(32/(1024 + k(k + 1)))."""
     with working_precision(40):
         angles = [Decimal(0)]
         for k in range(_PARTS):

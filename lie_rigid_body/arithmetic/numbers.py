@@ -25,10 +25,10 @@ Triple: TypeAlias = tuple[Number, Number, Number]
 Quadruple: TypeAlias = tuple[Number, Number, Number, Number]
 
 _WHOLE: Final = 1.5 * 2.0**52
-"""Adding and subtracting this rounds to an integer."""
+"""Number that rounds another to an integer, when it is added and subtracted."""
 
 _EXPONENT_OF_ONE: Final = 1.5 * 2.0**52 + 1023.0
-"""A double whose last bits are those of the exponent of 1."""
+"""Double whose last bits are those of the exponent of 1."""
 
 
 @kernel
@@ -40,7 +40,7 @@ def magnitude(x: Any) -> Number:
 
 @kernel
 def sign(x: Any) -> Number:
-    """−1 where the number is negative, else 1."""
+    """The sign: −1 where the number is negative, else 1."""
     side: Number = 1.0 - 2.0 * (x < 0.0)
     return side
 
@@ -57,7 +57,7 @@ def _sqrt(x: float) -> float:
 
 @kernel_of(_sqrt)
 def sqrt(x: Number) -> Number:
-    """√x."""
+    """The square root √x."""
     return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
 
 
@@ -80,7 +80,7 @@ def _power_of_two(k: float) -> float:
 
 @kernel_of(_power_of_two)
 def power_of_two(k: Number) -> Number:
-    """2ᵏ for a whole number in [−1022, 0]."""
+    """The power 2ᵏ for a whole number k in [−1022, 0]."""
     return math.ldexp(1.0, int(k)) if isinstance(k, float) else np.ldexp(1.0, k.astype(np.int32))
 
 

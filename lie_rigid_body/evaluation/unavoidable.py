@@ -34,7 +34,7 @@ from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.evaluation.kalman_covariances import covariances, padded
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.lie.rotation_vector import hat, right_jacobian
+from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.wording import components, short_repr, shown
 
 LARGEST_DEVIATION: Final = 1e50

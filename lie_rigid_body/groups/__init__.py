@@ -38,8 +38,8 @@ from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import mass_matrix, metric_derivative, require_metric
 from lie_rigid_body.groups.product import product
 from lie_rigid_body.groups.steady_rotations import (
+    RelativeEquilibrium,
     Stability,
-    SteadyRotation,
     linearisation,
     steady_axes,
     steady_rotation,
@@ -59,8 +59,8 @@ __all__ = [
     "HamiltonsEquations",
     "Lagrangian",
     "MatrixLieGroup",
+    "RelativeEquilibrium",
     "Stability",
-    "SteadyRotation",
     "casimirs",
     "chart_metric",
     "chart_reach",

@@ -13,26 +13,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.mechanics.array_input import as_numbers
+from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
 from lie_rigid_body.wording import short_repr
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
 
 DEPENDENCE_LIMIT: Final = 1e-7
-"""Smallest singular value of generators of unit size below which they count as linearly dependent."""
+"""Singular value of generators of unit size below which they count as linearly dependent."""
 
 SIZE_LIMIT: Final = 1e50
-"""Largest entry of a generator, and the inverse of the least: beyond them products leave the range of a double."""
+"""Largest entry that a generator may have; the inverse is the least. Products of others leave the range of a double."""
 
 # at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
 _NEWTON_STEPS: Final = 3
 
 DEXPINV_LIMIT: Final = 1e12
-"""Largest entry of dexpinv: one beyond means that dexp is singular to within rounding."""
+"""Largest entry that dexpinv may have: a larger one means that dexp is singular to within rounding."""
 
 
 def frobenius(matrices: Matrix) -> Array:
@@ -134,18 +134,33 @@ class MatrixLieAlgebra:
         metric.setflags(write=False)
         return metric
 
-    def as_coordinates(self, x: ArrayLike) -> Array:
-        """The argument as float64 coordinates, shape (..., d); an `InputError` if its type or shape is another."""
-        x = as_numbers("coordinates", x)
+    def as_coordinates(self, x: ArrayLike, name: str = "coordinates") -> Array:
+        """The argument as float64 components along the generators: coordinates, rates, momenta or gradients.
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+        name : str, optional
+            Name of the argument in the error.
+
+        Returns
+        -------
+        ndarray, shape (..., d)
+
+        Raises
+        ------
+        ParameterError
+            If they are not real numbers, or the last axis is not of length d.
+        """
+        x = as_numbers(name, x)
         if np.iscomplexobj(x):
-            raise InputError(f"coordinates are real, given {x.dtype}: give their real part if that is meant")
-        x = x.astype(np.float64, copy=False)
+            raise ParameterError(name, f"complex numbers of type {x.dtype}: give their real part if that is meant")
         if x.ndim == 0 or x.shape[-1] != self.dimension:
-            raise InputError(
-                f"coordinates need shape (..., {self.dimension}), given {x.shape}: "
-                "put one component per generator on the last axis"
+            raise ParameterError(
+                name,
+                f"shape {x.shape} is not (..., {self.dimension}): put a component for each generator on the last axis",
             )
-        return x
+        return x.astype(np.float64, copy=False)
 
     def hat(self, x: ArrayLike) -> Matrix:
         """The matrix xᵃTᵃ, shape (..., n, n), of coordinates x, shape (..., d); Ȧ = A hat(ω) in eq. (8)."""
@@ -177,8 +192,7 @@ class MatrixLieAlgebra:
         -------
         ndarray, shape (..., d)
         """
-        if not np.all(np.isfinite(X)):
-            raise InputError("a matrix has entries that are not finite numbers: give a combination of the generators")
+        require_finite("matrix", X)
         x = self.coordinates(X)
         # measured in the largest entry, so that no square of an entry underflows or overflows
         size = np.abs(X).max(axis=(-2, -1), keepdims=True)
@@ -197,7 +211,7 @@ class MatrixLieAlgebra:
         return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
 
     def dexp(self, x: ArrayLike) -> Array:
-        """J with d/dt exp(x) = hat(J ẋ) exp(x): eqs. (11) and (15) have J = 1 at x = 0; see `MatrixLieGroup.dexp`."""
+        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): 1 at x = 0, eqs. (11), (15); see `MatrixLieGroup.dexp`."""
         return exponential.phi(self.ad(x))
 
     def dexpinv(self, x: ArrayLike) -> Array:
@@ -236,13 +250,10 @@ def closed_algebra(generators: ArrayLike) -> MatrixLieAlgebra:
 
 
 def _as_generators(generators: ArrayLike) -> Matrix:
-    try:
-        T = np.asarray(generators)
-        T = T.astype(np.complex128 if np.iscomplexobj(T) else np.float64)
-    except (TypeError, ValueError):
-        raise InputError("generators need shape (d, n, n), given rows of unequal length or no numbers") from None
+    T = as_numbers("generators", generators)
+    T = T.astype(np.complex128 if np.iscomplexobj(T) else np.float64)
     if T.ndim != 3 or T.shape[1] != T.shape[2] or 0 in T.shape:
-        raise InputError(f"generators need shape (d, n, n) with d, n ≥ 1, given {T.shape}: stack square matrices")
+        raise ParameterError("generators", f"shape {T.shape} is not (d, n, n) with d, n ≥ 1: stack square matrices")
     if not np.all(np.isfinite(T)):
         worst = int(np.argmin(np.isfinite(T).all(axis=(1, 2))))
         raise InputError(f"T{worst} has an entry that is not a finite number: give finite generators")

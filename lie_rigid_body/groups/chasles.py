@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.mechanics.array_input import real_array, require_share
 from lie_rigid_body.wording import short_repr
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
@@ -118,25 +118,18 @@ def _root_mean_square(misses: Array, fractions: Array) -> float:
 
 
 def _point_pairs(points: ArrayLike, displaced: ArrayLike) -> tuple[Array, Array]:
-    x, y = real_array("points", points, "(N, n)"), real_array("displaced", displaced, "(N, n)")
-    if x.shape != y.shape:
-        raise InputError(
-            f"displaced: shape {y.shape} is not that of the points, {x.shape}: give one row for each point"
-        )
+    x = real_array("points", points, "(N, n)")
+    y = real_array("displaced", displaced, f"({len(x)}, {x.shape[1]})")
     if x.shape[1] < 2:
-        raise InputError(f"points: {x.shape[1]} coordinate has no rotations: give at least 2 coordinates a point")
+        raise ParameterError("points", "1 coordinate has no rotations: give at least 2 coordinates a point")
     return x, y
 
 
 def _fractions(weights: ArrayLike | None, count: int) -> Array:
     if weights is None:
         return np.full(count, 1.0 / count)
-    w = real_array("weights", weights, "(N,)")
-    if len(w) != count:
-        raise InputError(f"weights: {len(w)} of them for {count} points: give one for each point")
-    if w.min() < 0.0 or not w.max() > 0.0:
-        worst = w.min() if w.min() < 0.0 else w.max()
-        raise InputError(f"weights: {worst:.9g} is not allowed: give weights of at least 0, some above 0")
+    w = real_array("weights", weights, f"({count},)")
+    require_share("weights", w, "")
     w /= w.max()
     return w / w.sum()
 

@@ -5,7 +5,7 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
-import operator
+from abc import abstractmethod
 from itertools import combinations
 from typing import Final
 
@@ -18,6 +18,7 @@ from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.mechanics.array_input import whole_number
 
 UNIQUE_LIMIT: Final = 1e-12
 """Singular values, relative to the largest, and angles, rad, below which a nearest element is not unique."""
@@ -41,7 +42,7 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
     n : int
         At least 2.
     """
-    n = _as_size("SO", n)
+    n = whole_number("n", n, 2)
     algebra = MatrixLieAlgebra(_so_generators(n))
     return MatrixLieGroup(f"SO({n})", algebra, algebra.trace_metric(0.5), OrthogonalElements(n))
 
@@ -58,7 +59,7 @@ def SU(n: int) -> MatrixLieGroup:  # noqa: N802
     n : int
         At least 2.
     """
-    n = _as_size("SU", n)
+    n = whole_number("n", n, 2)
     algebra = MatrixLieAlgebra(_su_generators(n))
     return MatrixLieGroup(f"SU({n})", algebra, algebra.trace_metric(2.0), SpecialUnitaryElements(n))
 
@@ -67,17 +68,6 @@ def U1() -> MatrixLieGroup:  # noqa: N802
     """The circle: phases e^{iθ} as 1×1 matrices, with the generator i; the coordinate is the angle θ."""
     algebra = MatrixLieAlgebra(np.array([[[1j]]]))
     return MatrixLieGroup("U(1)", algebra, algebra.trace_metric(1.0), PhaseElements())
-
-
-def _as_size(family: str, n: int) -> int:
-    """The size n of the matrices of SO(n) or SU(n), an integer from 2 on."""
-    try:
-        size = operator.index(n)
-    except TypeError:
-        raise InputError(f"{family}(n) needs a whole number n, given {n!r}: give the size of the matrices") from None
-    if size < 2:
-        raise InputError(f"{family}({size}) is too small (limit n ≥ 2): give the size of the matrices")
-    return size
 
 
 def _so_generators(n: int) -> Array:
@@ -89,21 +79,42 @@ def _so_generators(n: int) -> Array:
     return T
 
 
-class OrthogonalElements(Elements):
-    """Rotation matrices: AᵀA = 1 and det A = 1, eq. (6).
+class CompactElements(Elements):
+    """Matrices with A†A = 1 and det A = 1, as far as SO(n) and SU(n) are alike.
 
     Parameters
     ----------
     n : int
+        Size of the matrices.
     """
 
     def __init__(self, n: int) -> None:
         self._n = n
 
     def distance(self, A: Matrix) -> Array:
-        """Frobenius norm of AᵀA − 1, eqs. (4) and (5), or infinity where the determinant is not positive, eq. (6)."""
-        off = frobenius(np.swapaxes(A, -1, -2) @ A - np.eye(self._n))
-        return np.where(np.linalg.det(A) > 0.0, off, np.inf)
+        """The larger of the Frobenius norm of A†A − 1, eqs. (4) and (5), and |det A − 1|, eq. (6)."""
+        off = frobenius(self.inverse(A) @ A - np.eye(self._n))
+        return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """The conjugate transpose."""
+        return np.swapaxes(A.conj(), -1, -2)
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Elements by the Haar measure: orthogonalised normal matrices (F. Mezzadri, Notices AMS 54 (2007) 592)."""
+        Q, R = np.linalg.qr(self._normal(rng, (*shape, self._n, self._n)))
+        phases = np.diagonal(R, axis1=-2, axis2=-1)
+        Q = Q * (phases / np.abs(phases))[..., np.newaxis, :]
+        Q[..., :, 0] /= np.linalg.det(Q)[..., np.newaxis]
+        return np.asarray(Q)
+
+    @abstractmethod
+    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Matrices with independent standard normal entries."""
+
+
+class OrthogonalElements(CompactElements):
+    """Rotation matrices: AᵀA = 1 and det A = 1, eq. (6)."""
 
     def project(self, A: Matrix) -> Matrix:
         """The nearest rotation, U diag(1, …, 1, det UV) Vᵀ of A = U Σ Vᵀ (Kabsch, Acta Cryst. A 32 (1976) 922)."""
@@ -113,20 +124,12 @@ class OrthogonalElements(Elements):
         U[..., :, -1] *= sign[..., np.newaxis]
         return np.asarray(U @ Vt)
 
-    def inverse(self, A: Matrix) -> Matrix:
-        """The transpose."""
-        return np.swapaxes(A, -1, -2)
-
     def log(self, A: Matrix) -> Matrix:
         """The principal logarithm, by the series near the identity and from the real Schur form elsewhere."""
         return batched_log(A, _log_of_rotation)
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
-        """Elements by the Haar measure: orthogonalised normal matrices (F. Mezzadri, Notices AMS 54 (2007) 592)."""
-        Q, R = np.linalg.qr(rng.standard_normal((*shape, self._n, self._n)))
-        Q = Q * np.sign(np.diagonal(R, axis1=-2, axis2=-1))[..., np.newaxis, :]
-        Q[..., :, 0] *= np.linalg.det(Q)[..., np.newaxis].round()
-        return np.asarray(Q)
+    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        return rng.standard_normal(shape)
 
 
 def _refuse_ambiguous_rotation(sigma: Array, sign: Array) -> None:
@@ -176,21 +179,8 @@ def _su_generators(n: int) -> Matrix:
     return T
 
 
-class SpecialUnitaryElements(Elements):
-    """Unitary matrices of determinant 1.
-
-    Parameters
-    ----------
-    n : int
-    """
-
-    def __init__(self, n: int) -> None:
-        self._n = n
-
-    def distance(self, A: Matrix) -> Array:
-        """The larger of the Frobenius norm of A†A − 1 and |det A − 1|."""
-        off = frobenius(self.inverse(A) @ A - np.eye(self._n))
-        return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
+class SpecialUnitaryElements(CompactElements):
+    """Unitary matrices of determinant 1."""
 
     def project(self, A: Matrix) -> Matrix:
         """The nearest element U diag(e^{iθ}) V† of A = U Σ V†.
@@ -201,27 +191,17 @@ class SpecialUnitaryElements(Elements):
         theta = _nearest_angles(sigma, -np.angle(np.linalg.det(U @ Vh)))
         return np.asarray((U * np.exp(1j * theta)[..., np.newaxis, :]) @ Vh)
 
-    def inverse(self, A: Matrix) -> Matrix:
-        """The conjugate transpose."""
-        return np.swapaxes(A.conj(), -1, -2)
-
     def log(self, A: Matrix) -> Matrix:
         """The logarithm of least norm in the algebra, by the series near the identity, else from the Schur form."""
         return batched_log(A, _log_of_unitary)
 
     def one_to_one(self, X: Matrix) -> Array:
-        """Where the angles of two eigenvalues of tX first are 2π apart, and another logarithm is as short."""
+        """The multiple t at which angles of two eigenvalues of tX are 2π apart, and another logarithm is as short."""
         angles = np.linalg.eigvalsh(-1j * X)
         return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
-        """Elements by the Haar measure: as for SO(n), with the determinant divided out of the first column."""
-        size = (*shape, self._n, self._n)
-        Q, R = np.linalg.qr(rng.standard_normal(size) + 1j * rng.standard_normal(size))
-        phases = np.diagonal(R, axis1=-2, axis2=-1)
-        Q = Q * (phases / np.abs(phases))[..., np.newaxis, :]
-        Q[..., :, 0] /= np.linalg.det(Q)[..., np.newaxis]
-        return np.asarray(Q)
+    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        return np.asarray(rng.standard_normal(shape) + 1j * rng.standard_normal(shape))
 
 
 def _nearest_angles(sigma: Array, total: Array) -> Array:
@@ -279,7 +259,7 @@ class PhaseElements(Elements):
     """Complex numbers of modulus 1, as 1×1 matrices."""
 
     def distance(self, A: Matrix) -> Array:
-        """How far the modulus is from 1."""
+        """Distance of the modulus from 1."""
         return np.asarray(np.abs(np.abs(A[..., 0, 0]) - 1.0))
 
     def project(self, A: Matrix) -> Matrix:

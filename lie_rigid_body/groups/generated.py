@@ -41,11 +41,11 @@ class GeneratedElements(Elements):
         return np.where(np.isfinite(logs).all(axis=(-2, -1)), off, np.inf)
 
     def certain_distance(self, A: Matrix) -> Array:
-        """By how much a matrix fails the two conditions that every element meets, on its determinant and on its Ad.
+        """Distance of a matrix from the two conditions that every element meets, on its determinant and on its Ad.
 
-        These are necessary, not sufficient. The larger of the two is returned, and infinity for a matrix that is
-        singular to within rounding. For a large condition number it is reduced by what an error of 1e-12 in the
-        entries of an element can amount to.
+        The conditions are necessary, not sufficient. The larger of the two distances is returned, and infinity for a
+        matrix that is singular to within rounding. For a large condition number the distance is reduced by what an
+        error of 1e-12 in the entries of an element can amount to.
         """
         regular = _condition(_equilibrated(A)) < CONDITION_LIMIT
         A = np.where(regular[..., np.newaxis, np.newaxis], A, np.eye(A.shape[-1]))

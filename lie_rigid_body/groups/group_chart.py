@@ -14,35 +14,29 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.elements import multiple_until
+from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.metric import symmetrised
-from lie_rigid_body.groups.runge_kutta import Point
-from lie_rigid_body.lie.series import bernoulli_over_factorial
+from lie_rigid_body.mechanics.array_input import symmetrised
 
-_EVEN_TERMS: Final = tuple(bernoulli_over_factorial(2 * k) for k in range(1, 16))
-_LEFT_OUT: Final = 1e-18
-"""Relative size of the terms of the series that are left out."""
-
-LARGEST_TURN: Final = math.pi
-"""Largest turn of a step, rad, as eigenvalue of ad_β: half the radius of the series, whose remainder is 1e-10 there."""
-
+LARGEST_CHART_TURN: Final = math.pi
+"""Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 _REAL_PART: Final = 1e-9
 """Real part of an eigenvalue, relative to the norm of the matrix, up to which it counts as imaginary."""
 
 
 class ChartReach(NamedTuple):
-    """How far a chart reaches along a direction ξ, as multiples t of it.
+    """Reach of a chart along a direction ξ, as the multiples t of ξ at which it ends.
 
     Attributes
     ----------
     one_to_one : ndarray, shape (...)
-        Below it `MatrixLieGroup.log` takes exp(tξ) back to tξ. At it the coordinates of a point cease to be unique, on
-        SO(3) for a half turn.
+        Multiple below which `MatrixLieGroup.log` takes exp(tξ) back to tξ. There the coordinates of a point cease to be
+        unique, on SO(3) for a half turn.
     regular : ndarray, shape (...)
-        At it dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn: velocities
-        have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
+        Multiple at which dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn:
+        velocities have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
     """
 
     one_to_one: Array
@@ -50,7 +44,7 @@ class ChartReach(NamedTuple):
 
 
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
-    """How far the chart A₀ exp(βᵃTᵃ), eq. (38), reaches along a direction: where its coordinates end.
+    """The reach of the chart A₀ exp(βᵃTᵃ), eq. (38), along a direction: where its coordinates end.
 
     Both are infinite where nothing turns, as along translations. `GroupChart` stops its steps at half of `regular`.
 
@@ -95,8 +89,8 @@ def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
 class GroupChart:
     """The chart A₀ exp(βᵃTᵃ) about an element A₀, with the body momentum p = Mω of the motion.
 
-    A point is the list of the coordinates β, followed by the momentum p. In the coordinates of the space frame the
-    chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
+    A point is the array of the coordinates β, followed by the momentum p, shape (2d,). In the coordinates of the space
+    frame the chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
 
     Parameters
     ----------
@@ -108,66 +102,31 @@ class GroupChart:
         self._group = lagrangian.group
         self._inverse = lagrangian.inverse_metric
         self.dimension: int = lagrangian.group.dimension
-        d = self.dimension
-        # [x, y]ᶜ = f[a,b,c] xᵃ yᵇ as (x @ bracket).reshape(d, d) applied to y
-        self._bracket = np.ascontiguousarray(np.swapaxes(self._group.structure_constants, 1, 2)).reshape(d, d * d)
 
-    def field(self, point: Point) -> Point:
+    def field(self, point: Array) -> Array:
         """The rates of a point: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p."""
-        d = self.dimension
-        both = np.array(point)
-        coordinates, momentum = both[:d], both[d:]
+        coordinates, momentum = point[: self.dimension], point[self.dimension :]
         rate = self._inverse @ momentum
-        force = momentum @ self._ad(rate)
-        return [*self._chart_rate(coordinates, rate).tolist(), *force.tolist()]
+        ad = self._group.ad(coordinates)
+        _require_reach(ad)
+        return np.concatenate([phi_inverse(-ad) @ rate, momentum @ self._group.ad(rate)])
 
-    def recentred(self, centre: NDArray[Any], coordinates: Point) -> NDArray[Any]:
+    def recentred(self, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
         """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
 
         It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
         """
-        self._bound(self._ad(np.array(coordinates)))
-        return np.asarray(centre @ self._group.exp(np.array(coordinates)))
-
-    def _ad(self, x: Array) -> Array:
-        """The matrix of y ↦ [x, y] in coordinates."""
-        d = self.dimension
-        return np.asarray((x @ self._bracket).reshape(d, d))
-
-    def _bound(self, ad: Array) -> float:
-        """An upper bound of the norm of ad_β; refused where β is beyond `LARGEST_TURN`."""
-        bound = float(np.abs(ad).max()) * self.dimension
-        if not bound < 2.0 * math.pi:
-            _require_convergence(ad)
-        return bound
-
-    def _chart_rate(self, coordinates: Array, rate: Array) -> Array:
-        """β̇ = Σ Bₖ/k! (−ad_β)ᵏ ω, without terms below round-off."""
-        ad = self._ad(coordinates)
-        bound = self._bound(ad)
-        power = ad @ rate
-        total = rate + 0.5 * power
-        power = ad @ power
-        square = ad @ ad
-        for coefficient in _EVEN_TERMS[: _terms(bound)]:
-            total = total + coefficient * power
-            power = square @ power
-        return np.asarray(total)
+        _require_reach(self._group.ad(coordinates))
+        return np.asarray(centre @ self._group.exp(coordinates))
 
 
-def _require_convergence(ad: Array) -> None:
-    """Refuse eigenvalues of ad_β beyond `LARGEST_TURN`; where nothing turns, as in translations, they are all 0."""
+def _require_reach(ad: Array) -> None:
+    """Refuse eigenvalues of ad_β beyond `LARGEST_CHART_TURN`; translations have none but 0."""
+    if float(np.abs(ad).max()) * len(ad) < LARGEST_CHART_TURN:
+        return  # a bound of every eigenvalue
     turn = float(np.abs(np.linalg.eigvals(ad)).max())
-    if not turn <= LARGEST_TURN:
+    if not turn <= LARGEST_CHART_TURN:
         raise InputError(
-            f"a step turns by {turn:.3g} rad (limit {LARGEST_TURN:.3g} rad): lower max_step by a factor of "
-            f"{10.0 * turn / LARGEST_TURN:.1g} or more"
+            f"a step turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step by a factor of "
+            f"{10.0 * turn / LARGEST_CHART_TURN:.1g} or more"
         )
-
-
-def _terms(bound: float) -> int:
-    """Number of even terms above round-off, from |B₂ₖ|/(2k)! < 4/(2π)²ᵏ and a bound of the norm of ad_β."""
-    ratio = bound / (2.0 * math.pi)
-    if not 0.0 < ratio < 1.0:
-        return 1 if ratio == 0.0 else len(_EVEN_TERMS)
-    return max(1, math.ceil(0.5 * math.log(_LEFT_OUT) / math.log(ratio)))

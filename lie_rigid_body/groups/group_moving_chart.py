@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NoReturn
 
@@ -15,15 +15,14 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.group_chart import GroupChart
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.runge_kutta import Point, RungeKuttaStepper
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
-from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 from lie_rigid_body.wording import call_repr, short_repr
 
-GROUP_METHODS: Final = {tableau.name: RungeKuttaStepper(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)}
-"""The steppers of every group, by their public names."""
+GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, CLASSICAL)}
+"""The Runge–Kutta methods of every group, by the public names of their steppers."""
 
 STEPS_BETWEEN_PROJECTIONS: Final = 100
 """Steps between two projections onto the group; between them only round-off moves the element off it."""
@@ -88,16 +87,16 @@ class GroupMovingChart:
     ) -> None:
         require_stepper(method, max_step, GROUP_METHODS)
         self._element, rate = _require_start(lagrangian.group, start)
-        self._momentum: Point = lagrangian.momenta(rate).tolist()
+        self._momentum = lagrangian.momenta(rate)
         self._lagrangian = lagrangian
         self._chart = GroupChart(lagrangian)
-        self._stepper = GROUP_METHODS[method]
+        self._tableau = GROUP_METHODS[method]
         self._max_step = float(max_step)
         self._time_ns = 0
         self._steps = 0
 
     def __repr__(self) -> str:
-        stepper = {"method": self._stepper.name, "max_step": self._max_step}
+        stepper = {"method": self._tableau.name, "max_step": self._max_step}
         return call_repr(self, {"lagrangian": self._lagrangian, **stepper, "reached_ns": self._time_ns})
 
     def at(self, t_ns: ArrayLike) -> GroupState:
@@ -149,36 +148,58 @@ class GroupMovingChart:
         self._time_ns = t_ns
 
     def _step(self, h: float) -> None:
-        d, end = self._chart.dimension, self._end(h)
-        if not math.isfinite(sum(end)):
+        end = self._end(h)
+        if not np.isfinite(end).all():
             self._refuse(h)
+        d = self._chart.dimension
         # the element just reached becomes the centre of the next chart
         self._element, self._momentum = self._chart.recentred(self._element, end[:d]), end[d:]
         self._steps += 1
         if self._steps % STEPS_BETWEEN_PROJECTIONS == 0:
             self._element = self._lagrangian.group.restored(self._element)
 
-    def _end(self, h: float) -> Point:
+    def _end(self, h: float) -> Array:
         """Coordinates and momentum at the end of a step, infinite where a stage overflows."""
         try:
-            return self._stepper.step(self._chart.field, self._centre(), h)
-        except InputError:
-            raise
-        except (ArithmeticError, ValueError):
-            return [math.inf] * (2 * self._chart.dimension)
+            with np.errstate(over="ignore", invalid="ignore"):
+                return runge_kutta_step(self._tableau, self._chart.field, self._centre(), h)
+        except np.linalg.LinAlgError:
+            return np.full(2 * len(self._momentum), np.inf)
 
-    def _centre(self) -> Point:
+    def _centre(self) -> Array:
         """The present point: coordinates 0 and the momentum."""
-        return [*[0.0] * self._chart.dimension, *self._momentum]
+        return np.concatenate([np.zeros_like(self._momentum), self._momentum])
 
     def _refuse(self, h: float) -> NoReturn:
         # at the centre of the chart the rate of its coordinates is that of the motion
-        way = h * math.hypot(*self._chart.field(self._centre())[: self._chart.dimension])
+        way = h * float(np.linalg.norm(self._lagrangian.rates(self._momentum)))
         shorter = min(h / 10.0, GOOD_TURN * h / way) if way else h / 10.0
         raise InputError(
             f"a step of {h:g} s goes {way:.3g} rad at the rate of its start, or more (limit: where its end is finite): "
             f"lower max_step, to about {shorter:.1g} s"
         )
+
+
+def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: Array, h: float) -> Array:
+    """The point after one explicit Runge–Kutta step along a vector field.
+
+    Parameters
+    ----------
+    tableau : Tableau
+    field : callable, (m,) ↦ (m,)
+        Rate of change of a point.
+    start : ndarray, shape (m,)
+    h : float
+        Step, s.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+    """
+    slopes = np.empty((len(tableau.b), len(start)))
+    for stage, weights in enumerate(tableau.a):
+        slopes[stage] = field(start + h * (np.array(weights, dtype=np.float64) @ slopes[:stage]))
+    return np.asarray(start + h * (np.array(tableau.b, dtype=np.float64) @ slopes))
 
 
 def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:

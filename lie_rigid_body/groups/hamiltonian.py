@@ -17,6 +17,7 @@ from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directio
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
+from lie_rigid_body.mechanics.array_input import symmetrised
 from lie_rigid_body.wording import call_repr, short_repr
 
 
@@ -74,7 +75,7 @@ class Hamiltonian:
         return call_repr(self, {"group": self.group, "inverse_metric": self.inverse_metric})
 
     def value(self, momentum: ArrayLike) -> Array:
-        """H(p), eq. (34).
+        """The Hamiltonian H(p), eq. (34).
 
         Parameters
         ----------
@@ -144,8 +145,7 @@ def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
     -------
     Lagrangian
     """
-    inverse = np.linalg.inv(hamiltonian.inverse_metric)
-    return Lagrangian(hamiltonian.group, 0.5 * (inverse + inverse.T))
+    return Lagrangian(hamiltonian.group, symmetrised(np.linalg.inv(hamiltonian.inverse_metric)))
 
 
 def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:

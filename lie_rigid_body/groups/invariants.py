@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.symmetries import canonical_basis
-from lie_rigid_body.mechanics.array_input import ROUND_OFF
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, as_numbers, real_array
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 _CASIMIR_TOLERANCE: Final = 1e-10
@@ -226,10 +226,7 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
     """
     k, p = second_moment_matrix(second_moment), _antisymmetric_matrices("P", momentum)
     if p.shape[-2:] != k.shape:
-        raise InputError(
-            f"Manakov's integrals need P of shape (..., n, n) and K of shape (n, n), given {p.shape} and {k.shape}: "
-            "give both in the n dimensions of the body"
-        )
+        raise ParameterError("P", f"shape {p.shape} does not go with K of shape {k.shape}: give both of the same body")
     square, n = k @ k, k.shape[0]
     words = [np.broadcast_to(np.eye(n), p.shape)]
     integrals = []
@@ -258,7 +255,7 @@ def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
 
 def _nonempty(p: NDArray[Any]) -> NDArray[Any]:
     if p.shape[-1] == 0:
-        raise InputError(f"Casimirs need P of shape (..., n, n), given {p.shape}: give momentum_matrix(group, p)")
+        raise ParameterError("P", f"shape {p.shape} has no rows: give momentum_matrix(group, p)")
     return p
 
 
@@ -291,32 +288,17 @@ def _next_power(words: list[Array], p: Array, square: Array) -> list[Array]:
 
 def _antisymmetric_matrices(name: str, value: ArrayLike) -> Array:
     """Given matrices, shape (..., n, n), checked to be real and antisymmetric to within round-off."""
-    given = _square_matrices(name, value)
-    if np.iscomplexobj(given):
-        raise InputError(f"{name}: complex numbers: give a real antisymmetric matrix")
-    given = given.astype(np.float64, copy=False)
+    given = real_array(name, value, "(…, n, n)", empty=True)
     _require_small(name, given, given + np.swapaxes(given, -1, -2), "P + Pᵀ", "an antisymmetric")
     return given
 
 
 def _antihermitian_matrices(name: str, value: ArrayLike) -> NDArray[np.complex128]:
     """Given matrices, shape (..., n, n), checked to be anti-Hermitian to within round-off."""
-    given = _square_matrices(name, value).astype(np.complex128, copy=False)
+    numbers = as_numbers(name, value)
+    parts = [real_array(name, part, "(…, n, n)", empty=True) for part in (numbers.real, numbers.imag)]
+    given = np.asarray(parts[0] + 1j * parts[1])
     _require_small(name, given, given + np.swapaxes(given.conj(), -1, -2), "P + P†", "an anti-Hermitian")
-    return given
-
-
-def _square_matrices(name: str, value: ArrayLike) -> NDArray[Any]:
-    try:
-        given = np.asarray(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: rows of unequal length: give square matrices") from None
-    if given.dtype.kind not in "fiuc":
-        raise InputError(f"{name}: type {given.dtype} is not numbers: give square matrices")
-    if given.ndim < 2 or given.shape[-1] != given.shape[-2]:
-        raise InputError(f"{name}: shape {given.shape} is not (..., n, n): give square matrices")
-    if not np.isfinite(given).all():
-        raise InputError(f"{name}: {given[~np.isfinite(given)][0]} is not finite: give finite numbers")
     return given
 
 
@@ -325,6 +307,7 @@ def _require_small(name: str, given: NDArray[Any], sums: NDArray[Any], formula: 
     limit = ROUND_OFF * np.abs(given).max(axis=(-2, -1), initial=0.0)
     if np.any(off > limit):
         worst = np.argmax(off - limit)
-        raise InputError(
-            f"{name}: {formula} reaches {off.flat[worst]:.3g}, the limit is {limit.flat[worst]:.3g}: give {kind} matrix"
+        raise ParameterError(
+            name,
+            f"{formula} reaches {off.flat[worst]:.3g}, the limit is {limit.flat[worst]:.3g}: give {kind} matrix",
         )

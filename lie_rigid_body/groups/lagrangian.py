@@ -23,7 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.groups.metric import require_metric, symmetrised
+from lie_rigid_body.groups.metric import require_metric
+from lie_rigid_body.mechanics.array_input import symmetrised
 from lie_rigid_body.wording import call_repr
 
 
@@ -65,7 +66,7 @@ class Lagrangian:
         return call_repr(self, {"group": self.group, "metric": self.metric})
 
     def value(self, rate: ArrayLike) -> Array:
-        """L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).
+        """The Lagrangian L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).
 
         Parameters
         ----------
@@ -108,7 +109,7 @@ class Lagrangian:
         return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
 
     def chart_force(self, rate: ArrayLike) -> Array:
-        """∂L/∂βᵃ = ½ f[c,a,d] ωᶜ p_d at the centre β = 0 of the moving chart A₀ exp(βᵃTᵃ), where β̇ = ω.
+        """The force ∂L/∂βᵃ = ½ f[c,a,d] ωᶜ p_d at the centre β = 0 of the chart A₀ exp(βᵃTᵃ), where β̇ = ω.
 
         The derivative is taken at constant β̇, as Lagrange's equations ask: ω = β̇ − ½[β, β̇] + … gives the factor ½. In
         the paper's chart exp(αᵃTᵃ)A₀ the rate of the space frame, α̇ + ½[α, α̇] + …, gives the opposite, and M, which

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
-from lie_rigid_body.mechanics.array_input import as_numbers
+from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
 from lie_rigid_body.wording import shortened
 
 ELEMENT_TOLERANCE: Final = 1e-9
@@ -124,17 +124,15 @@ class MatrixLieGroup:
         return shortened(f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>")
 
     def as_matrices(self, A: ArrayLike) -> Matrix:
-        """The argument as n×n matrices of the group's number type; an `InputError` if its type or shape is another."""
-        A = as_numbers(f"matrices of {self.name}", A)
+        """The argument as matrices, shape (..., n, n), of the group's number type; else a `ParameterError`."""
+        name, A = f"matrices of {self.name}", as_numbers(f"matrices of {self.name}", A)
         if A.shape[-2:] != (self.size, self.size):
-            raise InputError(
-                f"matrices of {self.name} need shape (..., {self.size}, {self.size}), given {A.shape}: "
-                "put rows and columns on the last two axes"
+            raise ParameterError(
+                name,
+                f"shape {A.shape} is not (..., {self.size}, {self.size}): put rows and columns on the last two axes",
             )
         if np.iscomplexobj(A) and not np.iscomplexobj(self.generators):
-            raise InputError(
-                f"matrices of {self.name} are real, given {A.dtype}: give their real part if that is meant"
-            )
+            raise ParameterError(name, f"complex numbers of type {A.dtype}: give their real part if that is meant")
         return A.astype(self.generators.dtype, copy=False)
 
     def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Matrix:
@@ -158,7 +156,7 @@ class MatrixLieGroup:
         ----------
         values : array_like, shape (..., d)
         what : str
-            What they are called in the message, in the plural.
+            Name of the argument in the error.
 
         Returns
         -------
@@ -166,22 +164,10 @@ class MatrixLieGroup:
 
         Raises
         ------
-        InputError
+        ParameterError
             If they are not real numbers, or the last axis is not of length d.
         """
-        d = self.dimension
-        try:
-            given = np.asarray(values)
-        except (TypeError, ValueError):
-            raise InputError(f"{what} on {self.name} have rows of unequal length: give {d} real numbers") from None
-        if given.dtype.kind not in "fiu":
-            raise InputError(f"{what} on {self.name} are of type {given.dtype}: give {d} real numbers")
-        array = given.astype(np.float64, copy=False)
-        if array.ndim == 0 or array.shape[-1] != d:
-            raise InputError(
-                f"{what} on {self.name} need shape (..., {d}), given {array.shape}: put the components on the last axis"
-            )
-        return array
+        return self.algebra.as_coordinates(values, what)
 
     def hat(self, x: ArrayLike) -> Matrix:
         """The matrix xᵃTᵃ of the algebra.
@@ -279,7 +265,7 @@ class MatrixLieGroup:
         return self.algebra.ad(x)
 
     def dexp(self, x: ArrayLike) -> Array:
-        """J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
+        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
 
         For SO(3) this is `so3.left_jacobian`; with exp(x) hat(J ẋ) instead, J is ``dexp(-x)``
         (Iserles et al., Acta Numerica 9 (2000), section 2.3).
@@ -341,8 +327,7 @@ class MatrixLieGroup:
             If the nearest element is not unique; for a group from generators, if none is found near A.
         """
         A = self.as_matrices(A)
-        if not np.all(np.isfinite(A)):
-            raise InputError(f"no nearest element of {self.name}: a matrix has entries that are not finite numbers")
+        require_finite(f"matrices of {self.name}", A)
         return self.elements.project(A)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Matrix:

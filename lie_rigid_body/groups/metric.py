@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
 _GENERATOR_ROUND_OFF: Final = 1e-12
@@ -52,8 +52,7 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
         K = rotated_second_moment(K, attitude)
     # M is the symmetric part of −tr(TᵃKTᵇ) = Σᵢⱼ (TᵃK)ᵢⱼ Tᵇᵢⱼ, since Tᵇ is antisymmetric
     flat = T.reshape(len(T), -1)
-    products = (T @ K[..., None, :, :]).reshape(*K.shape[:-2], *flat.shape) @ flat.T
-    return np.asarray(0.5 * (products + products.swapaxes(-1, -2)))
+    return symmetrised((T @ K[..., None, :, :]).reshape(*K.shape[:-2], *flat.shape) @ flat.T)
 
 
 def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
@@ -104,51 +103,25 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     InputError
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
-    m = _square_matrix(metric, dimension)
-    i, j = np.unravel_index(np.argmax(np.abs(m - m.T)), m.shape)
-    if abs(m[i, j] - m[j, i]) > ROUND_OFF * float(np.abs(m).max()):
-        raise InputError(
-            f"M is not symmetric: M[{i},{j}] = {m[i, j]:.17g} but M[{j},{i}] = {m[j, i]:.17g}: give (M + Mᵀ)/2"
-        )
-    m = symmetrised(m)
+    m = symmetric_matrix("metric", real_array("metric", metric, f"({dimension}, {dimension})"))
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
-        raise InputError(
-            f"M is not positive definite: its smallest eigenvalue is {eigenvalues[0]:.6g} where the largest is "
-            f"{eigenvalues[-1]:.6g} (limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale"
+        raise ParameterError(
+            "metric",
+            f"smallest eigenvalue {eigenvalues[0]:.6g} is not positive beside the largest, {eigenvalues[-1]:.6g} "
+            f"(limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale",
         )
-    return m
-
-
-def symmetrised(m: Array) -> Array:
-    """The symmetric part (m + mᵀ)/2 of matrices, shape (..., d, d)."""
-    return np.asarray(0.5 * (m + np.swapaxes(m, -1, -2)))
-
-
-def _square_matrix(metric: ArrayLike, d: int) -> Array:
-    try:
-        given = np.asarray(metric)
-        m = np.array(given, dtype=np.float64) if not np.iscomplexobj(given) else None
-    except (TypeError, ValueError):
-        m = None
-    if m is None:
-        raise InputError(f"M is not an array of real numbers: give {d} rows of {d} numbers")
-    if m.shape != (d, d):
-        raise InputError(f"M has shape {m.shape}, the group needs ({d}, {d}): give one row for each generator")
-    if not np.isfinite(m).all():
-        raise InputError(f"M is not finite, it has {m[~np.isfinite(m)][0]} in it: give finite numbers in kg m²")
     return m
 
 
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:
-    T = real_array("generators", generators, "(d, n, n)")
-    if T.shape[1:] != (n, n):
-        raise InputError(f"generators: shape {T.shape} does not go with a {n}×{n} second moment: give (d, {n}, {n})")
+    T = real_array("generators", generators, f"(d, {n}, {n})")
     gap = np.abs(T + T.swapaxes(-1, -2)).max(axis=(-1, -2))
     worst = int(np.argmax(gap))
     if gap[worst] > _GENERATOR_ROUND_OFF * np.abs(T).max():
-        raise InputError(
-            f"generators: number {worst} plus its transpose has an entry of {gap[worst]:.9g} instead of 0: rotations "
-            "of a body have antisymmetric generators, as those of SO(n)"
+        raise ParameterError(
+            "generators",
+            f"number {worst} plus its transpose has an entry of {gap[worst]:.9g} instead of 0: rotations "
+            "of a body have antisymmetric generators, as those of SO(n)",
         )
     return T

@@ -108,7 +108,7 @@ class ProductElements(Elements):
         return self._blockwise(A, lambda elements, part: elements.log(part))
 
     def one_to_one(self, X: Matrix) -> Array:
-        """The least of the blocks."""
+        """The least multiple of all blocks, shape (...)."""
         return np.asarray(np.min([elements.one_to_one(part) for elements, _, part in self._parts(X)], axis=0))
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:

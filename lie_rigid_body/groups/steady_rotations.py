@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
-from lie_rigid_body.mechanics.array_input import ROUND_OFF
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
 from lie_rigid_body.wording import short_repr
 
 STEADY_TOLERANCE: Final = 1e-9
@@ -42,8 +42,8 @@ class Stability(Enum):
 
 
 @dataclass(frozen=True)
-class SteadyRotation:
-    """A steady rotation, the eigenvalues of the motion linearised about it, and its stability.
+class RelativeEquilibrium:
+    """A steady rotation (relative equilibrium), the eigenvalues of the motion linearised about it, and its stability.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
 
-def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
+def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibrium:
     """The steady rotation at a given rate, with its stability.
 
     Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
@@ -125,7 +125,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
 
     Returns
     -------
-    SteadyRotation
+    RelativeEquilibrium
 
     Raises
     ------
@@ -139,12 +139,14 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> SteadyRotation:
     """
     w = lagrangian.group.as_components(rate, "rates").copy()
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
-    tangent, algebra = _orbit(lagrangian, w)
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
+    tangent, algebra = _orbit(directions)
     linear = tangent.T @ linearisation(lagrangian, w) @ tangent
-    signs = _signs(algebra.T @ _energy_curvature(lagrangian, w) @ algebra, resolution * _curvature_scale(lagrangian, w))
+    curvature, scale = _energy_curvature(lagrangian, w, directions)
+    signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
     eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
     zero = resolution * float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
-    return SteadyRotation(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
+    return RelativeEquilibrium(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
@@ -165,18 +167,14 @@ def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
     return np.asarray(directions @ lagrangian.inverse_metric + turning)
 
 
-def _energy_curvature(lagrangian: Lagrangian, rate: Array) -> Array:
-    """The second derivative of H along s ↦ exp(s ad*_ξ) p, as a quadratic form in ξ."""
-    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+def _energy_curvature(lagrangian: Lagrangian, rate: Array, directions: Array) -> tuple[Array, float]:
+    """The second derivative of H along s ↦ exp(s ad*_ξ) p, as a quadratic form in ξ, and the size of its terms.
+
+    The terms cancel for a body that is nearly a sphere. The directions are ad*_{Tᶜ} p, as columns.
+    """
     brackets = np.einsum("abd,b->da", lagrangian.group.structure_constants, rate)  # ξ ↦ [ξ, ω]
-    bent = directions.T @ brackets
-    return np.asarray(directions.T @ lagrangian.inverse_metric @ directions + 0.5 * (bent + bent.T))
-
-
-def _curvature_scale(lagrangian: Lagrangian, rate: Array) -> float:
-    """Size of the terms that `_energy_curvature` sums, and that cancel for a body that is nearly a sphere."""
-    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
-    return float(np.linalg.norm(directions.T @ lagrangian.inverse_metric @ directions, 2))
+    kinetic = directions.T @ lagrangian.inverse_metric @ directions
+    return kinetic + symmetrised(directions.T @ brackets), float(np.linalg.norm(kinetic, 2))
 
 
 def _signs(form: Array, zero: float) -> NDArray[np.int_]:
@@ -185,16 +183,15 @@ def _signs(form: Array, zero: float) -> NDArray[np.int_]:
     return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
 
 
-def _orbit(lagrangian: Lagrangian, rate: Array) -> tuple[Array, Array]:
+def _orbit(directions: Array) -> tuple[Array, Array]:
     """Orthonormal columns: the tangent space of the orbit of p, and the algebra elements that move p along it."""
-    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
     tangent, sizes, algebra = np.linalg.svd(directions)
     on_orbit = sizes > _RANK * sizes.max(initial=0.0)
     return tangent[:, on_orbit], algebra[on_orbit].T
 
 
 def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
-    """|ad*_ω Mω| relative to |ω|, |Mω| and the structure constants; refused where above `STEADY_TOLERANCE`."""
+    """Size of ad*_ω Mω relative to |ω|, |Mω| and the structure constants; refused above `STEADY_TOLERANCE`."""
     if rate.ndim != 1 or not np.isfinite(rate).all():
         raise InputError(
             f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "

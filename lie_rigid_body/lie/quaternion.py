@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.lie import rotation_vector, series
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import series, vectors
 
 
 def _quaternions(q: ArrayLike) -> Array:
     array = np.asarray(q, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 4:
-        raise InputError(f"quaternions need shape (..., 4), given {array.shape}: give x, y, z, w on the last axis")
+        raise ParameterError("quaternions", f"shape {array.shape} is not (..., 4): give x, y, z, w on the last axis")
     return array
 
 
@@ -109,7 +109,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     ndarray, shape (..., 3)
     """
     q = _quaternions(q)
-    v = rotation_vector.as_vectors(v)
+    v = vectors.as_vectors(v)
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
@@ -135,8 +135,8 @@ def exp(v: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
     """
-    v = rotation_vector.as_vectors(v)
-    theta = rotation_vector.norm(v)
+    v = vectors.as_vectors(v)
+    theta = vectors.norm(v)
     ratio = series.half_angle_sine_ratio(theta)
     return np.concatenate([v * ratio[..., np.newaxis], np.cos(0.5 * theta)[..., np.newaxis]], axis=-1)
 
@@ -157,7 +157,7 @@ def log(q: ArrayLike) -> Array:
     q = np.where(np.signbit(q[..., 3:]), -q, q)
     # arctan2 of a strided array, on NumPy 1.26 with AVX-512, has other last bits where its result lies behind it
     vector, w = q[..., :3], q[..., 3].copy()
-    sine = rotation_vector.norm(vector)
+    sine = vectors.norm(vector)
     safe = np.where(sine == 0.0, 1.0, sine)
     ratio = np.where(sine == 0.0, 2.0, 2.0 * np.arctan2(sine, w) / safe)
     return vector * ratio[..., np.newaxis]
@@ -200,7 +200,7 @@ def from_matrix(m: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
     """
-    m = rotation_vector.as_matrices(m)
+    m = vectors.as_matrices(m)
     xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
     wx, wy, wz = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
     xy, xz, yz = m[..., 0, 1] + m[..., 1, 0], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 2] + m[..., 2, 1]
@@ -217,23 +217,3 @@ def from_matrix(m: ArrayLike) -> Array:
     best = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)
     chosen = np.take_along_axis(rows, best[..., np.newaxis, np.newaxis], axis=-2)[..., 0, :]
     return normalize(chosen)
-
-
-def left_jacobian(q: ArrayLike) -> Array:
-    """The left Jacobian of SO(3) at ``log(q)``, eq. (11); see `rotation_vector.left_jacobian`."""
-    return rotation_vector.left_jacobian(log(q))
-
-
-def right_jacobian(q: ArrayLike) -> Array:
-    """The right Jacobian of SO(3) at ``log(q)``, eq. (11); see `rotation_vector.right_jacobian`."""
-    return rotation_vector.right_jacobian(log(q))
-
-
-def left_jacobian_inverse(q: ArrayLike) -> Array:
-    """The inverse left Jacobian at ``log(q)``, eq. (11); see `rotation_vector.left_jacobian_inverse`."""
-    return rotation_vector.left_jacobian_inverse(log(q))
-
-
-def right_jacobian_inverse(q: ArrayLike) -> Array:
-    """The inverse right Jacobian at ``log(q)``, eq. (11); see `rotation_vector.right_jacobian_inverse`."""
-    return rotation_vector.right_jacobian_inverse(log(q))

@@ -20,7 +20,7 @@ SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""
 
 SMALLEST_SQUARE: Final = 1e-290
-"""Least θ² that is used: a smaller one loses digits to underflow, and (1 − cos θ)/θ² is ½ there to the last bit."""
+"""Least θ² by which is divided: a smaller one has lost digits, and (1 − cos θ)/θ² is ½ there to the last bit."""
 
 
 def _bernoulli(count: int) -> list[Fraction]:
@@ -47,9 +47,8 @@ def _horner(coefficients: tuple[float, ...], x: Array) -> Array:
 
 
 def half_angle_sine_ratio(theta: Array) -> Array:
-    """sin(θ/2)/θ, with its limit ½ at 0."""
-    safe = np.where(theta == 0.0, 1.0, theta)
-    return np.where(theta == 0.0, 0.5, np.sin(0.5 * safe) / safe)
+    """The ratio sin(θ/2)/θ, with its limit ½ at 0."""
+    return 0.5 * sine_ratio(0.5 * theta)
 
 
 def sine_ratio(theta: Array) -> Array:
@@ -71,7 +70,7 @@ def dexp_linear(theta: Array) -> Array:
 
 
 def dexp_quadratic(theta: Array) -> Array:
-    """(θ − sin θ)/θ³, with its limit 1/6 at 0."""
+    """The coefficient (θ − sin θ)/θ³, with its limit 1/6 at 0."""
     small = theta < SERIES_LIMIT
     series = _horner(_DEXP_QUADRATIC, np.where(small, theta, 0.0) ** 2)
     safe = np.where(small, SERIES_LIMIT, theta)
@@ -79,25 +78,9 @@ def dexp_quadratic(theta: Array) -> Array:
 
 
 def dexpinv_quadratic(theta: Array) -> Array:
-    """(1 − (θ/2) cot(θ/2))/θ², with its limit 1/12 at 0."""
+    """The coefficient (1 − (θ/2) cot(θ/2))/θ², with its limit 1/12 at 0."""
     small = theta < SERIES_LIMIT
     series = _horner(DEXPINV_QUADRATIC, np.where(small, theta, 0.0) ** 2)
     safe = np.where(small, SERIES_LIMIT, theta)
     half = 0.5 * safe
     return np.where(small, series, (1.0 - half * np.cos(half) / np.sin(half)) / safe**2)
-
-
-def bernoulli_over_factorial(k: int) -> float:
-    """Bₖ/k!, the coefficients of dexp⁻¹ = Σ Bₖ/k! adᵏ.
-
-    Parameters
-    ----------
-    k : int
-        0 or more.
-
-    Returns
-    -------
-    float
-        Exactly rounded.
-    """
-    return float(_bernoulli(k + 1)[k] / math.factorial(k))

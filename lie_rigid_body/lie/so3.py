@@ -1,7 +1,17 @@
-"""The rotation group SO(3): matrices, their exponential and logarithm, and the Jacobians of the exponential.
+"""The rotation group SO(3): hat and vee maps, exponential and logarithm, and the Jacobians of the exponential.
 
-The algebra and the Jacobians are those of `rotation_vector`, under the names of the group; the logarithm goes through
-`quaternion`. Equation numbers are those of A. Lucas, arXiv 1111.1275.
+Conventions
+-----------
+``hat`` is the map with ``hat(v) @ x == cross(v, x)``. Its basis Tᵃ obeys [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, which is eq. (26) of
+A. Lucas, arXiv 1111.1275; the matrices printed in eq. (25) are −Tᵃ, and obey −ε. Equation numbers are those of that
+paper.
+
+All functions are batched: leading axes of the arguments are carried to the result. They are accurate to a few units
+in the last place of the largest entry for every angle from the smallest double to π.
+
+References
+----------
+A. Iserles, H. Z. Munthe-Kaas, S. P. Nørsett, A. Zanna, "Lie-group methods", Acta Numerica 9 (2000), app. B.
 """
 
 from __future__ import annotations
@@ -11,29 +21,45 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, series
-from lie_rigid_body.lie.rotation_vector import (
-    as_vectors,
-    hat,
-    left_jacobian,
-    left_jacobian_inverse,
-    matrix_polynomial,
-    norm,
-    right_jacobian,
-    right_jacobian_inverse,
-    vee,
-)
+from lie_rigid_body.lie.vectors import as_matrices, as_vectors
+from lie_rigid_body.lie.vectors import norm as norm
 
-__all__ = [
-    "exp",
-    "hat",
-    "left_jacobian",
-    "left_jacobian_inverse",
-    "log",
-    "norm",
-    "right_jacobian",
-    "right_jacobian_inverse",
-    "vee",
-]
+
+def hat(v: ArrayLike) -> Array:
+    """The antisymmetric matrix vᵃTᵃ of a vector, ``hat(v) @ x == cross(v, x)``; eq. (25) has −Tᵃ.
+
+    With these signs [hat v, hat w] = hat(v × w), as after eq. (30); with the printed ones it is the opposite.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    v = as_vectors(v)
+    m = np.zeros((*v.shape, 3))
+    m[..., 2, 1], m[..., 0, 2], m[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
+    m[..., 1, 2], m[..., 2, 0], m[..., 0, 1] = -v[..., 0], -v[..., 1], -v[..., 2]
+    return m
+
+
+def vee(m: ArrayLike) -> Array:
+    """The vector of the antisymmetric part of a matrix, eq. (41); inverse of `hat`.
+
+    Parameters
+    ----------
+    m : array_like, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+    """
+    m = as_matrices(m)
+    return 0.5 * np.stack(
+        [m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]], axis=-1
+    )
 
 
 def exp(v: ArrayLike) -> Array:
@@ -50,7 +76,7 @@ def exp(v: ArrayLike) -> Array:
     """
     v = as_vectors(v)
     theta, squared = norm(v), np.sum(v * v, axis=-1)
-    return matrix_polynomial(v, series.sine_ratio(theta), series.versine_ratio(theta, squared))
+    return _matrix_polynomial(v, series.sine_ratio(theta), series.versine_ratio(theta, squared))
 
 
 def log(m: ArrayLike) -> Array:
@@ -67,3 +93,98 @@ def log(m: ArrayLike) -> Array:
         Axis times angle, rad. At an angle of π either sign of the axis is right; one is returned.
     """
     return quaternion.log(quaternion.from_matrix(m))
+
+
+def _matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
+    """The matrix I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation.
+
+    Parameters
+    ----------
+    v : ndarray, shape (..., 3)
+    linear, quadratic : ndarray, shape (...)
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    m = np.empty((*v.shape, 3))
+    m[..., 0, 0] = 1.0 - quadratic * (y * y + z * z)
+    m[..., 1, 1] = 1.0 - quadratic * (x * x + z * z)
+    m[..., 2, 2] = 1.0 - quadratic * (x * x + y * y)
+    m[..., 0, 1], m[..., 1, 0] = quadratic * x * y - linear * z, quadratic * x * y + linear * z
+    m[..., 2, 0], m[..., 0, 2] = quadratic * x * z - linear * y, quadratic * x * z + linear * y
+    m[..., 1, 2], m[..., 2, 1] = quadratic * y * z - linear * x, quadratic * y * z + linear * x
+    return m
+
+
+def left_jacobian(v: ArrayLike) -> Array:
+    """The left Jacobian J_l(v), ``dexp`` of SO(3): d/dt exp(hat v) = hat(J_l v̇) exp(hat v) (Iserles et al., app. B).
+
+    It is eq. (11) away from the centre of the chart, where J_l = 1.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Rotation vector, rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    v = as_vectors(v)
+    theta = norm(v)
+    return _matrix_polynomial(v, series.dexp_linear(theta), series.dexp_quadratic(theta))
+
+
+def right_jacobian(v: ArrayLike) -> Array:
+    """The right Jacobian J_r(v): d/dt exp(hat v) = exp(hat v) hat(J_r v̇); equals ``left_jacobian(-v)``.
+
+    It is eq. (11) away from the centre of the chart, for the rate in the body frame.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Rotation vector, rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    return left_jacobian(-as_vectors(v))
+
+
+def left_jacobian_inverse(v: ArrayLike) -> Array:
+    """The inverse J_l⁻¹(v) of `left_jacobian`, ``dexpinv`` (Iserles et al., app. B).
+
+    It maps the angular velocity in the world frame to v̇: eq. (11), solved for the rate of the coordinates.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Rotation vector, rad, of norm below 2π, where the map ceases to be invertible.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    v = as_vectors(v)
+    theta = norm(v)
+    return _matrix_polynomial(v, np.full_like(theta, -0.5), series.dexpinv_quadratic(theta))
+
+
+def right_jacobian_inverse(v: ArrayLike) -> Array:
+    """The inverse J_r⁻¹(v) of `right_jacobian`; equals ``left_jacobian_inverse(-v)``.
+
+    It maps the angular velocity in the body frame to v̇: eq. (11), solved for the rate of the coordinates.
+
+    Parameters
+    ----------
+    v : array_like, shape (..., 3)
+        Rotation vector, rad, of norm below 2π.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+    """
+    return left_jacobian_inverse(-as_vectors(v))

@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
 ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 """Rounding error allowed in a given or computed matrix, relative to its largest entry or eigenvalue."""
 
 ORTHOGONAL_TOLERANCE: Final = 1e-9
-"""A matrix is refused as a rotation when an entry of AᵀA − 1 exceeds this."""
+"""Largest entry of AᵀA − 1 with which a matrix A still counts as a rotation."""
 
 
-def as_numbers(what: str, value: ArrayLike) -> NDArray[Any]:
+def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
     """An argument as an array of real or complex numbers, not copied where it is one already.
 
     Parameters
     ----------
-    what : str
-        What the argument is called in the message, in the plural.
+    name : str
+        Name of the argument in the error and its message; so in all functions of this module.
     value : array_like
+        Numbers, or objects that convert to them, as fractions do.
 
     Returns
     -------
@@ -33,28 +35,32 @@ def as_numbers(what: str, value: ArrayLike) -> NDArray[Any]:
 
     Raises
     ------
-    InputError
-        If it is text, another object, or rows of unequal length.
+    ParameterError
+        If the argument is text, another object, or rows of unequal length.
     """
     try:
         array = np.asarray(value)
+        if array.dtype.kind == "O":
+            array = array.astype(np.float64)
+        if array.dtype.kind not in "biufc":
+            raise TypeError
     except (TypeError, ValueError):
-        raise InputError(f"{what} have rows of unequal length: give an array of numbers") from None
-    if array.dtype.kind not in "biufc":
-        raise InputError(f"{what} are no numbers, given type {array.dtype}: give an array of numbers")
+        raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
     return array
 
 
-def real_array(name: str, value: ArrayLike, form: str) -> Array:
-    """An argument as finite real numbers.
+def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -> Array:
+    """An argument as finite real numbers of some shape.
 
     Parameters
     ----------
     name : str
-        What the argument is called in the message.
     value : array_like
     form : str
-        The shape in symbols, as ``"(N, n)"``. Its number of axes is required, unless it has an ellipsis.
+        Shape: the length of each axis as a number or, for any length, as a letter, as ``"(N, 3)"``; the same letter
+        stands for the same length. An ellipsis at the beginning stands for any number of axes.
+    empty : bool, optional
+        Whether an array without any number will do.
 
     Returns
     -------
@@ -63,25 +69,89 @@ def real_array(name: str, value: ArrayLike, form: str) -> Array:
 
     Raises
     ------
-    InputError
-        If it is not numbers, complex, not finite, empty, or has another number of axes.
+    ParameterError
+        If the argument is not numbers, complex, not finite, or has another shape.
     """
-    remedy = f"give finite real numbers of shape {form}"
-    try:
-        given = np.asarray(value)
-        if np.iscomplexobj(given):
-            raise InputError(f"{name}: complex numbers: {remedy}")
-        array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{name}: {shown(value)} is not numbers: {remedy}") from None
-    if array.size == 0 or not _fits(array.ndim, form):
-        raise InputError(f"{name}: shape {array.shape} is not {form}: {remedy}")
-    if not np.isfinite(array).all():
-        worst = array[~np.isfinite(array)][0]
-        raise InputError(f"{name}: {worst} is not finite: {remedy}")
+    given, remedy = as_numbers(name, value), f"give finite real numbers of shape {form}"
+    if np.iscomplexobj(given):
+        raise ParameterError(name, f"complex numbers: {remedy}")
+    if not (given.size or empty) or not _fits(given.shape, form):
+        raise ParameterError(name, f"shape {given.shape} is not {form}: {remedy}")
+    require_finite(name, given)
+    return given.astype(np.float64)
+
+
+def _fits(shape: tuple[int, ...], form: str) -> bool:
+    axes = [axis.strip() for axis in form.strip("()").split(",") if axis.strip()]
+    if axes[:1] == ["…"]:
+        axes = axes[1:]
+        shape = shape[max(0, len(shape) - len(axes)) :]
+    lengths = dict(zip(axes, shape, strict=False))
+    return len(axes) == len(shape) and all(
+        axis == str(length) if axis.isdecimal() else lengths[axis] == length
+        for axis, length in zip(axes, shape, strict=True)
+    )
+
+
+def require_finite(name: str, array: NDArray[Any]) -> None:
+    """Refuse numbers that are infinite or NaN, with the first of them in the message."""
+    bad = array[~np.isfinite(array)]
+    if bad.size:
+        raise ParameterError(name, f"{bad[0]} is not finite: give finite numbers")
+
+
+def require_share(name: str, values: Array, unit: str) -> None:
+    """Refuse masses, densities or weights of which one is negative or all are 0.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if values.min() < 0.0 or not values.max() > 0.0:
+        worst = values.min() if values.min() < 0.0 else values.max()
+        raise ParameterError(name, f"{worst:.9g}{unit} is not allowed: give values of at least 0, some above 0")
+
+
+def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
+    """An argument as finite real numbers above 0; see `real_array`.
+
+    Parameters
+    ----------
+    name : str
+    value : array_like
+    unit : str
+        Unit in the message.
+    form : str, optional
+        Shape; a single number by default.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    ParameterError
+    """
+    array = real_array(name, value, form)
+    if not array.min() > 0.0:
+        raise ParameterError(name, f"{array.min():.9g} {unit} is not positive: give more than 0 {unit}")
     return array
+
+
+def whole_number(name: str, value: object, least: int) -> int:
+    """An argument as a whole number of at least some size.
+
+    Raises
+    ------
+    ParameterError
+    """
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise ParameterError(name, f"{shown(value)} is no whole number: give one from {least} on") from None
+    if number < least:
+        raise ParameterError(name, f"{number} is below {least}: give a whole number from {least} on")
+    return number
 
 
 def symmetric_matrix(name: str, value: ArrayLike) -> Array:
@@ -90,7 +160,6 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
     Parameters
     ----------
     name : str
-        What it is called in the message.
     value : array_like, shape (n, n)
 
     Returns
@@ -100,19 +169,23 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
 
     Raises
     ------
-    InputError
-        If it is not a finite square matrix, or not symmetric within round-off.
+    ParameterError
+        If the argument is not a finite square matrix, or not symmetric within round-off.
     """
     matrix = real_array(name, value, "(n, n)")
-    if matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"{name}: shape {matrix.shape} is not square: give n rows of n numbers")
     gap, limit = float(np.abs(matrix - matrix.T).max()), ROUND_OFF * float(np.abs(matrix).max())
     if gap > limit:
-        raise InputError(
-            f"{name}: entries across the diagonal differ by {gap:.9g}, more than round-off ({limit:.3g}): "
-            "give a symmetric matrix"
+        raise ParameterError(
+            name,
+            f"entries across the diagonal differ by {gap:.9g}, more than round-off ({limit:.3g}): "
+            "give a symmetric matrix",
         )
-    return 0.5 * (matrix + matrix.T)
+    return symmetrised(matrix)
+
+
+def symmetrised(m: Array) -> Array:
+    """The symmetric part (m + mᵀ)/2 of matrices, shape (..., n, n)."""
+    return np.asarray(0.5 * (m + np.swapaxes(m, -1, -2)))
 
 
 def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
@@ -121,7 +194,6 @@ def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
     Parameters
     ----------
     name : str
-        What they are called in the message.
     value : array_like, shape (..., n, n)
     n : int
 
@@ -131,22 +203,15 @@ def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the shape is another or AᵀA is not 1 within `ORTHOGONAL_TOLERANCE`.
     """
-    matrices = real_array(name, value, "(…, n, n)")
-    if matrices.shape[-2:] != (n, n):
-        raise InputError(
-            f"{name}: shape {matrices.shape} is not (..., {n}, {n}): give matrices of the body's dimension"
-        )
+    matrices = real_array(name, value, f"(…, {n}, {n})")
     worst = float(np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max())
     if not worst <= ORTHOGONAL_TOLERANCE:
-        raise InputError(
-            f"{name}: AᵀA differs from 1 by {worst:.3g}, more than {ORTHOGONAL_TOLERANCE:g}: "
-            "give an orthogonal matrix, or project it onto the group"
+        raise ParameterError(
+            name,
+            f"AᵀA differs from 1 by {worst:.3g}, more than {ORTHOGONAL_TOLERANCE:g}: "
+            "give an orthogonal matrix, or project it onto the group",
         )
     return matrices
-
-
-def _fits(axes: int, form: str) -> bool:
-    return "…" in form or axes == len([axis for axis in form.strip("()").split(",") if axis.strip()])

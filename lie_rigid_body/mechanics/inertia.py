@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics.array_input import real_array
 from lie_rigid_body.wording import shown
 
 _NAME: Final = "inertia"
@@ -34,7 +35,7 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
     ParameterError
         If the shape is none of these, a number is not finite, or a matrix is not symmetric.
     """
-    array = _finite(inertia)
+    array = real_array(_NAME, inertia, "(…)", empty=True)
     if array.shape == (3,):
         return np.diag(array)
     if array.shape == (6,):
@@ -71,25 +72,10 @@ def diagonal_matrix(moments: ArrayLike) -> Array:
     ParameterError
         If the shape is another or a number is not finite.
     """
-    array = _finite(moments)
-    if array.shape[-1:] != (3,) or array.size == 0:
-        raise ParameterError(_NAME, f"principal moments of shape {array.shape}: give 3 for each body, shape (..., 3)")
+    array = real_array(_NAME, moments, "(…, 3)")
     matrix = np.zeros((*array.shape, 3))
     matrix[..., range(3), range(3)] = array
     return matrix
-
-
-def _finite(inertia: ArrayLike) -> Array:
-    try:
-        array = np.array(inertia, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ParameterError(
-            _NAME, f"{shown(inertia)} is not numbers: give 3 principal moments or 6 tensor entries"
-        ) from None
-    if not np.isfinite(array).all():
-        worst = array if array.size <= 9 else array[~np.isfinite(array)][:1]
-        raise ParameterError(_NAME, f"{shown(worst.tolist())} is not finite: give finite numbers in kg m²")
-    return array
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics.array_input import real_array, require_share, symmetrised
 from lie_rigid_body.mechanics.mass_moments import MassMoments
 
 Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
@@ -40,13 +40,12 @@ def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If shapes do not match, numbers are not finite, or a mass is negative.
     """
-    x, m = real_array("points", points, "(N, n)"), real_array("masses", masses, "(N,)")
-    if len(x) != len(m):
-        raise InputError(f"masses: {len(m)} of them for {len(x)} points: give one for each point")
-    _require_not_negative("masses", m, "kg")
+    x = real_array("points", points, "(N, n)")
+    m = real_array("masses", masses, f"({len(x)},)")
+    require_share("masses", m, " kg")
     return _weighed(x, m)
 
 
@@ -67,12 +66,12 @@ def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> Mass
 
     Raises
     ------
-    InputError
+    ParameterError
         If shapes do not match, a density is negative or not finite, or ``high`` is not above ``low``.
     """
-    rho = real_array("density", density, "(N₁, …, Nₙ)")
+    rho = real_array("density", density, "(…)")
     ends = _corners(low, high, rho.ndim)
-    _require_not_negative("density", rho, "kg/mⁿ")
+    require_share("density", rho, " kg/mⁿ")
     steps = (ends[1] - ends[0]) / rho.shape
     centres = [a + h * (np.arange(count) + 0.5) for a, h, count in zip(ends[0], steps, rho.shape, strict=True)]
     cells = rho * np.prod(steps)
@@ -115,7 +114,7 @@ def moments_of_density(
 
     Raises
     ------
-    InputError
+    ParameterError
         If the two results disagree, a density is negative or not finite, or limits are not finite or out of order.
     """
     n = len(limits)
@@ -124,9 +123,10 @@ def moments_of_density(
     fine = _weighed(*_masses_at_nodes(density, limits, nodes))
     error = _disagreement(coarse, fine)
     if not error <= tolerance:
-        raise InputError(
-            f"density: quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
-            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps"
+        raise ParameterError(
+            "density",
+            f"quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
+            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps",
         )
     return fine
 
@@ -136,19 +136,11 @@ def _weighed(points: Array, masses: Array) -> MassMoments:
     centre = masses @ points / mass
     offsets = points - centre
     central = (masses[:, None] * offsets).T @ offsets
-    return MassMoments(mass, centre, 0.5 * (central + central.T))
-
-
-def _require_not_negative(name: str, values: Array, unit: str) -> None:
-    if values.min() < 0.0 or not values.max() > 0.0:
-        worst = values.min() if values.min() < 0.0 else values.max()
-        raise InputError(f"{name}: {worst:.9g} {unit} is not allowed: give values of at least 0, some above 0")
+    return MassMoments(mass, centre, symmetrised(central))
 
 
 def _corners(low: ArrayLike, high: ArrayLike, n: int) -> Array:
-    ends = [real_array("low", low, "(n,)"), real_array("high", high, "(n,)")]
-    if n == 0 or any(len(end) != n for end in ends):
-        raise InputError(f"low, high: {len(ends[0])} and {len(ends[1])} numbers for a grid of {n} axes: give {n} each")
+    ends = [real_array("low", low, f"({n},)"), real_array("high", high, f"({n},)")]
     for a, b in zip(*ends, strict=True):
         _require_order(a, b)
     return np.array(ends)
@@ -156,7 +148,7 @@ def _corners(low: ArrayLike, high: ArrayLike, n: int) -> Array:
 
 def _require_order(low: float, high: float) -> None:
     if not low < high:
-        raise InputError(f"limits: {low:.9g} m is not below {high:.9g} m: give the lower end first")
+        raise ParameterError("limits", f"{low:.9g} m is not below {high:.9g} m: give the lower end first")
 
 
 def _sum_over_others(cells: Array, *kept: int) -> Array:
@@ -165,12 +157,15 @@ def _sum_over_others(cells: Array, *kept: int) -> Array:
 
 def _require_affordable(nodes: int, n: int) -> None:
     if n == 0 or nodes < 4:
-        raise InputError(f"{n} limits, {nodes} nodes: give limits for every coordinate, and at least 4 nodes")
+        raise ParameterError(
+            "nodes", f"{nodes} along each of {n} coordinates: give at least 4, and limits of each coordinate"
+        )
     if nodes**n > MOST_EVALUATIONS:
         most = int(MOST_EVALUATIONS ** (1.0 / n) + 1e-9)
-        raise InputError(
-            f"nodes: {nodes} along each of {n} coordinates are {nodes**n} points, more than {MOST_EVALUATIONS}: "
-            f"give at most {most} nodes, or split the region and add the parts"
+        raise ParameterError(
+            "nodes",
+            f"{nodes} along each of {n} coordinates are {nodes**n} points, more than {MOST_EVALUATIONS}: "
+            f"give at most {most} nodes, or split the region and add the parts",
         )
 
 
@@ -178,10 +173,8 @@ def _masses_at_nodes(
     density: Callable[[Array], ArrayLike], limits: Sequence[Limits], nodes: int
 ) -> tuple[Array, Array]:
     points, volumes = _nodes(limits, nodes)
-    rho = real_array("density", density(points), "(N,)")
-    if len(rho) != len(points):
-        raise InputError(f"density: {len(rho)} values for {len(points)} points: give a function (N, n) ↦ (N,)")
-    _require_not_negative("density", rho, "kg/mⁿ")
+    rho = real_array("density", density(points), f"({len(points)},)")
+    require_share("density", rho, " kg/mⁿ")
     return points, rho * volumes
 
 
@@ -209,9 +202,7 @@ def _rule(nodes: int, *, curved: bool) -> tuple[Array, Array]:
 
 def _ends(limits: Limits, points: Array) -> tuple[Array, Array]:
     given = limits(points) if callable(limits) else limits
-    low, high = (real_array("limits", end, "(N,)" if callable(limits) else "()") for end in given)
-    if callable(limits) and not len(low) == len(high) == len(points):
-        raise InputError(f"limits: {len(low)} and {len(high)} ends for {len(points)} points: give one for each point")
+    low, high = (real_array("limits", end, f"({len(points)},)" if callable(limits) else "()") for end in given)
     low, high = np.broadcast_to(low, len(points)), np.broadcast_to(high, len(points))
     narrowest = int(np.argmin(high - low))
     _require_order(float(low[narrowest]), float(high[narrowest]))

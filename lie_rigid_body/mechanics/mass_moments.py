@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import orthogonal_matrix, real_array
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, real_array, symmetrised
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 from lie_rigid_body.wording import short_repr
 
@@ -42,7 +42,7 @@ class MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If no mass distribution has these moments: the mass is not positive, the second moment not symmetric or not
         positive semidefinite within round-off; or if sizes differ.
     """
@@ -54,11 +54,8 @@ class MassMoments:
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
-        mass, centre = float(real_array("mass", self.mass, "()")), real_array("centre", self.centre, "(n,)")
-        central = second_moment_matrix(self.central_second_moment)
-        if not mass > 0.0:
-            raise InputError(f"mass: {mass:.9g} kg is not positive: give a mass above 0 kg")
-        _require_size("second moment", len(central), len(centre))
+        mass, central = float(positive("mass", self.mass, "kg")), second_moment_matrix(self.central_second_moment)
+        centre = real_array("centre", self.centre, f"({len(central)},)")
         centre.setflags(write=False)
         central.setflags(write=False)
         for name, value in (("mass", mass), ("centre", centre), ("central_second_moment", central)):
@@ -71,14 +68,14 @@ class MassMoments:
 
     @property
     def first_moment(self) -> Array:
-        """∫ρ x about the origin, shape (n,), kg m."""
+        """The first moment ∫ρ x about the origin, shape (n,), kg m."""
         return self.mass * self.centre
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: eq. (10).
+        """The second moment K = ∫ρ x xᵀ about the origin, shape (n, n), kg m²: eq. (10).
 
-        It is the central second moment plus m c cᵀ (parallel axes).
+        K is the central second moment plus m c cᵀ (parallel axes).
         """
         return self.central_second_moment + self.mass * np.outer(self.centre, self.centre)
 
@@ -98,14 +95,12 @@ class MassMoments:
 
         Raises
         ------
-        InputError
+        ParameterError
             If A is not an orthogonal n×n matrix or t has another size.
         """
         A = orthogonal_matrix("rotation", real_array("rotation", rotation, "(n, n)"), self.dimension)
-        t = real_array("translation", translation, "(n,)")
-        _require_size("translation", len(t), self.dimension)
-        turned = A @ self.central_second_moment @ A.T
-        return MassMoments(self.mass, A @ self.centre + t, 0.5 * (turned + turned.T))
+        t = real_array("translation", translation, f"({self.dimension},)")
+        return MassMoments(self.mass, A @ self.centre + t, symmetrised(A @ self.central_second_moment @ A.T))
 
     def rotated(self, rotation: ArrayLike) -> MassMoments:
         """The moments of the body turned about the origin: K becomes A K Aᵀ, as in eq. (13); see `moved`."""
@@ -127,11 +122,10 @@ class MassMoments:
 
         Raises
         ------
-        InputError
+        ParameterError
             If the origin has another size.
         """
-        o = real_array("origin", origin, "(n,)")
-        _require_size("origin", len(o), self.dimension)
+        o = real_array("origin", origin, f"({self.dimension},)")
         return MassMoments(self.mass, self.centre - o, self.central_second_moment)
 
     def __add__(self, other: MassMoments) -> MassMoments:
@@ -143,18 +137,18 @@ class MassMoments:
         return self._joined(other, -1.0)
 
     def _joined(self, other: MassMoments, sign: float) -> MassMoments:
-        _require_size("second body", other.dimension, self.dimension)
+        if other.dimension != self.dimension:
+            raise ParameterError(
+                "body", f"{other.dimension} dimensions where the first has {self.dimension}: give both in one space"
+            )
         mass = self.mass + sign * other.mass
         if not mass > 0.0:
-            raise InputError(f"mass: {mass:.9g} kg would be left, not above 0 kg: subtract only a part of the body")
+            raise ParameterError(
+                "mass", f"{mass:.9g} kg would be left, not above 0 kg: subtract only a part of the body"
+            )
         fraction = sign * other.mass / mass
         apart = other.centre - self.centre
         central = self.central_second_moment + sign * other.central_second_moment
         return MassMoments(
             mass, self.centre + fraction * apart, central + self.mass * fraction * np.outer(apart, apart)
         )
-
-
-def _require_size(name: str, size: int, n: int) -> None:
-    if size != n:
-        raise InputError(f"{name}: {size} dimensions where the body has {n}: give all in the same space")

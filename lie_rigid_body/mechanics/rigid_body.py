@@ -95,14 +95,14 @@ class RigidBody:
 
         Raises
         ------
-        InputError
+        ParameterError
             If K is not symmetric or not positive semidefinite, or its rank is below 2 (a rod, a point).
         """
         return cls(inertia_from_second_moment(second_moment))
 
     @property
     def second_moment(self) -> Array:
-        """K = ∫ρ x xᵀ = ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (..., 3, 3), kg m²."""
+        """The second moment ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (..., 3, 3), kg m²."""
         tensors = self.inertia.reshape(-1, 3, 3)
         return np.array([second_moment_from_inertia(tensor) for tensor in tensors]).reshape(self.inertia.shape)
 

@@ -10,8 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, orthogonal_matrix, real_array, symmetric_matrix
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics.array_input import (
+    ROUND_OFF,
+    orthogonal_matrix,
+    real_array,
+    symmetric_matrix,
+    symmetrised,
+)
 
 
 def second_moment_matrix(second_moment: ArrayLike) -> Array:
@@ -29,7 +35,7 @@ def second_moment_matrix(second_moment: ArrayLike) -> Array:
 
     Raises
     ------
-    InputError
+    ParameterError
         If it is not a finite square matrix, not symmetric, or not positive semidefinite within round-off.
     """
     matrix = symmetric_matrix("second moment", second_moment)
@@ -51,13 +57,14 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
 
     Raises
     ------
-    InputError
+    ParameterError
     """
     smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
     if smallest < limit:
-        raise InputError(
-            f"{name}: smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): "
-            "give a positive semidefinite matrix, and check signs and units"
+        raise ParameterError(
+            name,
+            f"smallest eigenvalue {smallest:.9g} is below 0 by more than round-off ({limit:.3g}): "
+            "give a positive semidefinite matrix, and check signs and units",
         )
 
 
@@ -78,17 +85,16 @@ def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Arra
 
     Raises
     ------
-    InputError
+    ParameterError
         If K is not positive semidefinite or A not orthogonal.
     """
     K = second_moment_matrix(second_moment)
     A = orthogonal_matrix("rotation", rotation, len(K))
-    turned = A @ K @ A.swapaxes(-1, -2)
-    return np.asarray(0.5 * (turned + turned.swapaxes(-1, -2)))
+    return symmetrised(A @ K @ A.swapaxes(-1, -2))
 
 
 def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike, origin: ArrayLike) -> Array:
-    """K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
+    """The second moment K about another origin, by the parallel axis theorem: K' = K + m [(c − o)(c − o)ᵀ − c cᵀ].
 
     It is eq. (10) of Lucas (arXiv 1111.1275) with x − o for x.
 
@@ -110,13 +116,11 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
 
     Raises
     ------
-    InputError
+    ParameterError
         If sizes differ, or K is less than m c cᵀ, which no distribution of this mass and centre has.
     """
     K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, "()"))
-    c, o = real_array("centre", centre, "(n,)"), real_array("origin", origin, "(n,)")
-    if not len(K) == len(c) == len(o):
-        raise InputError(f"centre, origin: {len(c)} and {len(o)} numbers for a {len(K)}×{len(K)} K: give {len(K)} each")
+    c, o = (real_array(name, point, f"({len(K)},)") for name, point in (("centre", centre), ("origin", origin)))
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel
     return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))
@@ -137,11 +141,11 @@ def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
 
     Raises
     ------
-    InputError
+    ParameterError
         If K is not 3×3 or not positive semidefinite.
     """
     K = second_moment_matrix(second_moment)
-    _require_three(len(K), "the inertia tensor", "use mass_matrix in other dimensions")
+    _require_three("second moment", len(K), "use mass_matrix in other dimensions")
     xx, yy, zz = np.diag(K)
     inertia = -K
     # sums of two, and not the trace minus the third, which would lose the digits of a needle
@@ -165,11 +169,11 @@ def second_moment_from_inertia(inertia: ArrayLike) -> Array:
 
     Raises
     ------
-    InputError
+    ParameterError
         If I is not a symmetric 3×3 matrix, or breaks the triangle inequality.
     """
     tensor = symmetric_matrix("inertia", inertia)
-    _require_three(len(tensor), "an inertia tensor", "give the second moment itself in other dimensions")
+    _require_three("inertia", len(tensor), "give the second moment itself in other dimensions")
     xx, yy, zz = np.diag(tensor)
     K = -tensor
     np.fill_diagonal(K, [0.5 * (yy + zz - xx), 0.5 * (xx + zz - yy), 0.5 * (xx + yy - zz)])
@@ -177,6 +181,6 @@ def second_moment_from_inertia(inertia: ArrayLike) -> Array:
     return K
 
 
-def _require_three(n: int, what: str, remedy: str) -> None:
+def _require_three(name: str, n: int, remedy: str) -> None:
     if n != 3:
-        raise InputError(f"{what} belongs to 3 dimensions, and these are {n}: {remedy}")
+        raise ParameterError(name, f"{n} dimensions, where 3 have an inertia tensor: {remedy}")

@@ -6,15 +6,13 @@ results with `MassMoments` to build other bodies of them. Equation numbers are t
 
 from __future__ import annotations
 
-import operator
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.array_input import positive, whole_number
 from lie_rigid_body.mechanics.mass_moments import MassMoments
 
 THINNEST: Final = 0.02
@@ -39,10 +37,10 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If a mass, a length or the dimension is not positive, or the dimension no whole number.
     """
-    return ellipsoid(mass, np.full(_dimension(dimension), _length("radius", radius)))
+    return ellipsoid(mass, np.full(whole_number("dimension", dimension, 1), positive("radius", radius, "m")))
 
 
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
@@ -61,10 +59,10 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the mass or a length is not positive.
     """
-    a = _lengths("semi-axes", semi_axes)
+    a = positive("semi-axes", semi_axes, "m", "(n,)")
     return _centred(mass, a**2 / (len(a) + 2))
 
 
@@ -84,10 +82,10 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the mass or a length is not positive.
     """
-    return _centred(mass, _lengths("edges", edges) ** 2 / 12)
+    return _centred(mass, positive("edges", edges, "m", "(n,)") ** 2 / 12)
 
 
 def box_sides(principal_moments: ArrayLike) -> Array:
@@ -132,10 +130,10 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the mass or a length is not positive.
     """
-    r, h = _length("radius", radius), _length("height", height)
+    r, h = positive("radius", radius, "m"), positive("height", height, "m")
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
 
 
@@ -157,10 +155,10 @@ def rod(mass: float, length: float) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the mass or the length is not positive.
     """
-    return _centred(mass, np.array([0.0, 0.0, _length("length", length) ** 2 / 12]))
+    return _centred(mass, np.array([0.0, 0.0, positive("length", length, "m") ** 2 / 12]))
 
 
 def disc(mass: float, radius: float) -> MassMoments:
@@ -179,43 +177,13 @@ def disc(mass: float, radius: float) -> MassMoments:
 
     Raises
     ------
-    InputError
+    ParameterError
         If the mass or the radius is not positive.
     """
-    r = _length("radius", radius)
+    r = positive("radius", radius, "m")
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, 0.0]))
 
 
 def _centred(mass: float, mean_squares: Array) -> MassMoments:
-    return MassMoments(mass, np.zeros(len(mean_squares)), np.diag(_mass(mass) * mean_squares))
-
-
-def _mass(mass: float) -> float:
-    value = float(real_array("mass", mass, "()"))
-    if not value > 0.0:
-        raise InputError(f"mass: {value:.9g} kg is not positive: give a mass above 0 kg")
-    return value
-
-
-def _dimension(value: int) -> int:
-    try:
-        dimension = operator.index(value)
-    except TypeError:
-        raise InputError(f"dimension: {value!r} is no whole number: give the number of coordinates") from None
-    if dimension < 1:
-        raise InputError(f"dimension: {dimension} is below 1: give the number of coordinates")
-    return dimension
-
-
-def _length(name: str, value: float) -> float:
-    return float(_positive(name, real_array(name, value, "()")))
-
-
-def _lengths(name: str, values: ArrayLike) -> Array:
-    return _positive(name, real_array(name, values, "(n,)"))
-
-
-def _positive(name: str, lengths: Array) -> Array:
-    if not lengths.min() > 0.0:
-        raise InputError(f"{name}: {lengths.min():.9g} m is not positive: give lengths above 0 m")
-    return lengths
+    m = float(positive("mass", mass, "kg"))
+    return MassMoments(m, np.zeros(len(mean_squares)), np.diag(m * mean_squares))

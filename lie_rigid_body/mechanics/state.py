@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.wording import call_repr
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
@@ -46,14 +47,14 @@ class State:
     body_rate: Array
 
     def __init__(self, attitude_xyzw: ArrayLike, body_rate: ArrayLike) -> None:
-        attitude = _numbers("attitude_xyzw", attitude_xyzw, 4)
-        rate = _numbers("body_rate", body_rate, 3)
+        attitude = real_array("attitude_xyzw", attitude_xyzw, "(…, 4)", empty=True)
+        rate = real_array("body_rate", body_rate, "(…, 3)", empty=True)
         if attitude.shape[:-1] != rate.shape[:-1]:
             raise ParameterError(
                 "body_rate",
                 f"shape {rate.shape} does not go with attitudes of shape {attitude.shape}: give equal leading axes",
             )
-        self._set(_unit("attitude_xyzw", attitude), rate.copy())
+        self._set(_unit(attitude), rate)
 
     @classmethod
     def trusted(cls, attitude_xyzw: Array, body_rate: Array) -> State:
@@ -89,24 +90,12 @@ class State:
         return call_repr(self, {name: getattr(self, name) for name in self.__slots__})
 
 
-def _numbers(name: str, value: ArrayLike, size: int) -> Array:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ParameterError(name, f"{shown(value)} is not numbers: give {size} of them") from None
-    if array.ndim == 0 or array.shape[-1] != size:
-        raise ParameterError(name, f"shape {array.shape} is not (..., {size}): give {size} numbers")
-    if not np.isfinite(array).all():
-        worst = array[~np.isfinite(array).all(axis=-1)].reshape(-1, size)[0]
-        raise ParameterError(name, f"{worst.tolist()} is not finite: give {size} finite numbers")
-    return array
-
-
-def _unit(name: str, attitude: Array) -> Array:
+def _unit(attitude: Array) -> Array:
     norms = np.ravel(quaternion.norm(attitude))
     worst = norms[np.argmax(np.abs(norms - 1.0))] if norms.size else 1.0
     if abs(worst - 1.0) > UNIT_NORM_TOLERANCE:
         raise ParameterError(
-            name, f"norm {worst:.9g} is not 1 within {UNIT_NORM_TOLERANCE:g}: divide the quaternion x y z w by its norm"
+            "attitude_xyzw",
+            f"norm {worst:.9g} is not 1 within {UNIT_NORM_TOLERANCE:g}: divide the quaternion x y z w by its norm",
         )
     return quaternion.normalize(attitude)

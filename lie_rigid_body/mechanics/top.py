@@ -22,7 +22,7 @@ from lie_rigid_body.mechanics.rigid_body import RigidBody
 from lie_rigid_body.mechanics.state import State
 from lie_rigid_body.wording import short_repr
 
-Kind: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
+KindOfTop: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 Verdict: TypeAlias = Literal["stable", "unstable", "neutral"]
 
 
@@ -34,7 +34,7 @@ def equal_moments(one: float, other: float) -> bool:
     return abs(one - other) <= MOMENT_ROUND_OFF * max(abs(one), abs(other))
 
 
-def kind_of_top(body: RigidBody) -> Kind:
+def kind_of_top(body: RigidBody) -> KindOfTop:
     """The kind of a body: asymmetric, oblate (two equal moments below the third), prolate (two above) or spherical.
 
     It tells for how many axes eq. (30) holds.

@@ -16,7 +16,7 @@ from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.top import (
-    Kind,
+    KindOfTop,
     SpinStability,
     SymmetricTop,
     conserved_body_axes,
@@ -239,7 +239,7 @@ class Description:
         Empty for an asymmetric top, one for a symmetric one, three for a sphere.
     """
 
-    kind: Kind
+    kind: KindOfTop
     flat: bool
     axes: tuple[PrincipalAxis, PrincipalAxis, PrincipalAxis]
     kinetic_energy_j: float

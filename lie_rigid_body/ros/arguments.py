@@ -34,17 +34,8 @@ class Arguments:
     assignments: tuple[str, ...]
     ros: tuple[str, ...]
 
-    @property
-    def ros_params_files(self) -> tuple[str, ...]:
-        """The parameter files that rclpy will read."""
-        return self._values_of("--params-file")
-
-    @property
-    def ros_assignments(self) -> tuple[str, ...]:
-        """The assignments that rclpy will read."""
-        return self._values_of("-p", "--param")
-
-    def _values_of(self, *options: str) -> tuple[str, ...]:
+    def given_to_ros(self, *options: str) -> tuple[str, ...]:
+        """The values that rclpy will read for an option, which may have several names."""
         return tuple(value for option, value in zip(self.ros, self.ros[1:], strict=False) if option in options)
 
 

@@ -1,37 +1,14 @@
-"""``evaluate`` of topics: what an attitude estimate is worth, and why, while it runs."""
+"""The command line of ``evaluate`` on topics: the score of an attitude estimate while it runs."""
 
 from __future__ import annotations
 
-import argparse
 import sys
-import time
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.parameters import exact_duration
-from lie_rigid_body.report.request import answer, parse, require_room
-from lie_rigid_body.wording import suggestion
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
-
-    from lie_rigid_body.ros.following import Following
-
-NODE_NAME: Final = "evaluator"
-PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covariance_axes")
-"""Parameters of the node: the options of the same names, over which they win."""
-TICK_S: Final = 0.05
-"""Time between two looks at what has come, s."""
-GRAPH_S: Final = (0.25, 2.0)
-"""Time between two looks for topics, before and after the comparison has begun, s."""
-WORD_S: Final = (5.0, 30.0)
-"""Time after which a word is said about what is missing, and between that and the next, s."""
+from lie_rigid_body.report.request import parse, require_room
+from lie_rigid_body.ros.installation import require_ros
 
 
 @console.run
@@ -51,139 +28,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     given = parse(sys.argv[1:] if argv is None else argv)
     require_room(given)
-
-    from lie_rigid_body.ros.sim import require_ros
-
     require_ros()
     with Interruption.until_exit() as interruption:
-        return _evaluate(given, interruption)
+        from lie_rigid_body.ros.evaluator import evaluate
 
-
-def _evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
-    import rclpy
-
-    from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.evaluation.consistency import require_axes
-    from lie_rigid_body.ros.following import Following
-    from lie_rigid_body.ros.session import destroying, initialised, translated_errors
-    from lie_rigid_body.runs.live_estimate import LiveEstimate
-
-    with initialised(given.ros):
-        with translated_errors("this node"):
-            node = rclpy.create_node(NODE_NAME, start_parameter_services=False)
-        with destroying(node):
-            _override(given, _parameters(node))
-            limits = Limits.parse(given.max_rms, tuple(given.max_after))
-            require_axes(given.covariance_axes)
-            following = Following(
-                node,
-                partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=given.covariance_axes),
-            )
-            complete = _follow(node, following, given, interruption)
-            missing = following.silence()
-    return _score(given, following, missing, complete)
-
-
-def _parameters(node: Node) -> dict[str, object]:
-    from lie_rigid_body.ros.control.parameters import overrides
-
-    found = overrides(node)
-    for name in found:
-        if name not in PARAMETERS:
-            raise InputError(f"parameter {name} is unknown: {suggestion(name, PARAMETERS, 'parameters')}")
-    return found
-
-
-def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> None:
-    for name, value in parameters.items():
-        if name == "max_rms":
-            given.max_rms = str(value)
-        elif name == "max_after":
-            given.max_after = [str(v) for v in value] if isinstance(value, (list, tuple)) else [str(value)]
-        else:
-            setattr(given, name, value)
-    for name in ("duration", "wait"):
-        value = getattr(given, name)
-        if value is not None:
-            exact_duration(value, name, "60.0")
-
-
-def _follow(node: Node, following: Following, given: argparse.Namespace, interruption: Interruption) -> bool:
-    """Listen until asked to end; return False if that was before an estimate came."""
-    from lie_rigid_body.ros.publishing.scores import Scores
-
-    scores, said = Scores(node), _Word(following)
-    compared, compared_at, look_at = 0, time.monotonic(), 0.0
-    _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
-    while True:
-        requested = interruption.requested  # what came before it is in the score
-        now = time.monotonic()
-        if now >= look_at:
-            following.look()
-            look_at = time.monotonic() + GRAPH_S[compared > 0]
-        following.take()
-        live = following.live
-        if live is not None:
-            judged = live.judge()
-            if judged is not None:
-                scores.errors(*judged)
-            if live.tally.count > compared:
-                compared, compared_at = live.tally.count, now
-        said.say(compared > 0)
-        said.complain(live.estimate.fault() if live is not None else "")
-        scores.report(live, following.silence)
-        if requested:
-            return live is not None and live.messages > 0
-        if live is not None and live.estimate.complete:
-            return True
-        if given.wait and now - compared_at > given.wait:
-            return True
-        time.sleep(TICK_S)
-
-
-class _Word:
-    """A word on stderr about what is missing, now and then, one when the comparison begins, and one about a fault."""
-
-    def __init__(self, following: Following) -> None:
-        self._following, self._begun, self._complained = following, False, False
-        self._due = time.monotonic() + WORD_S[0]
-
-    def say(self, begun: bool) -> None:
-        if self._begun:
-            return
-        if begun:
-            self._begun = True
-            _say(f"comparing {self._following.estimate} with the truth")
-        elif time.monotonic() > self._due:
-            self._due = time.monotonic() + WORD_S[1]
-            _say(f"still waiting: {self._following.silence()}")
-
-    def complain(self, fault: str) -> None:
-        """Say a fault of the estimate as soon as it is there, once."""
-        if fault and not self._complained:
-            self._complained = True
-            _say(fault)
-
-
-def _say(text: str) -> None:
-    """A line on stderr: stdout is for the score."""
-    with suppress(OSError):
-        print(text, file=sys.stderr, flush=True)
-
-
-def _score(given: argparse.Namespace, following: Following, missing: str, complete: bool) -> int:
-    live = following.live
-    if live is None or not live.messages:
-        if not complete:
-            console.complain(console.program("evaluate"), f"interrupted: {missing}")
-            return console.INTERRUPTED
-        raise InputError(missing)
-    if not live.truth.is_known:
-        raise InputError(missing)
-    read, score = live.score()
-    read = replace(read, notes=(*read.notes, *following.notes()))
-    status = answer(given, "", read, score)
-    if live.estimate.unusable:
-        console.complain(console.program("evaluate"), f"estimate: {live.estimate.fault()}")
-        return console.UNUSABLE
-    return status
+        return evaluate(given, interruption)

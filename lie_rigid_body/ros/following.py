@@ -19,10 +19,11 @@ from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
 from lie_rigid_body.wording import listed
 
 ESTIMATE: Final = "estimate"
+"""Relative name of the estimate's topic, to be remapped."""
 TRUTH: Final = "truth"
-"""Relative names of the topics, to be remapped; the truth is also found without."""
-DEPTH: Final = 5000
-"""Messages kept between two looks: a simulation may send as fast as it can."""
+"""Relative name of the truth's topic, to be remapped. Without that the truth is looked for beside the estimate."""
+MESSAGES_KEPT: Final = 5000
+"""Messages of a topic kept between two looks at it: a simulation may send as fast as it can."""
 
 
 class Following:
@@ -71,7 +72,7 @@ class Following:
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
 
     def notes(self) -> Iterator[str]:
-        """What a reader of the score should know of the topics of the truth, one sentence each."""
+        """Sentences about the topics of the truth that a reader of the score should know."""
         for topic, count in self._crowd.items():
             if count > 1:
                 yield f"{count} nodes published the truth on {topic} at a time: a score needs one, or one's namespace."
@@ -96,7 +97,7 @@ class Following:
         return {topic: kinds for topic, kinds in found.items() if self._node.count_publishers(topic)}
 
     def silence(self) -> str:
-        """What is missing, and what there is instead."""
+        """A sentence about what is missing, and what there is instead."""
         there = self.published()
         known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
         attitudes = f"topics of types with attitudes are {listed(sorted(known)) or 'none'} in domain {self._domain}"
@@ -163,12 +164,12 @@ class Following:
             )
 
     def _quality(self, topic: str) -> QoSProfile:
-        """As much as every publisher of a topic offers: more would not be served."""
+        """The quality of service that every publisher of a topic offers: a wish for more would not be served."""
         offered = [info.qos_profile for info in self._node.get_publishers_info_by_topic(topic)]
         reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
         latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
         return QoSProfile(
-            depth=DEPTH,
+            depth=MESSAGES_KEPT,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )

@@ -1,4 +1,4 @@
-"""What the launch files look for before they start anything: half of what was asked for is worse than nothing."""
+"""Checks of the launch files before they start anything: half of what was asked for is worse than nothing."""
 
 from __future__ import annotations
 

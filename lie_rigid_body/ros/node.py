@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
-from typing import Any, Final
+from typing import Final
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
@@ -16,20 +16,20 @@ from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.ros.control import standard_services
 from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
-from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.control.services import Services
 from lie_rigid_body.ros.control.standard_control import StandardControl
-from lie_rigid_body.ros.publishing import diagnostics, markers
-from lie_rigid_body.ros.publishing.diagnostics import Diagnostics
-from lie_rigid_body.ros.publishing.markers import Markers
+from lie_rigid_body.ros.installation import is_installed
+from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
+from lie_rigid_body.ros.publishing.markers import MARKERS_TOPIC, Markers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.transforms import TF, Transforms
 from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
-TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
+TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node, wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
     *("~/reset", "~/pause", "~/resume", "~/step"),
@@ -38,7 +38,7 @@ SERVICES: Final = (
 )
 """The services of the node, those of every node among them, without the standard ones of simulators."""
 LOOK_INTERVAL: Final = 25.0
-"""Time between two looks for other nodes of the same name, s: one that was killed is seen for 20 s more."""
+"""Time between two looks for other nodes of the same name, s: a node that was killed is seen for 20 s more."""
 LOOKS: Final = 2
 
 
@@ -55,6 +55,8 @@ class SimulatorNode(Node):
     ----------
     parameters : NodeParameters
     publisher : SamplePublisher
+    sinks : list of Sink
+        The publisher, and what publishes what is made of the samples.
 
     Raises
     ------
@@ -86,7 +88,11 @@ class SimulatorNode(Node):
         )
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
-        self._views = self._make_views(values)
+        self.sinks: list[Sink] = [self.publisher, self._diagnostics]
+        if marker_rate := values["marker_rate"]:
+            self.sinks.append(Markers(self, marker_rate))
+        if values["publish_tf"] and is_installed("tf2_msgs"):
+            self.sinks.append(Transforms(self))
         self._looks = 0
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._look = self.create_timer(LOOK_INTERVAL, self._look_for_namesakes, clock=steady)
@@ -96,7 +102,7 @@ class SimulatorNode(Node):
             self.get_logger().warning(scenario.without_effect)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """As rclpy does, but what is refused is told as everywhere in the package: value, limit and remedy."""
+        """Set all parameters or none; a refusal gives value, limit and remedy, which that of rclpy does not."""
         return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
 
     def _look_for_namesakes(self) -> None:
@@ -113,46 +119,24 @@ class SimulatorNode(Node):
         if found or self._looks == LOOKS:
             self._look.cancel()
 
-    def _make_views(self, values: Mapping[str, Any]) -> list[Sink]:
-        views: list[Sink] = [self._diagnostics]
-        if marker_rate := values["marker_rate"]:
-            views.append(Markers(self, marker_rate))
-        if values["publish_tf"] and Transforms.is_available():
-            views.append(Transforms(self))
-        return views
-
-    @property
-    def sinks(self) -> list[Sink]:
-        """The sinks that publish samples or what is made of them."""
-        return [self.publisher, *self._views]
-
     def report_failure(self, reason: str) -> None:
         """Say in the log and in diagnostics why the bag can no longer be written."""
         self.get_logger().error(f"{reason}; publishing goes on")
         self._diagnostics.report_failure(reason)
 
-    @property
-    def reset_service(self) -> str:
-        """Full name of the reset service, as remapped."""
-        return self.resolve_service_name("~/reset")
-
-    def serve(self, control: RunControl) -> None:
+    def serve(self, run: LiveRun) -> None:
         """Offer the services, and let changes of the real-time factor take effect."""
-        self.parameters.on_change(self._change_factor(control))
-        Services(control, self.parameters.scenario).offer(self)
-        if standard_services.is_available():
-            standard = StandardControl(control, self.parameters.scenario, self.get_name())
+
+        def change_factor(factor: float) -> None:
+            run.ask(run.change_factor, factor)
+            self.publisher.set_factor(factor)
+
+        self.parameters.on_change_of_factor(change_factor)
+        Services(run, self.parameters.scenario).offer(self)
+        if is_installed(standard_services.PACKAGE):
+            standard = StandardControl(run, self.parameters.scenario, self.get_name())
             self._standard = standard_services.StandardServices(standard)
             self._standard.offer(self)
-
-    def _change_factor(self, control: RunControl) -> Callable[[Mapping[str, Any]], None]:
-        def act(changed: Mapping[str, Any]) -> None:
-            if "real_time_factor" in changed:
-                factor = float(changed["real_time_factor"])
-                control.change_factor(factor)
-                self.publisher.set_factor(factor)
-
-        return act
 
 
 def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:

@@ -25,9 +25,9 @@ from lie_rigid_body.errors import InputError, LieRigidBodyError
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
 LONGEST_NAME: Final = 200
-"""Longest name of a node and longest namespace, characters: the names of its services are longer, and may have 247."""
+"""Longest name of a node and longest namespace, characters: those of its services are longer, and may have 247."""
 LARGEST_DOMAIN: Final = 232
-"""Largest domain number of DDS, by its numbers of ports."""
+"""Largest ROS domain for which DDS has ports."""
 LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4

@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation import (
     unavoidable_error,
 )
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.lie.rotation_vector import hat
+from lie_rigid_body.lie.so3 import hat
 
 MOTION = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0.1, -0.3, 0.2, np.sqrt(0.86)], [0.3, 1.0, -0.4]))
 PERIOD_NS = 20_000_000

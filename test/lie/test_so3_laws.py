@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion, so3
 
 components = st.floats(-3.0, 3.0)
@@ -64,16 +64,6 @@ def test_left_jacobian_is_the_derivative_of_exp(v, w):
     np.testing.assert_allclose(so3.left_jacobian(v) @ w, derivative, rtol=0, atol=2e-8)
 
 
-@given(vectors)
-def test_quaternion_jacobians_are_those_of_the_logarithm(v):
-    q = quaternion.exp(v)
-    u = quaternion.log(q)
-    np.testing.assert_array_equal(quaternion.left_jacobian(q), so3.left_jacobian(u))
-    np.testing.assert_array_equal(quaternion.right_jacobian(q), so3.right_jacobian(u))
-    np.testing.assert_array_equal(quaternion.left_jacobian_inverse(q), so3.left_jacobian_inverse(u))
-    np.testing.assert_array_equal(quaternion.right_jacobian_inverse(q), so3.right_jacobian_inverse(u))
-
-
 def test_full_turn_is_minus_one_on_the_cover():
     np.testing.assert_allclose(quaternion.exp([0, 0, 2 * np.pi]), [0, 0, 0, -1], rtol=0, atol=3e-16)
 
@@ -93,10 +83,21 @@ def test_a_batch_gives_the_bits_of_its_rows():
     assert so3.exp(v.reshape(37, 1, 3)).shape == (37, 1, 3, 3)
 
 
-@pytest.mark.parametrize("function", [so3.hat, so3.exp, so3.left_jacobian, quaternion.exp, quaternion.log, so3.vee])
-def test_wrong_shapes_are_refused_with_their_shape(function):
-    with pytest.raises(InputError, match=r"\(5,\)"):
+@pytest.mark.parametrize(
+    ("function", "name", "said"),
+    [
+        *((f, "rotation vectors", "(..., 3): put the components") for f in (so3.hat, so3.exp, so3.left_jacobian)),
+        (quaternion.exp, "rotation vectors", "(..., 3): put the components"),
+        (quaternion.log, "quaternions", "(..., 4): give x, y, z, w"),
+        (so3.vee, "rotation matrices", "(..., 3, 3): put rows and columns"),
+    ],
+)
+def test_a_wrong_shape_is_refused(function, name, said):
+    """The one table of this room's sentences."""
+    with pytest.raises(ParameterError) as caught:
         function(np.zeros(5))
+    assert caught.value.name == name
+    assert str(caught.value).startswith(f"{name}: shape (5,) is not {said} on the last")
 
 
 def test_importing_the_room_does_not_wait_for_scipy():

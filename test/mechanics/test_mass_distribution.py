@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import nquad
 from scipy.special import erf
 
-from lie_rigid_body import InputError
+from lie_rigid_body import ParameterError
 from lie_rigid_body.mechanics import ball, box, moments_of_density, moments_of_points, moments_on_grid
 from random_masses import assert_same
 
@@ -77,7 +77,7 @@ def test_a_density_that_jumps_inside_is_refused_and_its_parts_are_exact():
     def step(x):
         return np.where(x[:, 0] < 0.3, 1.0, 4.0)
 
-    with pytest.raises(InputError, match=r"14 and 16 nodes .* more than the tolerance 1e-09: raise nodes, or split"):
+    with pytest.raises(ParameterError):
         moments_of_density(step, [(0.0, 1.0), (0.0, 1.0)])
     parts = moments_of_density(step, [(0.0, 0.3), (0.0, 1.0)]) + moments_of_density(step, [(0.3, 1.0), (0.0, 1.0)])
     left, right = box(0.3, [0.3, 1.0]), box(2.8, [0.7, 1.0])
@@ -115,31 +115,31 @@ def test_a_hollow_ball_turned_and_shifted_by_quadrature_of_its_shells():
 
 
 @pytest.mark.parametrize(
-    ("build", "said"),
+    ("build", "name"),
     [
-        (lambda: moments_of_points(POINTS, np.ones(5)), "5 of them for 6 points"),
-        (lambda: moments_of_points(POINTS, [1, 1, 1, 1, 1, -0.25]), "-0.25 kg is not allowed"),
-        (lambda: moments_of_points(POINTS, np.zeros(6)), "0 kg is not allowed"),
-        (lambda: moments_of_points(POINTS - np.inf, np.ones(6)), "points: -inf is not finite"),
-        (lambda: moments_on_grid(-np.ones((2, 2)), [0, 0], [1, 1]), "-1 kg/mⁿ"),
-        (lambda: moments_on_grid(np.ones((2, 2)), [0], [1]), "1 and 1 numbers for a grid of 2 axes"),
-        (lambda: moments_on_grid(np.ones((2, 2)), [0, 1], [1, 1]), "1 m is not below 1 m"),
-        (lambda: moments_on_grid(np.ones((2, 0)), [0, 0], [1, 1]), "density: shape"),
-        (lambda: moments_on_grid(1.0, [0], [1]), "for a grid of 0 axes"),
-        (lambda: moments_of_density(gaussian, []), "0 limits"),
-        (lambda: moments_of_density(gaussian, [(0, 1)], nodes=3), "at least 4 nodes"),
-        (lambda: moments_of_density(gaussian, [(0, 1)] * 6), "give at most 12 nodes"),
-        (lambda: moments_of_density(gaussian, [(1, 0)]), "1 m is not below 0 m"),
-        (lambda: moments_of_density(gaussian, [(0, np.inf)]), "limits: inf is not finite"),
-        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: ([0.0], [1.0])]), "1 and 1 ends for 14 points"),
-        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: (x[:, 0], 0.5 + 0 * x[:, 0])]), "is not below 0.5 m"),
-        (lambda: moments_of_density(lambda x: x[:, 0], [(-1, 1)]), "kg/mⁿ is not allowed"),
-        (lambda: moments_of_density(lambda x: 1.0, [(-1, 1)]), r"shape \(\) is not \(N,\)"),
-        (lambda: moments_of_density(lambda x: np.ones(3), [(-1, 1)]), "3 values for 14 points"),
-        (lambda: moments_of_density(lambda x: np.full(len(x), np.nan), [(-1, 1)]), "nan is not finite"),
+        (lambda: moments_of_points(POINTS, np.ones(5)), "masses"),
+        (lambda: moments_of_points(POINTS, [1, 1, 1, 1, 1, -0.25]), "masses"),
+        (lambda: moments_of_points(POINTS, np.zeros(6)), "masses"),
+        (lambda: moments_of_points(POINTS - np.inf, np.ones(6)), "points"),
+        (lambda: moments_on_grid(-np.ones((2, 2)), [0, 0], [1, 1]), "density"),
+        (lambda: moments_on_grid(np.ones((2, 2)), [0], [1]), "low"),
+        (lambda: moments_on_grid(np.ones((2, 2)), [0, 1], [1, 1]), "limits"),
+        (lambda: moments_on_grid(np.ones((2, 0)), [0, 0], [1, 1]), "density"),
+        (lambda: moments_on_grid(1.0, [0], [1]), "low"),
+        (lambda: moments_of_density(gaussian, []), "nodes"),
+        (lambda: moments_of_density(gaussian, [(0, 1)], nodes=3), "nodes"),
+        (lambda: moments_of_density(gaussian, [(0, 1)] * 6), "nodes"),
+        (lambda: moments_of_density(gaussian, [(1, 0)]), "limits"),
+        (lambda: moments_of_density(gaussian, [(0, np.inf)]), "limits"),
+        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: ([0.0], [1.0])]), "limits"),
+        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: (x[:, 0], 0.5 + 0 * x[:, 0])]), "limits"),
+        (lambda: moments_of_density(lambda x: x[:, 0], [(-1, 1)]), "density"),
+        (lambda: moments_of_density(lambda x: 1.0, [(-1, 1)]), "density"),
+        (lambda: moments_of_density(lambda x: np.ones(3), [(-1, 1)]), "density"),
+        (lambda: moments_of_density(lambda x: np.full(len(x), np.nan), [(-1, 1)]), "density"),
     ],
 )
-def test_impossible_distributions_are_refused_in_one_line(build, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_impossible_distributions_are_refused(build, name):
+    with pytest.raises(ParameterError) as caught:
         build()
-    assert "\n" not in str(caught.value)
+    assert caught.value.name == name

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from lie_rigid_body import InputError, RigidBody
+from lie_rigid_body import ParameterError, RigidBody
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import (
     MassMoments,
@@ -89,24 +89,24 @@ def test_a_flat_body_far_away_keeps_its_digits():
 
 
 @pytest.mark.parametrize(
-    ("build", "said"),
+    ("build", "name"),
     [
-        (lambda: MassMoments(0.0, np.zeros(2), np.eye(2)), "mass: 0 kg is not positive"),
-        (lambda: MassMoments(1.0, np.zeros(2), UNIT), "3 dimensions where the body has 2"),
-        (lambda: MassMoments(1.0, np.zeros(3), np.diag([1, 1, -0.5])), "smallest eigenvalue -0.5 is below 0"),
-        (lambda: ball(1.0, 1.0) + ball(1.0, 1.0, 4), "4 dimensions where the body has 3"),
-        (lambda: ball(1.0, 1.0) - ball(1.0, 1.0), "0 kg would be left"),
-        (lambda: ball(2.0, 1.0) - ball(1.0, 3.0), "smallest eigenvalue"),
-        (lambda: ball(1.0, 1.0).rotated(2 * UNIT), "AᵀA differs from 1 by 3"),
-        (lambda: ball(1.0, 1.0).rotated(np.eye(2)), r"shape \(2, 2\) is not \(..., 3, 3\)"),
-        (lambda: ball(1.0, 1.0).moved(UNIT, [1.0]), "translation: 1 dimensions"),
-        (lambda: ball(1.0, 1.0).about([1.0]), "origin: 1 dimensions"),
+        (lambda: MassMoments(0.0, np.zeros(2), np.eye(2)), "mass"),
+        (lambda: MassMoments(1.0, np.zeros(2), UNIT), "centre"),
+        (lambda: MassMoments(1.0, np.zeros(3), np.diag([1, 1, -0.5])), "second moment"),
+        (lambda: ball(1.0, 1.0) + ball(1.0, 1.0, 4), "body"),
+        (lambda: ball(1.0, 1.0) - ball(1.0, 1.0), "mass"),
+        (lambda: ball(2.0, 1.0) - ball(1.0, 3.0), "second moment"),
+        (lambda: ball(1.0, 1.0).rotated(2 * UNIT), "rotation"),
+        (lambda: ball(1.0, 1.0).rotated(np.eye(2)), "rotation"),
+        (lambda: ball(1.0, 1.0).moved(UNIT, [1.0]), "translation"),
+        (lambda: ball(1.0, 1.0).about([1.0]), "origin"),
     ],
 )
-def test_impossible_moments_are_refused_in_one_line(build, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_impossible_moments_are_refused(build, name):
+    with pytest.raises(ParameterError) as caught:
         build()
-    assert "\n" not in str(caught.value)
+    assert caught.value.name == name
 
 
 def test_moments_are_read_only_and_do_not_alias_their_arguments():
@@ -116,5 +116,5 @@ def test_moments_are_read_only_and_do_not_alias_their_arguments():
     assert body.centre[0] == 0.0
     assert body.central_second_moment[0, 0] == 1.0
     for array in (body.centre, body.central_second_moment):
-        with pytest.raises(ValueError, match="read-only"):
+        with pytest.raises(ValueError):
             array[0] = 1.0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mpmath import mp, quad
 from scipy.integrate import nquad
 
-from lie_rigid_body import InputError, RigidBody
+from lie_rigid_body import ParameterError, RigidBody
 from lie_rigid_body.mechanics import ball, box, cylinder, disc, ellipsoid, moments_of_density, rod
 from lie_rigid_body.mechanics.shapes import THINNEST, box_sides
 
@@ -148,29 +148,29 @@ def test_our_quadrature_agrees_over_curved_regions(n):
 
 
 @pytest.mark.parametrize(
-    ("build", "said"),
+    ("build", "name"),
     [
-        (lambda: ball(-1.0, 1.0), "mass: -1 kg is not positive"),
-        (lambda: ball(1.0, 0.0), "radius: 0 m is not positive"),
-        (lambda: ball(1.0, 1.0, 0), "dimension: 0 is below 1"),
-        (lambda: ball(1.0, 1.0, 2.5), r"dimension: 2\.5 is no whole number: give the number of coordinates"),  # type: ignore[arg-type]
-        (lambda: ball(1.0, 1.0, "3"), "dimension: '3' is no whole number"),  # type: ignore[arg-type]
-        (lambda: ellipsoid(1.0, [1.0, -2.0]), "semi-axes: -2 m"),
-        (lambda: ellipsoid(1.0, 1.0), "semi-axes: shape"),
-        (lambda: box(0.0, [1.0, 2.0]), "mass: 0 kg"),
-        (lambda: box(1.0, []), "edges: shape"),
-        (lambda: box(1.0, [1.0, np.inf]), "edges: inf is not finite"),
-        (lambda: cylinder(1.0, 1.0, -1.0), "height: -1 m"),
-        (lambda: rod(1.0, np.nan), "length: nan is not finite"),
-        (lambda: disc(1.0, -0.1), "radius: -0.1 m"),
-        (lambda: disc(np.nan, 0.1), "mass: nan is not finite"),
-        (lambda: RigidBody.from_second_moment(rod(1.0, 1.0).second_moment), "not positive"),
+        (lambda: ball(-1.0, 1.0), "mass"),
+        (lambda: ball(1.0, 0.0), "radius"),
+        (lambda: ball(1.0, 1.0, 0), "dimension"),
+        (lambda: ball(1.0, 1.0, 2.5), "dimension"),  # type: ignore[arg-type]
+        (lambda: ball(1.0, 1.0, "3"), "dimension"),  # type: ignore[arg-type]
+        (lambda: ellipsoid(1.0, [1.0, -2.0]), "semi-axes"),
+        (lambda: ellipsoid(1.0, 1.0), "semi-axes"),
+        (lambda: box(0.0, [1.0, 2.0]), "mass"),
+        (lambda: box(1.0, []), "edges"),
+        (lambda: box(1.0, [1.0, np.inf]), "edges"),
+        (lambda: cylinder(1.0, 1.0, -1.0), "height"),
+        (lambda: rod(1.0, np.nan), "length"),
+        (lambda: disc(1.0, -0.1), "radius"),
+        (lambda: disc(np.nan, 0.1), "mass"),
+        (lambda: RigidBody.from_second_moment(rod(1.0, 1.0).second_moment), "inertia"),
     ],
 )
-def test_impossible_shapes_are_refused(build, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_impossible_shapes_are_refused(build, name):
+    with pytest.raises(ParameterError) as caught:
         build()
-    assert "\n" not in str(caught.value)
+    assert caught.value.name == name
 
 
 sides = st.floats(0.05, 1.0)

@@ -44,7 +44,7 @@ def test_process_ends_with_status_2() -> None:
 
 @pytest.mark.ros
 def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
+    monkeypatch.setattr("lie_rigid_body.ros.client.LONGEST_SILENCE", 0.1)
     assert main(["--reset", "/nobody"]) == 2
     [line] = capfd.readouterr().err.splitlines()
     assert "no service /nobody" in line
@@ -52,7 +52,7 @@ def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.Ca
 
 @pytest.mark.ros
 def test_silence_is_told_once() -> None:
-    soon = "from lie_rigid_body.ros import listen; listen.LONGEST_WAIT = 0.2; listen.main(['--pose', '/nobody'])"
+    soon = "from lie_rigid_body.ros import client, listen; client.LONGEST_SILENCE = 0.2; listen.main(['--pose', '/no'])"
     with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:
         patience = threading.Timer(DEADLINE, process.kill)
         patience.start()
@@ -64,7 +64,7 @@ def test_silence_is_told_once() -> None:
         finally:
             patience.cancel()
             process.kill()
-    assert f"nothing yet on /nobody in domain {os.environ['ROS_DOMAIN_ID']}" in line
+    assert f"nothing yet on /no in domain {os.environ['ROS_DOMAIN_ID']}" in line
     assert (process.returncode, rest) == (0, "")
 
 
@@ -95,7 +95,7 @@ def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.
 
 @pytest.mark.ros
 def test_no_answer_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setitem(main.__globals__, "LONGEST_WAIT", 0.1)
+    monkeypatch.setattr("lie_rigid_body.ros.client.LONGEST_SILENCE", 0.1)
     for option in (["--reset", "/nobody"], ["--scenario", "/nobody"], ["--get", "rate", "--node", "/nobody"]):
         assert main(option) == 2
         [line] = capfd.readouterr().err.splitlines()

@@ -1,1 +1,1 @@
-"""What other nodes may ask of the simulator: parameters, services, and the standard simulator services."""
+"""Requests of other nodes to the simulator: parameters, services, and the standard simulator services."""

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.parameters import Parameter, Value
+from lie_rigid_body.parameters import Parameter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 from lie_rigid_body.wording import shortened
@@ -55,9 +55,9 @@ class NodeParameters:
         values = read_parameters({**given, **overrides(node)})
         values.update(Scenario.from_parameters(values).parameters())
         for parameter in PARAMETERS:
-            node.declare_parameter(
-                parameter.name, ros_value(values[parameter.name]), descriptor(parameter), ignore_override=True
-            )
+            value = values[parameter.name]
+            given_value = list(value) if isinstance(value, tuple) else value  # rclpy wants lists
+            node.declare_parameter(parameter.name, given_value, descriptor(parameter), ignore_override=True)
         node.add_pre_set_parameters_callback(integers_as_doubles)
         node.add_on_set_parameters_callback(self._validate)
 
@@ -72,13 +72,13 @@ class NodeParameters:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario
 
-    def on_change(self, act: Callable[[Mapping[str, Any]], None]) -> None:
-        """Call ``act`` with the new values, by name, when parameters in `IMMEDIATE` change."""
+    def on_change_of_factor(self, act: Callable[[float], None]) -> None:
+        """Call ``act`` with the new real-time factor when this parameter changes."""
 
         def changed(changes: Sequence[RosParameter]) -> None:
-            values = {change.name: change.value for change in changes if change.name in IMMEDIATE}
-            if values:
-                act(values)
+            for change in changes:
+                if change.name == "real_time_factor":
+                    act(float(change.value))
 
         self._node.add_post_set_parameters_callback(changed)
 
@@ -152,11 +152,6 @@ def _as_declared(change: RosParameter) -> RosParameter:
     if parameter.kind == "double_array" and change.type_ == RosParameter.Type.INTEGER_ARRAY:
         return RosParameter(change.name, RosParameter.Type.DOUBLE_ARRAY, [float(v) for v in change.value])
     return change
-
-
-def ros_value(value: Value) -> object:
-    """A value in the type that rclpy wants: arrays are lists."""
-    return list(value) if isinstance(value, tuple) else value
 
 
 def overrides(node: Node) -> dict[str, object]:

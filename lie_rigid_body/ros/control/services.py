@@ -8,7 +8,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from lie_rigid_body.ros.control.run_control import RunControl
+from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.scenario import Scenario
 
 Handler = Callable[[Trigger.Request, Trigger.Response], Trigger.Response]
@@ -19,42 +19,41 @@ class Services:
 
     Parameters
     ----------
-    control : RunControl
+    run : LiveRun
     scenario : callable
         Returns the scenario of the present parameters, or raises what is wrong with them.
     """
 
-    def __init__(self, control: RunControl, scenario: Callable[[], Scenario]) -> None:
-        self._control = control
+    def __init__(self, run: LiveRun, scenario: Callable[[], Scenario]) -> None:
+        self._run = run
         self._scenario = scenario
 
     def offer(self, node: Node) -> None:
         """Create the services."""
         # a step waits for its sample, and must not keep the other services waiting
         concurrent = ReentrantCallbackGroup()
-        node.create_service(Trigger, "~/reset", _handler(self.reset))
-        node.create_service(Trigger, "~/pause", _handler(self.pause))
-        node.create_service(Trigger, "~/resume", _handler(self.resume))
+        for action in (self.reset, self.pause, self.resume):
+            node.create_service(Trigger, f"~/{action.__name__}", _handler(action))
         node.create_service(Trigger, "~/step", _handler(self.step), callback_group=concurrent)
 
     def reset(self) -> str:
         """Begin a new segment, and say at which stamp."""
-        segment = self._control.reset(self._scenario())
+        segment = self._run.ask(self._run.reset, self._scenario())
         return f"the sample stamped {segment.start_ns} ns begins the motion anew"
 
     def pause(self) -> str:
         """Stop simulated time, and say at which stamp."""
-        return f"time stands still at {self._control.pause()} ns"
+        return f"time stands still at {self._run.ask(self._run.pause)} ns"
 
     def resume(self) -> str:
         """Let simulated time pass again."""
-        self._control.resume()
+        self._run.ask(self._run.resume)
         return "time goes on"
 
     def step(self) -> str:
         """While paused, send the next sample, and say its stamp."""
-        self._control.step(1).wait()
-        stamp_ns, _ = self._control.latest()
+        self._run.ask(self._run.step, 1).wait()
+        stamp_ns, _ = self._run.ask(lambda: self._run.latest)
         return f"sent the sample stamped {stamp_ns} ns"
 
 

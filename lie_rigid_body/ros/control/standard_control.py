@@ -1,4 +1,4 @@
-"""The decisions behind the standard simulator services, in plain values: no message type is needed here.
+"""The decisions behind the standard simulator services: no message package is needed here.
 
 The package simulation_interfaces defines the services, their result codes and their fields; `standard_services` is the
 adapter to them. Two traps: a result that was never set reads "unsupported" (0), and the twist of an entity is in the
@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import LieRigidBodyError, ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.ros.control.run_control import RunControl
-from lie_rigid_body.ros.timing.live_run import RunState
+from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.step_request import StepRequest
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.wording import shown
@@ -57,18 +56,11 @@ reset, reset of the state, getting and setting of the simulation's state, pause,
 All others are unsupported, and have no service: spawning, deleting, named poses, bounds, tags, infos, worlds."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
-CATEGORY_OBJECT: Final = 0
 CATEGORY_DYNAMIC_OBJECT: Final = 4
-_STANDARD_STATES: Final = {
-    RunState.STOPPED: StandardState.STOPPED,
-    RunState.PLAYING: StandardState.PLAYING,
-    RunState.PAUSED: StandardState.PAUSED,
-}
 
 
-@dataclass(frozen=True)
-class Result:
-    """A simulation_interfaces/Result.
+class RefusedError(LieRigidBodyError):
+    """A request that is not fulfilled, with a result code other than `Code.OPERATION_FAILED`.
 
     Parameters
     ----------
@@ -76,8 +68,9 @@ class Result:
     message : str
     """
 
-    code: int
-    message: str = ""
+    def __init__(self, code: int, message: str) -> None:
+        super().__init__(message)
+        self.code = code
 
 
 @dataclass(frozen=True)
@@ -103,185 +96,147 @@ class EntityState:
     angular_acceleration: Array
 
 
-@dataclass(frozen=True)
-class EntityStateRequest:
-    """The state that SetEntityState asks for.
-
-    Parameters
-    ----------
-    frame : str
-        Frame of pose and twist; empty: the world frame.
-    position : sequence of float, length 3
-        m
-    attitude_xyzw : sequence of float, length 4
-    linear, angular : sequence of float, length 3
-        Linear and angular velocity, m/s and rad/s.
-    set_pose, set_twist : bool
-        Whether the pose, and the twist, are to be set.
-    """
-
-    frame: str
-    position: Sequence[float]
-    attitude_xyzw: Sequence[float]
-    linear: Sequence[float]
-    angular: Sequence[float]
-    set_pose: bool = True
-    set_twist: bool = True
-
-
 class StandardControl:
     """The decisions behind the standard services of one body.
 
+    What cannot be done is raised, as `RefusedError` where it has a code of its own.
+
     Parameters
     ----------
-    control : RunControl
+    run : LiveRun
     scenario : callable
         Returns the scenario of the present parameters.
     entity : str
         The body's name.
     """
 
-    def __init__(self, control: RunControl, scenario: Callable[[], Scenario], entity: str) -> None:
-        self._control = control
+    def __init__(self, run: LiveRun, scenario: Callable[[], Scenario], entity: str) -> None:
+        self._run = run
         self._scenario = scenario
         self._entity = entity
 
-    def reset(self, scope: int) -> Result:
+    def reset(self, scope: int) -> None:
         """Begin a new segment, if the state is in the scope. Stamps go on rising: /clock never goes back."""
         if scope != SCOPE_DEFAULT and not scope & SCOPE_STATE:
-            return Result(
+            raise RefusedError(
                 Code.FEATURE_UNSUPPORTED,
                 f"scope {scope} leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or "
                 "SCOPE_ALL (255)",
             )
-        return self._result_of(lambda: self._control.reset(self._scenario()))
+        self._run.ask(self._run.reset, self._scenario())
 
     def state(self) -> StandardState:
         """The state of the simulation."""
-        return _STANDARD_STATES[self._control.state]
+        return StandardState[self._run.state.name]
 
-    def set_state(self, wanted: int) -> Result:
+    def set_state(self, wanted: int) -> None:
         """Play, pause, stop (pause at the start of a new segment) or quit."""
         present = self.state()
         if wanted not in set(StandardState):
-            return Result(Code.FEATURE_UNSUPPORTED, f"state {wanted} is none of 0 stopped, 1 playing, 2 paused, 3 quit")
+            raise RefusedError(
+                Code.FEATURE_UNSUPPORTED, f"state {wanted} is none of 0 stopped, 1 playing, 2 paused, 3 quit"
+            )
         if wanted == present:
-            return Result(Code.ALREADY_IN_TARGET_STATE, f"the simulation is {present.name.lower()} already")
+            raise RefusedError(Code.ALREADY_IN_TARGET_STATE, f"the simulation is {present.name.lower()} already")
         if (present, wanted) == (StandardState.STOPPED, StandardState.PAUSED):
-            return Result(Code.INCORRECT_TRANSITION, "the simulation is stopped: play it before it can be paused")
+            raise RefusedError(Code.INCORRECT_TRANSITION, "the simulation is stopped: play it before it can be paused")
         actions: dict[int, Callable[[], object]] = {
-            StandardState.PLAYING: self._control.resume,
-            StandardState.PAUSED: self._control.pause,
-            StandardState.STOPPED: lambda: self._control.stop(self._scenario()),
-            StandardState.QUITTING: self._control.quit,
+            StandardState.PLAYING: lambda: self._run.ask(self._run.resume),
+            StandardState.PAUSED: lambda: self._run.ask(self._run.pause),
+            StandardState.STOPPED: lambda: self._run.ask(self._run.stop, self._scenario()),
+            StandardState.QUITTING: lambda: self._run.ask(self._run.quit),
         }
-        return self._result_of(actions[wanted])
+        actions[wanted]()
 
-    def begin_steps(self, count: int) -> StepRequest | Result:
-        """Begin to send samples while paused; return the request, or a result that says why not."""
-        try:
-            return self._control.step(count)
-        except LieRigidBodyError as error:
-            return Result(Code.OPERATION_FAILED, str(error))
+    def begin_steps(self, count: int) -> StepRequest:
+        """Begin to send samples while paused."""
+        return self._run.ask(self._run.step, count)
 
     def cancel_steps(self) -> None:
         """Leave out the rest of the samples asked for."""
-        self._control.pause()
+        self._run.ask(self._run.pause)
 
-    def step(self, count: int) -> Result:
-        """Send so many samples while paused, and return when they are sent."""
-        request = self.begin_steps(count)
-        return request if isinstance(request, Result) else self._result_of(request.wait)
-
-    def entities(
-        self, pattern: str, categories: Sequence[int], *, tags: bool, bounds: bool
-    ) -> tuple[Result, list[str]]:
+    def entities(self, pattern: str, categories: Sequence[int], *, tags: bool, bounds: bool) -> list[str]:
         """The entities that pass a filter by name and category; filters by tags and bounds are unsupported."""
         if tags or bounds:
-            return Result(Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"), []
+            raise RefusedError(
+                Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"
+            )
         try:
             named = not pattern or re.search(pattern, self._entity) is not None
         except re.error as error:
-            return Result(
-                Code.OPERATION_FAILED,
-                f"filter {shown(pattern)} is no regular expression ({error}): give one, or none",
-            ), []
-        passes = named and (not categories or CATEGORY_DYNAMIC_OBJECT in categories)
-        return Result(Code.OK), [self._entity] if passes else []
+            raise LieRigidBodyError(
+                f"filter {shown(pattern)} is no regular expression ({error}): give one, or none"
+            ) from None
+        return [self._entity] if named and (not categories or CATEGORY_DYNAMIC_OBJECT in categories) else []
 
-    def entity_info(self, entity: str) -> tuple[Result, str]:
+    def entity_info(self, entity: str) -> str:
         """A description of the body."""
-        if entity != self._entity:
-            return self._not_found(entity), ""
-        scenario = self._control.scenario
-        moments = ", ".join(f"{moment:g}" for moment in scenario.body().principal_moments)
-        return Result(Code.OK), f"a torque-free rigid body with the principal moments {moments} kg m²"
+        self._require_known(entity)
+        moments = ", ".join(f"{moment:g}" for moment in self._run.segment.scenario.body().principal_moments)
+        return f"a torque-free rigid body with the principal moments {moments} kg m²"
 
-    def entity_state(self, entity: str) -> tuple[Result, EntityState | None]:
+    def entity_state(self, entity: str) -> EntityState:
         """The latest state of the body in the world frame."""
-        if entity != self._entity:
-            return self._not_found(entity), None
-        try:
-            stamp_ns, state = self._control.latest()
-        except LieRigidBodyError as error:
-            return Result(Code.OPERATION_FAILED, str(error)), None
-        scenario = self._control.scenario
-        attitude, rate = state.attitude_xyzw, state.body_rate
-        acceleration = scenario.body().angular_acceleration(state)
-        return Result(Code.OK), EntityState(
+        self._require_known(entity)
+        stamp_ns, state = self._run.ask(lambda: self._run.latest)
+        scenario, attitude = self._run.segment.scenario, state.attitude_xyzw
+        return EntityState(
             scenario.world_frame,
             stamp_ns,
             attitude,
-            quaternion.rotate(attitude, rate),
-            quaternion.rotate(attitude, acceleration),
+            quaternion.rotate(attitude, state.body_rate),
+            quaternion.rotate(attitude, scenario.body().angular_acceleration(state)),
         )
 
-    def set_entity_state(self, entity: str, wanted: EntityStateRequest) -> Result:
-        """Begin a new segment from any attitude and angular velocity, given in the world frame."""
-        if entity != self._entity:
-            return self._not_found(entity)
-        world = self._control.scenario.world_frame
-        if wanted.frame not in ("", world):
-            return Result(
-                Code.OPERATION_FAILED,
-                f"frame {shown(wanted.frame)} is unknown: give pose and twist in {world!r}, or leave it empty",
-            )
-        if wanted.set_pose and any(wanted.position):
-            return Result(
-                INVALID_POSE, f"position {list(wanted.position)} is not 0, where the mass centre stays: give 0"
-            )
-        if wanted.set_twist and any(wanted.linear):
-            return Result(
-                Code.OPERATION_FAILED,
-                f"linear velocity {list(wanted.linear)} is not 0: give 0, the mass centre stays",
-            )
-        if wanted.set_twist and not np.all(np.isfinite(wanted.angular)):
-            return Result(Code.OPERATION_FAILED, f"angular velocity {list(wanted.angular)} is not finite: give numbers")
-        return self._reset_to(wanted)
+    def set_entity_state(self, entity: str, wanted: Any, *, set_pose: bool, set_twist: bool) -> None:
+        """Begin a new segment from any attitude and angular velocity, given in the world frame.
 
-    def _reset_to(self, wanted: EntityStateRequest) -> Result:
+        Parameters
+        ----------
+        entity : str
+        wanted : simulation_interfaces/EntityState, or with its fields
+            Without a frame it is in the world frame.
+        set_pose, set_twist : bool
+            Whether the pose, and the twist, are to be set.
+        """
+        self._require_known(entity)
+        frame, world = wanted.header.frame_id, self._run.segment.scenario.world_frame
+        if frame not in ("", world):
+            raise LieRigidBodyError(
+                f"frame {shown(frame)} is unknown: give pose and twist in {world!r}, or leave it empty"
+            )
+        position, linear = _components(wanted.pose.position), _components(wanted.twist.linear)
+        if set_pose and any(position):
+            raise RefusedError(INVALID_POSE, f"position {position} is not 0, where the mass centre stays: give 0")
+        if set_twist and any(linear):
+            raise LieRigidBodyError(f"linear velocity {linear} is not 0: give 0, the mass centre stays")
+        angular = _components(wanted.twist.angular)
+        if set_twist and not np.all(np.isfinite(angular)):
+            raise LieRigidBodyError(f"angular velocity {angular} is not finite: give numbers")
+        attitude_xyzw = _components(wanted.pose.orientation)
         try:
-            _, present = self._control.latest()
-            attitude = present.attitude_xyzw
-            if wanted.set_pose:
-                attitude = State(wanted.attitude_xyzw, present.body_rate).attitude_xyzw
-            angular = np.array(wanted.angular, dtype=np.float64)
-            rate = quaternion.rotate(quaternion.conjugate(attitude), angular) if wanted.set_twist else present.body_rate
-            self._control.reset_to(State(attitude, rate))
+            self._reset_to(attitude_xyzw if set_pose else None, angular if set_twist else None)
         except ParameterError as error:
-            code = INVALID_POSE if error.name.endswith("attitude_xyzw") else Code.OPERATION_FAILED
-            return Result(code, str(error))
-        except LieRigidBodyError as error:
-            return Result(Code.OPERATION_FAILED, str(error))
-        return Result(Code.OK)
+            if error.name.endswith("attitude_xyzw"):
+                raise RefusedError(INVALID_POSE, str(error)) from None
+            raise
 
-    def _not_found(self, entity: str) -> Result:
-        return Result(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
+    def _reset_to(self, attitude_xyzw: list[float] | None, angular: list[float] | None) -> None:
+        """Begin a new segment; what is None stays as it is."""
+        _, present = self._run.ask(lambda: self._run.latest)
+        attitude, rate = present.attitude_xyzw, present.body_rate
+        if attitude_xyzw is not None:
+            attitude = State(attitude_xyzw, rate).attitude_xyzw
+        if angular is not None:
+            rate = quaternion.rotate(quaternion.conjugate(attitude), angular)
+        self._run.ask(self._run.reset_to, State(attitude, rate))
 
-    @staticmethod
-    def _result_of(action: Callable[[], object]) -> Result:
-        try:
-            action()
-        except LieRigidBodyError as error:
-            return Result(Code.OPERATION_FAILED, str(error))
-        return Result(Code.OK)
+    def _require_known(self, entity: str) -> None:
+        if entity != self._entity:
+            raise RefusedError(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
+
+
+def _components(message: Any) -> list[float]:
+    """The components x, y, z and, of a quaternion, w."""
+    return [getattr(message, name) for name in "xyzw" if hasattr(message, name)]

@@ -6,7 +6,7 @@ Every decision is made in `standard_control`; here values are copied from reques
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.util import find_spec
+from functools import wraps
 from typing import Any, Final
 
 from rclpy.action import ActionServer, CancelResponse
@@ -21,8 +21,6 @@ from lie_rigid_body.ros.control.standard_control import (
     FEATURES,
     Code,
     EntityState,
-    EntityStateRequest,
-    Result,
     StandardControl,
 )
 
@@ -31,10 +29,31 @@ FEEDBACK_INTERVAL: Final = 0.1
 """Time between two reports of the action, s: a report of every step would only slow down fast steps."""
 CUSTOM_INFO: Final = "a torque-free rigid body; resets keep stamps rising; positions are 0"
 
+PLAIN_SERVICES: Final = (
+    *("GetSimulatorFeatures", "ResetSimulation", "GetSimulationState", "SetSimulationState"),
+    *("GetEntities", "GetEntityInfo", "GetEntityState", "SetEntityState"),
+)
+"""Services whose handlers need the request and the response alone."""
 
-def is_available() -> bool:
-    """Whether the package of the standard services is installed."""
-    return find_spec(PACKAGE) is not None
+
+def _filled(response: Any, code: int, message: str = "") -> Any:
+    response.result.result = int(code)
+    response.result.error_message = message
+    return response
+
+
+def _answering(handle: Callable[..., None]) -> Callable[..., Any]:
+    """A handler that returns its response, with the result of what the handler given does or raises."""
+
+    @wraps(handle)
+    def answer(self: Any, request: Any, response: Any, *rest: Any) -> Any:
+        try:
+            handle(self, request, response, *rest)
+        except LieRigidBodyError as error:
+            return _filled(response, getattr(error, "code", Code.OPERATION_FAILED), str(error))
+        return _filled(response, Code.OK)
+
+    return answer
 
 
 class StandardServices:
@@ -47,23 +66,13 @@ class StandardServices:
 
     def __init__(self, standard: StandardControl) -> None:
         self._standard = standard
-        self._handlers: dict[str, Callable[[Any, Any], Any]] = {
-            "GetSimulatorFeatures": self.get_simulator_features,
-            "ResetSimulation": self.reset_simulation,
-            "GetSimulationState": self.get_simulation_state,
-            "SetSimulationState": self.set_simulation_state,
-            "GetEntities": self.get_entities,
-            "GetEntityInfo": self.get_entity_info,
-            "GetEntityState": self.get_entity_state,
-            "SetEntityState": self.set_entity_state,
-        }
 
     def offer(self, node: Node) -> None:
         """Create the services and the action on a node, under their own names in snake case."""
         from simulation_interfaces import action, msg, srv
 
-        for name, handler in self._handlers.items():
-            node.create_service(getattr(srv, name), f"~/{snake_case(name)}", handler)
+        for name in PLAIN_SERVICES:
+            node.create_service(getattr(srv, name), f"~/{snake_case(name)}", getattr(self, snake_case(name)))
         node.create_service(
             srv.GetEntitiesStates,
             "~/get_entities_states",
@@ -88,60 +97,59 @@ class StandardServices:
         response.features.custom_info = CUSTOM_INFO
         return response
 
-    def reset_simulation(self, request: Any, response: Any) -> Any:
+    @_answering
+    def reset_simulation(self, request: Any, response: Any) -> None:
         """Begin a new segment."""
-        return _filled(response, self._standard.reset(request.scope))
+        self._standard.reset(request.scope)
 
-    def get_simulation_state(self, request: Any, response: Any) -> Any:
+    @_answering
+    def get_simulation_state(self, request: Any, response: Any) -> None:
         """The run state: stopped, playing or paused."""
         response.state.state = int(self._standard.state())
-        return _filled(response, Result(Code.OK))
 
-    def set_simulation_state(self, request: Any, response: Any) -> Any:
+    @_answering
+    def set_simulation_state(self, request: Any, response: Any) -> None:
         """Play, pause, stop or quit."""
-        return _filled(response, self._standard.set_state(request.state.state))
+        self._standard.set_state(request.state.state)
 
-    def step_simulation(self, request: Any, response: Any) -> Any:
+    @_answering
+    def step_simulation(self, request: Any, response: Any) -> None:
         """Send so many samples; answered when they are sent."""
-        return _filled(response, self._standard.step(request.steps))
+        self._standard.begin_steps(request.steps).wait()
 
     def simulate_steps(self, goal: ServerGoalHandle, result: Any, feedback: Callable[[], Any]) -> Any:
         """Send so many samples, with feedback, until all are sent or the goal is canceled."""
-        steps = self._standard.begin_steps(goal.request.steps)
-        if isinstance(steps, Result):
-            goal.abort()
-            return _filled(result, steps)
         try:
-            done = False
+            steps, done = self._standard.begin_steps(goal.request.steps), False
             while not done:
                 done = steps.wait(FEEDBACK_INTERVAL)
                 if goal.is_cancel_requested and not done:
                     self._standard.cancel_steps()
                     goal.canceled()
                     message = f"canceled after {steps.completed} of {steps.total} steps"
-                    return _filled(result, Result(Code.OPERATION_FAILED, message))
-                goal.publish_feedback(_progress(feedback(), steps.completed, steps.total))
+                    return _filled(result, Code.OPERATION_FAILED, message)
+                progress = feedback()
+                progress.completed_steps, progress.remaining_steps = steps.completed, steps.total - steps.completed
+                goal.publish_feedback(progress)
         except LieRigidBodyError as error:
             goal.abort()
-            return _filled(result, Result(Code.OPERATION_FAILED, str(error)))
+            return _filled(result, Code.OPERATION_FAILED, str(error))
         goal.succeed()
-        return _filled(result, Result(Code.OK))
+        return _filled(result, Code.OK)
 
-    def get_entities(self, request: Any, response: Any) -> Any:
+    @_answering
+    def get_entities(self, request: Any, response: Any) -> None:
         """The name of the one body, if it passes the filters."""
-        result, response.entities = self._filtered(request.filters)
-        return _filled(response, result)
+        response.entities = self._filtered(request.filters)
 
-    def get_entities_states(self, request: Any, response: Any, empty: Callable[[], Any]) -> Any:
+    @_answering
+    def get_entities_states(self, request: Any, response: Any, empty: Callable[[], Any]) -> None:
         """Name and state of the one body, if it passes the filters; ``empty`` makes the message of a state."""
-        result, names = self._filtered(request.filters)
-        for name in names:
-            result, state = self._standard.entity_state(name)
-            if state is not None:
-                response.entities, response.states = [name], [_with_state(empty(), state)]
-        return _filled(response, result)
+        names = self._filtered(request.filters)
+        response.states = [_with_state(empty(), self._standard.entity_state(name)) for name in names]
+        response.entities = names
 
-    def _filtered(self, filters: Any) -> tuple[Result, list[str]]:
+    def _filtered(self, filters: Any) -> list[str]:
         return self._standard.entities(
             filters.filter,
             [category.category for category in filters.categories],
@@ -149,39 +157,28 @@ class StandardServices:
             bounds=bool(filters.bounds.points),
         )
 
-    def get_entity_info(self, request: Any, response: Any) -> Any:
+    @_answering
+    def get_entity_info(self, request: Any, response: Any) -> None:
         """Description and category of the body."""
-        result, response.info.description = self._standard.entity_info(request.entity)
         response.info.category.category = CATEGORY_DYNAMIC_OBJECT
-        return _filled(response, result)
+        response.info.description = self._standard.entity_info(request.entity)
 
-    def get_entity_state(self, request: Any, response: Any) -> Any:
+    @_answering
+    def get_entity_state(self, request: Any, response: Any) -> None:
         """Pose, twist and acceleration of the body in the world frame."""
-        result, state = self._standard.entity_state(request.entity)
-        if state is not None:
-            _with_state(response.state, state)
-        return _filled(response, result)
+        _with_state(response.state, self._standard.entity_state(request.entity))
 
-    def set_entity_state(self, request: Any, response: Any) -> Any:
+    @_answering
+    def set_entity_state(self, request: Any, response: Any) -> None:
         """Begin a new segment from any attitude and angular velocity."""
-        return _filled(response, self._standard.set_entity_state(request.entity, _state_request(request)))
+        # before release 2 of simulation_interfaces both are always set
+        pose, twist = getattr(request, "set_pose", True), getattr(request, "set_twist", True)
+        self._standard.set_entity_state(request.entity, request.state, set_pose=pose, set_twist=twist)
 
 
 def snake_case(name: str) -> str:
-    """``GetEntities`` as ``get_entities``."""
+    """A name in snake case: ``GetEntities`` as ``get_entities``."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
-
-
-def _filled(response: Any, result: Result) -> Any:
-    response.result.result = int(result.code)
-    response.result.error_message = result.message
-    return response
-
-
-def _progress(feedback: Any, completed: int, total: int) -> Any:
-    feedback.completed_steps = completed
-    feedback.remaining_steps = total - completed
-    return feedback
 
 
 def _with_state(message: Any, state: EntityState) -> Any:
@@ -195,19 +192,3 @@ def _with_state(message: Any, state: EntityState) -> Any:
         for name, value in zip("xyzw", vector.tolist(), strict=False):
             setattr(field, name, value)
     return message
-
-
-def _state_request(request: Any) -> EntityStateRequest:
-    state = request.state
-    position, orientation = state.pose.position, state.pose.orientation
-    linear, angular = state.twist.linear, state.twist.angular
-    return EntityStateRequest(
-        frame=state.header.frame_id,
-        position=(position.x, position.y, position.z),
-        attitude_xyzw=(orientation.x, orientation.y, orientation.z, orientation.w),
-        linear=(linear.x, linear.y, linear.z),
-        angular=(angular.x, angular.y, angular.z),
-        # before release 2 of simulation_interfaces both are always set
-        set_pose=getattr(request, "set_pose", True),
-        set_twist=getattr(request, "set_twist", True),
-    )

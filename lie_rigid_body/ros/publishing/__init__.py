@@ -1,1 +1,1 @@
-"""What the node sends: topics, markers, transforms, diagnostics, its bag, and the text on the terminal at its start."""
+"""Messages that the node sends: topics, markers, transforms, diagnostics, its bag, and the text on the terminal."""

@@ -1,4 +1,4 @@
-"""What the node prints at its start, body, motion, topics, and commands to listen with; and at its end."""
+"""Text on the terminal: body, motion, topics and commands to listen with at the node's start, and a line at its end."""
 
 from __future__ import annotations
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
+from std_msgs.msg import Header
 
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch
@@ -15,8 +17,10 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-TOPIC: Final = "/diagnostics"
+DIAGNOSTICS_TOPIC: Final = "/diagnostics"
 INTERVAL_NS: Final = NS
+Status: TypeAlias = tuple[bytes, str, Mapping[str, str]]
+"""Level, message and values of a report."""
 LARGEST_DRIFT: Final = 1e-6
 """Relative drift of energy or momentum beyond which the level is ERROR."""
 
@@ -31,14 +35,14 @@ class Diagnostics(Sink):
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._due_ns: int | None = None
         self._before = (0, Punctuality())
         self._state: State | None = None
         self._failure = ""
 
     def report_failure(self, reason: str) -> None:
-        """Be at level ERROR for this reason from now on, and say so in the next turn of the run."""
+        """Report the level ERROR for this reason from now on, first in the next turn of the run."""
         self._failure = reason
         self._due_ns = self._before[0]
 
@@ -59,16 +63,12 @@ class Diagnostics(Sink):
         if self._due_ns is None:
             self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
         if steady_ns >= self._due_ns:
-            self._publisher.publish(self._array(self._status(steady_ns, punctuality)))
+            stamp = self._node.get_clock().now().to_msg()
+            self._publisher.publish(report(self._node, "simulation", stamp, *self._status(steady_ns, punctuality)))
             self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
         return self._due_ns - steady_ns
 
-    def _array(self, status: DiagnosticStatus) -> DiagnosticArray:
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self._node.get_clock().now().to_msg()
-        return array
-
-    def _status(self, steady_ns: int, punctuality: Punctuality) -> DiagnosticStatus:
+    def _status(self, steady_ns: int, punctuality: Punctuality) -> Status:
         then_ns, before = self._before
         missed = punctuality.missed - before.missed
         energy, momentum = self.drifts()
@@ -83,14 +83,7 @@ class Diagnostics(Sink):
             "energy drift since the last reset (relative)": f"{energy:.2e}",
             "momentum drift since the last reset (relative)": f"{momentum:.2e}",
         }
-        level, message = _judgement(self._failure, missed, max(energy, momentum))
-        return DiagnosticStatus(
-            level=level,
-            name=f"{self._node.get_fully_qualified_name()}: simulation",
-            message=message,
-            hardware_id=self._node.get_name(),
-            values=_pairs(values),
-        )
+        return *_judgement(self._failure, missed, max(energy, momentum)), values
 
     def drifts(self) -> tuple[float, float]:
         """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
@@ -114,5 +107,26 @@ def _judgement(failure: str, missed: int, drift: float) -> tuple[bytes, str]:
     return DiagnosticStatus.OK, "in time"
 
 
-def _pairs(values: Mapping[str, str]) -> list[KeyValue]:
-    return [KeyValue(key=key, value=value) for key, value in values.items()]
+def report(
+    node: Node, subject: str, stamp: Time, level: bytes, message: str, values: Mapping[str, str]
+) -> DiagnosticArray:
+    """The message of one status on /diagnostics.
+
+    Parameters
+    ----------
+    node : Node
+    subject : str
+        What the status is about, after the name of the node.
+    stamp : builtin_interfaces/Time
+    level : bytes
+    message : str
+    values : mapping of str to str
+    """
+    status = DiagnosticStatus(
+        level=level,
+        name=f"{node.get_fully_qualified_name()}: {subject}",
+        message=message,
+        hardware_id=node.get_name(),
+        values=[KeyValue(key=key, value=value) for key, value in values.items()],
+    )
+    return DiagnosticArray(header=Header(stamp=stamp), status=[status])

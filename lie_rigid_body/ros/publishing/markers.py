@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Final
+from collections.abc import Iterable
+from typing import Any, Final
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -23,7 +24,7 @@ from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-TOPIC: Final = "markers"
+MARKERS_TOPIC: Final = "markers"
 ARROW: Final = 1.0
 """Length of the arrows at the start of a segment, m."""
 TRAIL: Final = 600
@@ -47,7 +48,7 @@ class Markers(Sink):
     """
 
     def __init__(self, node: Node, rate: float) -> None:
-        self._publisher = node.create_publisher(MarkerArray, TOPIC, QoSProfile(depth=10))
+        self._publisher = node.create_publisher(MarkerArray, MARKERS_TOPIC, QoSProfile(depth=10))
         self._interval_ns = round(NS / rate)
         self._due_ns = 0
         self._latest: tuple[int, State] | None = None
@@ -87,12 +88,12 @@ class Markers(Sink):
         rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
         momentum = self._body.angular_momentum(state) * self._momentum_scale
         box = self._marker(0, "body", Marker.CUBE, stamp_ns, BLUE)
-        box.pose.orientation = _quaternion(quaternion.multiply(attitude, self._box))
-        box.scale = _vector(self._sides)
+        box.pose.orientation = _message(Quaternion, quaternion.multiply(attitude, self._box))
+        box.scale = _message(Vector3, self._sides)
         trail = self._marker(3, "polhode", Marker.LINE_STRIP, stamp_ns, PURPLE)
-        trail.pose.orientation = _quaternion(attitude)
+        trail.pose.orientation = _message(Quaternion, attitude)
         trail.scale.x = 0.01
-        trail.points = [_point(point) for point in self._trail]
+        trail.points = [_message(Point, point) for point in self._trail]
         return MarkerArray(
             markers=[
                 box,
@@ -104,7 +105,7 @@ class Markers(Sink):
 
     def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, tip: Array) -> Marker:
         arrow = self._marker(number, name, Marker.ARROW, stamp_ns, color)
-        arrow.points = [Point(), _point(tip.tolist())]
+        arrow.points = [Point(), _message(Point, tip)]
         arrow.scale = Vector3(x=0.03, y=0.06, z=0.1)
         return arrow
 
@@ -121,14 +122,6 @@ def _scale(vector: Array) -> float:
     return ARROW / size if size else 0.0
 
 
-def _point(values: list[float]) -> Point:
-    return Point(x=values[0], y=values[1], z=values[2])
-
-
-def _vector(values: Array) -> Vector3:
-    return Vector3(x=float(values[0]), y=float(values[1]), z=float(values[2]))
-
-
-def _quaternion(xyzw: Array) -> Quaternion:
-    x, y, z, w = xyzw.tolist()
-    return Quaternion(x=x, y=y, z=z, w=w)
+def _message(kind: type, values: Iterable[float]) -> Any:
+    """A message of the fields x, y, z and, for a quaternion, w."""
+    return kind(**{name: float(value) for name, value in zip("xyzw", values, strict=False)})

@@ -44,7 +44,7 @@ CLOCK: Final = "/clock"
 DEPTH: Final = 4 * LARGEST_BATCH
 """Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
 CLOCK_DEPTH: Final = 6 * DEPTH
-"""The same for the clock, which has a message for each time of the truth, of each sensor and of a fault."""
+"""Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
 BATCH_CONFIRMATION_NS: Final = 10_000_000
 """Longest wait on each topic for subscribers to confirm full batches: one that hangs must not hold up the others."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
@@ -213,7 +213,7 @@ def _clock(stamp_ns: int) -> bytes:
 
 
 def _latched(depth: int) -> QoSProfile:
-    """That of a topic whose last messages late subscribers hear as well."""
+    """The quality of service of a topic whose last messages late subscribers hear as well."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

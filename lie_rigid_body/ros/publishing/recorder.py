@@ -19,7 +19,7 @@ FLUSH_INTERVAL_NS: Final = 500_000_000
 """Steady time between two flushes of the bag, ns: a crash may cost one second of samples, and half of it is left for
 what a busy machine does late."""
 MANY_STEPS: Final = 20_000
-"""Steps between two samples from which on each sample is flushed: they take some tenths of a second, without a tick."""
+"""Steps between two samples from which on each sample is flushed: so many take tenths of a second, without a tick."""
 
 
 class Recorder(Sink):

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock
 from rclpy.node import Node
@@ -18,21 +18,21 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout
-from lie_rigid_body.ros.publishing.diagnostics import TOPIC
+from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
 from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
 
-ERROR: Final = "~/error"
-DEPTH: Final = 1000
+ERROR_TOPIC: Final = "~/error"
+ERRORS_KEPT: Final = 1000
 INTERVAL_S: Final = 1.0
 """Time between two reports on /diagnostics, s."""
 FIRST_DIAGNOSIS_S: Final = 5.0
-"""Shortest time, by the stamps of the estimate, of which a diagnosis is made, s."""
+"""Shortest estimate, by its stamps, of which a diagnosis is made, s."""
 DIAGNOSIS_SHARE: Final = 0.03
-"""Largest share of the time that diagnoses take, beside one whenever the time of the estimate has doubled."""
+"""Largest share of the time spent on diagnoses; one is always made when the time of the estimate has doubled."""
 SLOW: Final = frozenset({"heading_offset", "body_mounting"})
-"""Findings that a slow error of a healthy filter looks like for some seconds."""
+"""Codes of findings that the slow error of a healthy filter resembles for some seconds."""
 PLAIN_DEG: Final = 1.0
-"""Median error from which on these are told at once, degrees."""
+"""Median error from which on the findings in `SLOW` are told at once, degrees."""
 
 
 class Confirmed:
@@ -42,7 +42,7 @@ class Confirmed:
         self._found: deque[tuple[float, frozenset[str]]] = deque()
 
     def findings(self, score: Score, span_s: float) -> tuple[Finding, ...]:
-        """Those of a score of the second half of so many seconds; times never decrease."""
+        """The findings worth telling of a score of the second half of so many seconds; seconds never decrease."""
         self._found.append((span_s, frozenset(finding.code for finding in score.findings)))
         while len(self._found) > 1 and self._found[1][0] <= span_s / 2.0:
             self._found.popleft()
@@ -62,8 +62,8 @@ class Scores:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._error = node.create_publisher(Vector3Stamped, ERROR, QoSProfile(depth=DEPTH))
-        self._diagnostics = node.create_publisher(DiagnosticArray, TOPIC, 10)
+        self._error = node.create_publisher(Vector3Stamped, ERROR_TOPIC, QoSProfile(depth=ERRORS_KEPT))
+        self._diagnostics = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._layout = Layout("", [0.0] * 3, [(0, 3)])
         self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
         self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0
@@ -92,10 +92,11 @@ class Scores:
         self._due = now + INTERVAL_S
         if live is not None and live.tally.count and self._is_due(live, now):
             self._diagnose(live)
-        status = self._waiting(missing()) if live is None or not live.tally.count else self._status(live)
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = Clock().now().to_msg()
-        self._diagnostics.publish(array)
+        if live is None or not live.tally.count:
+            status: Status = DiagnosticStatus.WARN, f"waiting: {missing()}", {}
+        else:
+            status = self._status(live)
+        self._diagnostics.publish(report(self._node, "attitude error", Clock().now().to_msg(), *status))
 
     def _is_due(self, live: LiveEstimate, now: float) -> bool:
         return live.estimate.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due
@@ -110,10 +111,7 @@ class Scores:
         end = time.monotonic()
         self._diagnosis_due = end + max(INTERVAL_S, (end - begin) / DIAGNOSIS_SHARE)
 
-    def _waiting(self, missing: str) -> DiagnosticStatus:
-        return self._made(DiagnosticStatus.WARN, f"waiting: {missing}", {})
-
-    def _status(self, live: LiveEstimate) -> DiagnosticStatus:
+    def _status(self, live: LiveEstimate) -> Status:
         tally, score = live.tally, self._score
         total, heading, inclination = tally.rms_deg.tolist()
         values = {
@@ -128,20 +126,11 @@ class Scores:
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
         fault = self._fault or live.estimate.fault()
         if fault:
-            return self._made(DiagnosticStatus.ERROR, fault, values)
+            return DiagnosticStatus.ERROR, fault, values
         # that the run is still shorter than a limit is no fault yet
         broken = [sentence for sentence in tally.broken() if "above the limit" in sentence]
         if broken:
-            return self._made(DiagnosticStatus.ERROR, "; ".join(broken), values)
+            return DiagnosticStatus.ERROR, "; ".join(broken), values
         codes = ", ".join(dict.fromkeys(finding.code for finding in self._findings))
         level = DiagnosticStatus.WARN if codes else DiagnosticStatus.OK
-        return self._made(level, f"{total:.4g}° RMS{f'; found: {codes}' if codes else ''}", values)
-
-    def _made(self, level: bytes, message: str, values: dict[str, str]) -> DiagnosticStatus:
-        return DiagnosticStatus(
-            level=level,
-            name=f"{self._node.get_fully_qualified_name()}: attitude error",
-            message=message,
-            hardware_id=self._node.get_name(),
-            values=[KeyValue(key=key, value=value) for key, value in values.items()],
-        )
+        return level, f"{total:.4g}° RMS{f'; found: {codes}' if codes else ''}", values

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import Final
 
 from rclpy.node import Node
@@ -15,11 +14,11 @@ from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = "/tf"
-DEPTH: Final = 100
+TRANSFORMS_KEPT: Final = 100
 
 
 class Transforms(Sink):
-    """A sink that publishes each attitude as a transform. It needs the package tf2_msgs, see `is_available`.
+    """A sink that publishes each attitude as a transform, if tf2_msgs is installed.
 
     Parameters
     ----------
@@ -29,14 +28,9 @@ class Transforms(Sink):
     def __init__(self, node: Node) -> None:
         from tf2_msgs.msg import TFMessage
 
-        qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
         options = QoSOverridingOptions.with_default_policies()
         self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
-
-    @staticmethod
-    def is_available() -> bool:
-        """Whether the package tf2_msgs is installed."""
-        return find_spec("tf2_msgs") is not None
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the names of the frames."""

@@ -17,7 +17,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.mailbox import Mailbox, P, T
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
@@ -29,7 +29,7 @@ STEPS_PER_BATCH: Final = 2000
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
-"""Lateness from which a run that is woken too seldom sends more at once, ns: it would fall behind for ever."""
+"""Lateness from which a run that is woken too seldom sends more at once, ns: else it would fall behind for ever."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
@@ -48,7 +48,7 @@ class RunState(Enum):
 class LiveRun:
     """The loop that owns the simulation. It runs in the main thread, which signals interrupt.
 
-    All other methods than `run` are to be called by the thread of the loop: other threads leave calls in the mailbox.
+    All other methods than `run` and `ask` are to be called by the thread of the loop: other threads `ask` for them.
 
     Parameters
     ----------
@@ -67,6 +67,16 @@ class LiveRun:
         Real-time factor: simulated time over steady time; 0: as fast as possible.
     paused : bool, optional
         Begin paused, before the first sample.
+
+    Attributes
+    ----------
+    state : RunState
+    factor : float
+        Real-time factor.
+    latest : tuple of (int, State)
+        Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample.
+    punctuality : Punctuality
+        How many samples were sent so far, and how late.
     """
 
     def __init__(
@@ -87,36 +97,16 @@ class LiveRun:
         self._interruption = interruption
         self._steady = steady
         self._wall = wall
-        self._factor = factor
+        self.factor = factor
         self._take_pace(Halted(simulation.next_stamp_ns - 1))
-        self._state = RunState.PAUSED if paused else RunState.PLAYING
+        self.state = RunState.PAUSED if paused else RunState.PLAYING
         self._request: StepRequest | None = None
-        self._punctuality = Punctuality()
-
-    @property
-    def state(self) -> RunState:
-        """The run state: stopped, playing or paused."""
-        return self._state
-
-    @property
-    def factor(self) -> float:
-        """Real-time factor: simulated time over steady time; 0: as fast as possible."""
-        return self._factor
+        self.punctuality = Punctuality()
 
     @property
     def segment(self) -> Segment:
         """The present segment."""
         return self._simulation.segment
-
-    @property
-    def latest(self) -> tuple[int, State]:
-        """Stamp (ns) and state of the last sample sent; at the start of a segment, of its first sample."""
-        return self._latest
-
-    @property
-    def punctuality(self) -> Punctuality:
-        """How many samples were sent so far, and how late."""
-        return self._punctuality
 
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
@@ -130,8 +120,8 @@ class LiveRun:
         if self._wall is not None:
             self._simulation.start_at(self._wall())
         first = self._simulation.next_stamp_ns
-        playing = self._state is RunState.PLAYING
-        self._take_pace(pace_of(self._factor, first, steady) if playing else Halted(first - 1))
+        playing = self.state is RunState.PLAYING
+        self._take_pace(pace_of(self.factor, first, steady) if playing else Halted(first - 1))
         self._begin(self._simulation.segment)
         try:
             while not self._interruption.requested:
@@ -141,6 +131,21 @@ class LiveRun:
             return  # interrupted while waiting or computing: nothing is lost
         finally:
             self._abandon("the node is ending")
+            self._mailbox.close()
+
+    def ask(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Have the thread of the loop call a function between two batches; return or raise what the function does.
+
+        Raises
+        ------
+        ClosedError
+            If the run has ended.
+        """
+        return self._mailbox.request(function, *args, **kwargs)
+
+    def quit(self) -> None:
+        """End the run."""
+        self._interruption.requested = True
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample.
@@ -157,7 +162,8 @@ class LiveRun:
         """
         segment = self._simulation.reset(scenario)
         self._abandon("reset")
-        self._stay_halted()
+        if self.state is not RunState.PLAYING:
+            self._take_pace(Halted(self._simulation.next_stamp_ns - 1))
         self._begin(segment)
         return segment
 
@@ -182,22 +188,22 @@ class LiveRun:
         self._abandon("paused")
         halted = self._present_ns()
         self._take_pace(Halted(halted))
-        self._state = RunState.PAUSED
+        self.state = RunState.PAUSED
         return halted
 
     def resume(self) -> None:
         """Let simulated time pass again, from where it stands."""
-        if self._state is RunState.PLAYING:
+        if self.state is RunState.PLAYING:
             return
         self._abandon("resumed")
-        self._take_pace(pace_of(self._factor, self._present_ns(), self._steady()))
-        self._state = RunState.PLAYING
+        self._take_pace(pace_of(self.factor, self._present_ns(), self._steady()))
+        self.state = RunState.PLAYING
 
     def stop(self, scenario: Scenario) -> Segment:
         """Begin a new segment, and stop simulated time just before its first sample."""
         self.pause()
         segment = self.reset(scenario)
-        self._state = RunState.STOPPED
+        self.state = RunState.STOPPED
         return segment
 
     def step(self, count: int) -> StepRequest:
@@ -220,8 +226,8 @@ class LiveRun:
         ParameterError
             If the last stamp would lie beyond `MAX_EPOCH_NS`.
         """
-        if self._state is not RunState.PAUSED:
-            raise ControlError(f"the run is {self._state.value}: pause it before a step")
+        if self.state is not RunState.PAUSED:
+            raise ControlError(f"the run is {self.state.value}: pause it before a step")
         if self._request is not None:
             raise ControlError(f"{self._request.completed} of {self._request.total} steps are done: wait, or pause")
         if count < 1:
@@ -239,9 +245,9 @@ class LiveRun:
     def change_factor(self, factor: float) -> None:
         """Let simulated time pass by another real-time factor from now on."""
         present = self._present_ns()
-        self._factor = factor
+        self.factor = factor
         self._set_deadline()
-        if self._state is RunState.PLAYING:
+        if self.state is RunState.PLAYING:
             self._take_pace(pace_of(factor, present, self._steady()))
 
     def _take_pace(self, pace: Pace) -> None:
@@ -251,10 +257,6 @@ class LiveRun:
     def _present_ns(self) -> int:
         """Present simulated time, ns: never beyond a sample that was not yet sent."""
         return min(self._pace.due_ns(self._steady()), self._simulation.next_stamp_ns - 1)
-
-    def _stay_halted(self) -> None:
-        if self._state is not RunState.PLAYING:
-            self._take_pace(Halted(self._simulation.next_stamp_ns - 1))
 
     def _abandon(self, why: str) -> None:
         if self._request is not None:
@@ -269,12 +271,12 @@ class LiveRun:
         self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in scenario.sensors.on.values())])
         self._set_deadline()
         self._rested_ns = 0
-        self._latest = (segment.start_ns, scenario.start())
+        self.latest: tuple[int, State] = (segment.start_ns, scenario.start())
         for sink in self._sinks:
             sink.begin_segment(segment)
 
     def _set_deadline(self) -> None:
-        factor = self._factor or 1.0
+        factor = self.factor or 1.0
         self._deadline_ns = max(SHORTEST_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
         self._is_fast = self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
 
@@ -305,9 +307,9 @@ class LiveRun:
         if lateness_ns > self._deadline_ns:
             overdue = self._pace.due_ns(steady_ns - self._deadline_ns - 1)
             missed = int(np.searchsorted(samples.stamps_ns, overdue, side="right"))
-        self._punctuality = self._punctuality.after(len(samples), missed, lateness_ns)
+        self.punctuality = self.punctuality.after(len(samples), missed, lateness_ns)
         if len(samples):
-            self._latest = (int(samples.stamps_ns[-1]), samples.states[-1])
+            self.latest = (int(samples.stamps_ns[-1]), samples.states[-1])
         if self._request is not None:
             self._request.advance(self._simulation.next_sample)
             if self._request.completed == self._request.total:
@@ -316,7 +318,7 @@ class LiveRun:
     def _wait_ns(self) -> int:
         """Time until a sample is due or a sink wants its tick, ns. It gives the sinks their tick."""
         now = self._steady()
-        others = [sink.tick(now, self._punctuality) for sink in self._sinks]
+        others = [sink.tick(now, self.punctuality) for sink in self._sinks]
         wait = self._pace.wait_ns(self._simulation.next_stamp_ns, now)
         if not all(sink.ready() for sink in self._sinks):
             return 0

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from queue import Empty, SimpleQueue
 from threading import Lock
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 from lie_rigid_body.errors import LieRigidBodyError
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -23,27 +25,28 @@ class Call(Generic[T]):
     Parameters
     ----------
     function : callable
+
+    Attributes
+    ----------
+    outcome : Future
+        What the function returned or raised, for the thread that waits.
     """
 
     def __init__(self, function: Callable[[], T]) -> None:
         self._function = function
-        self._outcome: Future[T] = Future()
+        self.outcome: Future[T] = Future()
 
     def carry_out(self) -> None:
         """Call the function. The waiting thread gets its result, or what it raised."""
         try:
-            self._outcome.set_result(self._function())
+            self.outcome.set_result(self._function())
         except Exception as error:
-            self._outcome.set_exception(error)
+            self.outcome.set_exception(error)
 
     def refuse(self) -> None:
         """Raise ClosedError in the waiting thread, unless the function was called."""
-        if not self._outcome.done():
-            self._outcome.set_exception(ClosedError("the node is ending: start it again"))
-
-    def result(self) -> T:
-        """Wait for the function's result, and return it or raise what the function raised."""
-        return self._outcome.result()
+        if not self.outcome.done():
+            self.outcome.set_exception(ClosedError("the node is ending: start it again"))
 
 
 class Mailbox:
@@ -55,8 +58,14 @@ class Mailbox:
         self._lock = Lock()
         self._open = True
 
-    def request(self, function: Callable[[], T]) -> T:
+    def request(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Have the owner call a function; wait for the result, and return it.
+
+        Parameters
+        ----------
+        function : callable
+        *args, **kwargs
+            Arguments for the function.
 
         Raises
         ------
@@ -65,7 +74,7 @@ class Mailbox:
         Exception
             Whatever the function raised.
         """
-        call: Call[Any] = Call(function)
+        call: Call[Any] = Call(partial(function, *args, **kwargs))
         with self._lock:
             if not self._open:
                 call.refuse()
@@ -73,7 +82,7 @@ class Mailbox:
                 self._unanswered.add(call)
                 self._calls.put(call)
         try:
-            return cast(T, call.result())
+            return cast(T, call.outcome.result())
         finally:
             with self._lock:
                 self._unanswered.discard(call)

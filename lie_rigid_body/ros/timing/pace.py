@@ -1,4 +1,4 @@
-"""Which stamps are due at a time of the steady clock, for each way simulated time can pass. Times are integers, ns."""
+"""Paces: the stamps that are due at a time of the steady clock, as simulated time passes. Times are integers, ns."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Final, Protocol
 FOREVER: Final = 2**63
 """A time longer than any wait, and later than any stamp, ns."""
 CATCH_UP: Final = 1.25
-"""A run that is late sends so many times as fast as simulated time passes: faster, it would overrun subscribers."""
+"""Speed of a late run, as a multiple of that of simulated time: a higher one would overrun subscribers."""
 BREATH_NS: Final = 500_000
 """Shortest rest of a late run, ns: at high rates a rest after each sample would cost too much."""
 LONGEST_CREDIT_NS: Final = 3_000_000
 """Longest oversleep that a late run makes up for at once, ns: 3 samples at 1 kHz, as many subscribers keep 10."""
 STALL_NS: Final = 25_000_000
-"""Oversleep from which on it is a stall, ns: nothing of it is made up for at once."""
+"""Oversleep from which on it counts as a stall, of which nothing is made up for at once, ns."""
 
 
 def credit_ns(overslept_ns: int) -> int:

@@ -10,19 +10,19 @@ from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.simulation import Segment
 
 LARGEST_BATCH: Final = 250
-"""The most samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
+"""Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 
 
 @dataclass(frozen=True)
 class Punctuality:
-    """How many samples a run has sent so far, and how late.
+    """Counts of the samples that a run has sent so far, and their lateness.
 
     Parameters
     ----------
     sent : int
         Samples of the truth sent.
     missed : int
-        Those sent more than a sample period, or a millisecond if that is longer, after they were due.
+        Samples sent more than a sample period, or a millisecond if that is longer, after they were due.
     lateness_ns : int
         Lateness of the latest batch's first sample, ns.
     worst_ns : int
@@ -71,7 +71,7 @@ class Sink(Protocol):
         steady_ns : int
             Present time of the steady clock, ns.
         punctuality : Punctuality
-            That of the run so far.
+            Punctuality of the run so far.
 
         Returns
         -------

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
-from lie_rigid_body.groups.runge_kutta import RungeKuttaStepper
+from lie_rigid_body.groups.group_moving_chart import runge_kutta_step
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 
 
@@ -44,5 +45,5 @@ def test_an_implicit_shape_is_refused():
 def test_stepper_integrates_polynomials_of_its_order_exactly(tableau):
     """y' = (t^(p-1), 1) with t carried along: a method of order p has no error but round-off."""
     p = tableau.order
-    end = RungeKuttaStepper(tableau).step(lambda y: [y[1] ** (p - 1), 1.0], [0.0, 0.0], 0.7)
+    end = runge_kutta_step(tableau, lambda y: np.array([y[1] ** (p - 1), 1.0]), np.zeros(2), 0.7)
     assert end[0] == pytest.approx(0.7**p / p, rel=1e-15)

@@ -12,7 +12,6 @@ from typing import Any
 from fake_time import KeepingSink
 
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.control.run_control import RunControl
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.mailbox import Mailbox
 from lie_rigid_body.scenario import Scenario
@@ -49,8 +48,7 @@ class Simulator:
         self.interruption = interruption
         self.sink = KeepingSink(interruption, 2**63)
         self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.sink], mailbox, interruption, paused=paused)
-        self.control = RunControl(self.live, mailbox, interruption)
-        self.services = StandardServices(StandardControl(self.control, lambda: SCENARIO, NAME))
+        self.services = StandardServices(StandardControl(self.live, lambda: SCENARIO, NAME))
 
     def ask(self, service: str, **request: Any) -> Any:
         return getattr(self.services, service)(SimpleNamespace(**request), RESPONSES[service]())
@@ -74,19 +72,14 @@ class Simulator:
 def running(*, paused: bool) -> Iterator[Simulator]:
     interruption, mailbox = Interruption(), Mailbox()
     simulator = Simulator(interruption, mailbox, paused=paused)
-
-    def run() -> None:
-        simulator.live.run()
-        mailbox.close()
-
-    thread = Thread(target=run, daemon=True)
+    thread = Thread(target=simulator.live.run, daemon=True)
     thread.start()
-    simulator.control.latest()  # it has begun
+    simulator.live.ask(lambda: None)  # it has begun
     try:
         yield simulator
     finally:
         if thread.is_alive() and not interruption.requested:
-            simulator.control.quit()
+            simulator.live.ask(simulator.live.quit)
         thread.join(10.0)
         assert not thread.is_alive()
 

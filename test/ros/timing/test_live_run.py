@@ -80,7 +80,7 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
     assert len(sink.segments) == 1
     assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
     with pytest.raises(InputError, match="no"):
-        call.result()
+        call.outcome.result()
 
 
 @pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
@@ -120,6 +120,23 @@ def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
     asking.join(10.0)
     ask()
     assert len(errors) == 2
+
+
+def test_a_run_that_has_ended_refuses_what_comes() -> None:
+    time = FakeTime({})
+    run(time, 5)
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            time.request(int)
+        except ClosedError as error:
+            errors.append(error)
+
+    asking = Thread(target=ask, daemon=True)
+    asking.start()
+    asking.join(10.0)
+    assert len(errors) == 1
 
 
 def test_call_that_was_taken_but_not_carried_out_is_refused_at_the_end() -> None:

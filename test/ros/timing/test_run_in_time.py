@@ -35,11 +35,12 @@ def truth(count: int, first: int = 0) -> list[int]:
     return [NS + k * PERIOD for k in range(first, first + count)]
 
 
-def failure(stepping: object) -> str:
+def broken_off(stepping: object) -> int:
+    """How many steps of a request that was broken off were done."""
     assert isinstance(stepping, StepRequest)
-    with pytest.raises(ControlError) as told:
+    with pytest.raises(ControlError):
         stepping.wait(0.0)
-    return str(told.value)
+    return stepping.completed
 
 
 @pytest.mark.parametrize("factor", [0.1, 0.5, 1 / 3, 1.0, 2.0, 7.7])
@@ -113,10 +114,9 @@ def test_steps_that_are_refused_change_nothing() -> None:
         (3 * NS, lambda: run.live.step(2**64 - 1)),
         (4 * NS, nothing),
     )
-    for refused, word in ((playing, "pause it"), (second, "250 of 600"), (none, "at least 1")):
-        assert isinstance(refused, ControlError)
-        assert word in str(refused)
+    assert all(isinstance(refused, ControlError) for refused in (playing, second, none))
     assert isinstance(beyond, ParameterError)
+    assert beyond.name == "steps"
     assert isinstance(long, StepRequest)
     assert long.wait(0.0)
     assert run.sink.stamps == truth(101 + 600)
@@ -133,8 +133,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
         "reset_to": lambda: run.live.reset_to(run.scenario.start()),
     }
     [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
-    word = {"stop": "paused", "reset_to": "reset"}.get(why, why)
-    assert failure(stepping) == f"{word} after {LARGEST_BATCH} of 1000 steps: ask for the rest again"
+    assert broken_off(stepping) == LARGEST_BATCH
     assert (run.live.state is RunState.PLAYING) == (why == "resumed")
     count = len(run.sink.stamps)
     assert run.sink.stamps == truth(count)
@@ -144,7 +143,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
 def test_the_end_breaks_off_steps() -> None:
     run = ScriptedRun(paused=True)
     [stepping] = run.play((NS, lambda: run.live.step(1000)))
-    assert failure(stepping) == "the node is ending after 250 of 1000 steps: ask for the rest again"
+    assert broken_off(stepping) == 250
 
 
 def test_time_goes_on_from_where_it_stood() -> None:
@@ -321,7 +320,6 @@ def test_to_stop_is_to_pause_at_the_start() -> None:
     assert (answers[0], second.start_ns) == (second, truth(1, 101)[0])
     assert states == [RunState.STOPPED, RunState.PLAYING]
     assert isinstance(answers[2], ControlError)
-    assert "stopped" in str(answers[2])
     assert run.sink.stamps == truth(len(run.sink.stamps))
     # time stands just before the start
     assert run.sink.sent_at[101] == 3 * NS + 1

@@ -1,0 +1,173 @@
+"""A small client of the node, which prints what it hears: the poses, the latched scenario, answers and parameters."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from lie_rigid_body import console
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros.listen import CALLS
+from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+from lie_rigid_body.scenario.parameter_file import parse_assignment
+from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
+
+SHOWN_EVERY: Final = 0.2
+"""Shortest time between two printed poses, s."""
+LONGEST_SILENCE: Final = 5.0
+"""Longest wait for the first pose, whose absence is then reported, for a service and for its answer, s."""
+SIGNAL_INTERVAL: Final = 0.1
+"""Longest time between two looks whether a signal has come, s."""
+
+
+def ask(given: argparse.Namespace, interruption: Interruption) -> None:
+    """Carry out a command line of `listen`.
+
+    Raises
+    ------
+    LieRigidBodyError
+        If there is no answer, or the node refuses.
+    KeyboardInterrupt
+        If interrupted before an answer.
+    """
+    with initialised([]):
+        with translated_errors("a node"):
+            node = rclpy.create_node("lie_rigid_body_listener")
+        with destroying(node):
+            client = Client(node, interruption)
+            for name in CALLS:
+                if service := getattr(given, name):
+                    return client.trigger(f"--{name}", service)
+            if given.scenario:
+                return client.scenario(given.scenario)
+            if given.get:
+                return client.get_parameter(given.node, given.get)
+            if given.set:
+                return client.set_parameter(given.node, given.set)
+            return client.listen(given.pose)
+
+
+class Client:
+    """Requests to the node, whose answers are printed.
+
+    Parameters
+    ----------
+    node : Node
+        The client's own node.
+    interruption : Interruption
+        Ends a wait.
+    """
+
+    def __init__(self, node: Node, interruption: Interruption) -> None:
+        self._node, self._interruption = node, interruption
+
+    def listen(self, topic: str) -> None:
+        """Print poses of a topic, one in `SHOWN_EVERY` seconds, until interrupted."""
+        shown, heard = 0.0, True
+
+        def show(pose: PoseStamped) -> None:
+            nonlocal shown, heard
+            silence.cancel()
+            if time.monotonic() - shown < SHOWN_EVERY:
+                return
+            shown = time.monotonic()
+            heard = console.say(line(pose))
+
+        def report_silence() -> None:
+            silence.cancel()
+            print(f"nothing yet on {topic} in domain {self._domain}: is the node running?", file=sys.stderr)
+
+        with translated_errors(f"--pose {topic!r}"):
+            self._node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
+        silence = self._node.create_timer(LONGEST_SILENCE, report_silence)
+        self._spin_while(lambda: heard and not self._interruption.requested)
+
+    def scenario(self, topic: str) -> None:
+        """Print the latched scenario."""
+        heard: list[Any] = []
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        with translated_errors(f"--scenario {topic!r}"):
+            self._node.create_subscription(String, topic, heard.append, latched)
+        self._wait(lambda: bool(heard), f"nothing on {topic}")
+        console.say(heard[0].data)
+
+    def trigger(self, option: str, service: str) -> None:
+        """Call a service of the type std_srvs/Trigger, and print its answer."""
+        with translated_errors(f"{option} {service!r}"):
+            client = self._node.create_client(Trigger, service)
+        self._wait(client.service_is_ready, f"no service {service}")
+        response = self._answer(client.call_async(Trigger.Request()), service)
+        if not response.success:
+            raise LieRigidBodyError(f"{service} refuses: {response.message}")
+        console.say(response.message)
+
+    def get_parameter(self, remote: str, name: str) -> None:
+        """Print the value of a parameter of another node."""
+        values = self._answer(self._parameters(remote).get_parameters([name]), remote).values
+        if not values:
+            raise InputError(f"--get {name}: {remote} has no such parameter; the README lists them")
+        console.say(str(parameter_value_to_python(values[0])))
+
+    def set_parameter(self, remote: str, assignment: str) -> None:
+        """Set a parameter of another node."""
+        name, value = parse_assignment(assignment, "--set")
+        with translated_errors(f"--set {shown(assignment)}"):
+            change = Parameter(name, value=value)
+        result = self._answer(self._parameters(remote).set_parameters([change]), remote).results[0]
+        if not result.successful:
+            raise InputError(f"{remote} refuses --set {shortened(name, LONGEST_VALUE)}: {result.reason}")
+        console.say(f"{remote} has {name} {value}")
+
+    def _parameters(self, remote: str) -> AsyncParameterClient:
+        with translated_errors(f"--node {remote!r}"):
+            client = AsyncParameterClient(self._node, remote)
+        self._wait(client.services_are_ready, f"no node {remote}")
+        return client
+
+    def _answer(self, future: Any, asked: str) -> Any:
+        self._wait(future.done, f"no answer from {asked}")
+        return future.result()
+
+    def _wait(self, done: Callable[[], bool], complaint: str) -> None:
+        """Wait until something is done, at most `LONGEST_SILENCE`."""
+        end = time.monotonic() + LONGEST_SILENCE
+        self._spin_while(lambda: not (done() or self._interruption.requested or time.monotonic() > end))
+        if not done():
+            if self._interruption.requested:
+                raise KeyboardInterrupt
+            raise LieRigidBodyError(f"{complaint} in domain {self._domain}: is the node running?")
+
+    def _spin_while(self, wanted: Callable[[], bool]) -> None:
+        """Spin while a condition holds.
+
+        rclpy handles no signals here: it would shut down in another thread, at any moment.
+        """
+        executor = SingleThreadedExecutor()
+        executor.add_node(self._node)
+        while wanted():
+            executor.spin_once(timeout_sec=SIGNAL_INTERVAL)
+
+    @property
+    def _domain(self) -> int:
+        domain: int = self._node.context.get_domain_id()
+        return domain
+
+
+def line(pose: PoseStamped) -> str:
+    """A pose in one line."""
+    stamp, q = pose.header.stamp, pose.pose.orientation
+    return f"{stamp.sec}.{stamp.nanosec:09d} s  x {q.x:+.6f}  y {q.y:+.6f}  z {q.z:+.6f}  w {q.w:+.6f}"

@@ -1,0 +1,193 @@
+"""What the room `ros` says when it refuses, as far as no node need run for it: value, limit and remedy, in one line."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+
+from lie_rigid_body import LieRigidBodyError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.ros import launching
+from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.ros.timing.live_run import LiveRun
+from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.step_request import StepRequest
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+SCENARIO = Scenario.from_parameters({"motion": "closed_form"})
+ENDED = SimpleNamespace(process_name="it-3", returncode=-6)
+
+
+class DirectMailbox(Mailbox):
+    """A mailbox of a run without a loop, which makes every call at once."""
+
+    def request(self, function: Any, *args: Any, **kwargs: Any) -> Any:
+        return function(*args, **kwargs)
+
+
+def live(*, paused: bool = False, mailbox: Mailbox | None = None) -> LiveRun:
+    run = LiveRun(Simulation(SCENARIO, 0), [], mailbox or DirectMailbox(), Interruption(), paused=paused)
+    run.latest = 0, SCENARIO.start()
+    return run
+
+
+def abandoned() -> StepRequest:
+    request = StepRequest(0, 10)
+    request.abandon("paused")
+    return request
+
+
+def closed() -> LiveRun:
+    mailbox = Mailbox()
+    mailbox.close()
+    return live(mailbox=mailbox)
+
+
+def standard(*, paused: bool = False, stopped: bool = False) -> StandardControl:
+    run = live(paused=paused)
+    if stopped:
+        run._begin(run.segment)
+        run.stop(SCENARIO)
+    return StandardControl(run, lambda: SCENARIO, "top")
+
+
+def put(
+    frame: str = "",
+    position: tuple[float, ...] = (0.0, 0.0, 0.0),
+    attitude: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0),
+    linear: tuple[float, ...] = (0.0, 0.0, 0.0),
+    angular: tuple[float, ...] = (0.0, 0.0, 0.0),
+) -> None:
+    """Ask for a state of the body."""
+    fields = [
+        SimpleNamespace(**dict(zip("xyzw", values, strict=False))) for values in (position, attitude, linear, angular)
+    ]
+    pose, twist = (
+        SimpleNamespace(position=fields[0], orientation=fields[1]),
+        SimpleNamespace(linear=fields[2], angular=fields[3]),
+    )
+    wanted = SimpleNamespace(header=SimpleNamespace(frame_id=frame), pose=pose, twist=twist)
+    standard().set_entity_state("top", wanted, set_pose=True, set_twist=True)
+
+
+def without(package: str) -> None:
+    with patch.dict(sys.modules, {package: None}):
+        require_ros()
+
+
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (
+            lambda: live().step(1),
+            "the run is playing: pause it before a step",
+        ),
+        (
+            lambda: live(paused=True).step(0),
+            "0 steps are none: ask for at least 1",
+        ),
+        (
+            lambda: live(paused=True).step(10**15),
+            "steps: 1000000000000000 lead to 9999999999999990000000 ns, beyond the last stamp "
+            "2147483647000000000: give fewer",
+        ),
+        (
+            lambda: [run.step(3) for run in [live(paused=True)] * 2],
+            "0 of 3 steps are done: wait, or pause",
+        ),
+        (
+            lambda: abandoned().wait(),
+            "paused after 0 of 10 steps: ask for the rest again",
+        ),
+        (
+            lambda: closed().ask(int),
+            "the node is ending: start it again",
+        ),
+        (
+            lambda: standard().reset(4),
+            "scope 4 leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or SCOPE_ALL (255)",
+        ),
+        (
+            lambda: standard().set_state(9),
+            "state 9 is none of 0 stopped, 1 playing, 2 paused, 3 quit",
+        ),
+        (
+            lambda: standard().set_state(1),
+            "the simulation is playing already",
+        ),
+        (
+            lambda: standard(paused=True).set_state(2),
+            "the simulation is paused already",
+        ),
+        (
+            lambda: standard(stopped=True).set_state(2),
+            "the simulation is stopped: play it before it can be paused",
+        ),
+        (
+            lambda: standard().begin_steps(1),
+            "the run is playing: pause it before a step",
+        ),
+        (
+            lambda: standard().entities("", [], tags=True, bounds=False),
+            "filters by tags and by bounds are unsupported: leave them out",
+        ),
+        (
+            lambda: standard().entities("(", [], tags=False, bounds=False),
+            "filter '(' is no regular expression (missing ), unterminated subpattern at position 0): give one, or none",
+        ),
+        (
+            lambda: standard().entity_info("robot"),
+            "there is no entity 'robot': the body is 'top'",
+        ),
+        (
+            lambda: put(frame="moon"),
+            "frame 'moon' is unknown: give pose and twist in 'world', or leave it empty",
+        ),
+        (
+            lambda: put(position=(1.0, 0.0, 0.0)),
+            "position [1.0, 0.0, 0.0] is not 0, where the mass centre stays: give 0",
+        ),
+        (
+            lambda: put(linear=(0.0, 2.0, 0.0)),
+            "linear velocity [0.0, 2.0, 0.0] is not 0: give 0, the mass centre stays",
+        ),
+        (
+            lambda: put(angular=(0.0, 0.0, float("nan"))),
+            "angular velocity [0.0, 0.0, nan] is not finite: give numbers",
+        ),
+        (
+            lambda: put(attitude=(0.0, 0.0, 0.0, 2.0)),
+            "attitude_xyzw: norm 2 is not 1 within 1e-06: divide the quaternion x y z w by its norm",
+        ),
+        (
+            lambda: without("rclpy"),
+            "rclpy is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, pip install "
+            "'.[ros]'; or use 'record'",
+        ),
+        (
+            lambda: launching.require_known("/launch/sim.launch.py", ["rte:=1.0"], ["rate"]),
+            "rte:=1.0: sim.launch.py has no argument 'rte': did you mean rate? --show-args lists those that it has",
+        ),
+        (
+            lambda: launching.require_executables(("mine", "filter")),
+            "filter of the package mine is not there: nothing was started; source its workspace, or apt install"
+            " ros-jazzy-mine",
+        ),
+        (
+            lambda: launching.fail_unless_shut_down(ENDED, SimpleNamespace(is_shutdown=False)),
+            "it-3 ended with status -6: the rest is ended as well",
+        ),
+    ],
+)
+def test_a_refusal_in_one_line(act: Any, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["ros2", "launch", "lie_rigid_body", "sim.launch.py"])
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    with pytest.raises(LieRigidBodyError) as caught:
+        act()
+    assert str(caught.value) == said
