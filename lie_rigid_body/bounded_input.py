@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import stat
@@ -57,13 +58,15 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
     """
     mode = os.stat(as_path(path)).st_mode
     is_pipe = stat.S_ISFIFO(mode)
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or (is_pipe and pipes)):
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not (stat.S_ISREG(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
     return open(path, "rb", opener=_without_waiting)
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
 
 
 def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:

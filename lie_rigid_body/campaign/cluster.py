@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -19,6 +18,7 @@ from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import write_file
+from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
@@ -143,17 +143,15 @@ def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
 @contextmanager
 def _deaf_children() -> Iterator[None]:
     """A context whose threads, and their processes, never get SIGINT: Ctrl-C goes to a terminal's whole group."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
     resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def cores() -> int:
-    """The number of cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def finished(

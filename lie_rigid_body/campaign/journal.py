@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 from array import array
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from itertools import chain, islice
 from pathlib import Path
 from types import TracebackType
@@ -20,6 +19,7 @@ from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.scenario.parameter_table import BY_NAME
+from lie_rigid_body.system import lock
 
 JOURNAL: Final = "runs.jsonl"
 """The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
@@ -60,7 +60,7 @@ class Journal:
             folder.mkdir(exist_ok=True)
             (folder / BAGS).mkdir(exist_ok=True)
             self._file = self.path.open("a+b")
-            self._lock()
+            self._lock = self._locked()
             self._read()
         except FileExistsError as error:
             raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
@@ -77,9 +77,9 @@ class Journal:
         except OSError:
             return False
 
-    def _lock(self) -> None:
+    def _locked(self) -> ExitStack:
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return lock(self._file)
         except BlockingIOError:
             raise BagError(
                 f"another process works on {self.folder}: wait for its end, or give another folder"
@@ -212,6 +212,7 @@ class Journal:
     ) -> None:
         with suppress(OSError):  # what could not be written cannot be now
             self._file.close()
+        self._lock.close()
 
 
 def _heading(campaign: Campaign) -> bytes:
