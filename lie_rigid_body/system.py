@@ -5,6 +5,7 @@ Each part is asked for by its name, not by that of the system.
 
 from __future__ import annotations
 
+import getpass
 import os
 import stat
 from contextlib import ExitStack
@@ -12,16 +13,22 @@ from pathlib import Path
 from typing import IO, Any
 
 
-def lock(file: IO[Any]) -> ExitStack:
+def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:
     """Lock an open file for this process alone, until it ends or closes what is returned.
 
     The lock is `flock` where there is one, and a file of the same name and ``.lock`` elsewhere. It outlives the closing
     of the file, which some systems can replace or remove only then.
 
+    Parameters
+    ----------
+    file : file
+    wait : bool, optional
+        Whether to wait for another process that has it.
+
     Raises
     ------
     BlockingIOError
-        If another process has it.
+        If another process has it, and is not waited for.
     OSError
         If there are no locks in that folder.
     """
@@ -33,7 +40,7 @@ def lock(file: IO[Any]) -> ExitStack:
 
         beside = FileLock(f"{file.name}.lock")
         try:
-            beside.acquire(timeout=0)
+            beside.acquire(timeout=-1 if wait else 0)
         except Timeout:
             raise BlockingIOError(f"{file.name} is locked") from None
         held.callback(beside.release)
@@ -41,7 +48,7 @@ def lock(file: IO[Any]) -> ExitStack:
     descriptor = os.dup(file.fileno())
     held.callback(os.close, descriptor)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
     except OSError:
         held.close()
         raise
@@ -51,6 +58,11 @@ def lock(file: IO[Any]) -> ExitStack:
 def cores() -> int:
     """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def user() -> str:
+    """Number of this user, or the name where users have none."""
+    return str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
 
 
 def is_private(folder: Path) -> bool:

@@ -36,6 +36,7 @@ LIBRARIES = {
     "colcon_core",
     "colcon_ros",
     "evo",
+    "filelock",
     "mcap_ros2",
     "mpmath",
     "plotly",
