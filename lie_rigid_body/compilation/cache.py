@@ -8,29 +8,31 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
+from typing import Final
+
+from lie_rigid_body.system import is_private, user
+
+_HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
+"""Variables of the environment that may name the folder of caches."""
 
 
 def cache_folder(function: Callable[..., None]) -> Path | None:
-    """A folder for the compiled form of a function, which only this user can write to; None if there is no place."""
-    name = f"lie_rigid_body/{_digest(function)}"
-    homes = [os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME"), os.path.expanduser("~/.cache")]
-    private = str(Path(tempfile.gettempdir()) / f"cache-{os.getuid()}")
-    for home in [*homes, private]:
-        if home and _is_own_folder(Path(home) / name):
-            return Path(home) / name
+    """Folder for the compiled form of a function, made if need be; None if there is no place for it.
+
+    Only this user can write to it, as code that is loaded has to be safe.
+    """
+    homes = [*filter(None, map(os.environ.get, _HOMES)), os.path.expanduser("~/.cache")]
+    for home in (*homes, Path(tempfile.gettempdir(), f"cache-{user()}")):
+        folder = Path(home, "lie_rigid_body", _digest(function))
+        with suppress(OSError):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if is_private(folder):
+                return folder
     return None
-
-
-def _is_own_folder(path: Path) -> bool:
-    """Whether this user owns the folder, made if need be, and may write to it: code that is loaded has to be safe."""
-    try:
-        path.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
-    except OSError:
-        return False
 
 
 def _digest(function: Callable[..., None]) -> str:
