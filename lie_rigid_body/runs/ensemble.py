@@ -222,10 +222,6 @@ class _SharedStates:
         self._kept = kept
         self._asked = 0
 
-    def expect(self, work: int) -> None:
-        """Tell the motion of work that is to come; see `Motion`."""
-        self._kept.motion.expect(work)
-
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
         times = np.asarray(t_ns, dtype=np.int64)

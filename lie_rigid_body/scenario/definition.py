@@ -171,12 +171,6 @@ class Scenario:
         """The fields alone: a copy computes the rest anew."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def expect(self, duration: float) -> None:
-        """Take notice that samples and readings of so many seconds will be computed; see `Motion.expect`."""
-        motion = self.make_motion()
-        for rate in self._rates():
-            motion.expect(math.ceil(duration * rate) * self.steps_per_sample(rate))
-
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
         return self._rate_bound
