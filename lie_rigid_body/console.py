@@ -93,8 +93,15 @@ def how_to_certify(bag: str | Path) -> str:
 
 
 def quoted(path: str | Path) -> str:
-    """The name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show."""
+    """Name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show.
+
+    Where folders are divided by a backslash, shells take it in double quotes, and no name has such characters.
+    """
     name = str(path)
+    if os.sep == "\\":
+        from subprocess import list2cmdline  # only here: it takes a while to load
+
+        return list2cmdline([name])
     if name.isprintable():
         return shlex.quote(name)
     plain = {*map(chr, range(32, 127))} - {*"\\'"}

@@ -6,6 +6,7 @@ NumPy is not imported here: an error line must not wait for it.
 from __future__ import annotations
 
 import difflib
+import os
 import reprlib
 from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
@@ -118,7 +119,7 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
 
 
 def _short_word(word: str, most: int) -> str:
-    is_path = "/" in word and most <= _SHORT_PATH
+    is_path = os.path.basename(word) != word and most <= _SHORT_PATH
     return f"{_GAP}{word[len(_GAP) - most :]}" if is_path else _without_middle(word, most)
 
 
