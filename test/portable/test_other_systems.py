@@ -45,7 +45,8 @@ def test_an_assignment_has_a_drive_and_its_folders() -> None:
 def test_of_a_long_path_with_backslashes_the_end_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(os, "path", ntpath)
-        said = shortened(f"{FAR} does not exist: give the path of a file", 90)
+        said = shortened(f"{FAR} does not exist: give the path of a file", 80)
+    assert said.startswith("...")
     assert "\\run.mcap does not exist" in said
 
 
