@@ -19,7 +19,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import shown
 
 LONGEST_WAIT: Final = 10.0
-"""Longest time that the writers of a pipe may take, s."""
+"""Longest time that the writers of a pipe may take to close it, s."""
 SILENT_WAIT: Final = 1.0
 """Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
@@ -108,7 +108,7 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
 
 
 def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
-    """What is written into a pipe until its last writer closes it, or until there is more than the limit."""
+    """Bytes written into a pipe until its last writer closes it, or until there are more than the limit."""
     content, end = b"", time.monotonic() + LONGEST_WAIT
     if not select.select([pipe], [], [], min(SILENT_WAIT, LONGEST_WAIT))[0]:
         with suppress(OSError, ValueError):

@@ -337,7 +337,7 @@ def _status_of(prog: str, action: Callable[[], int]) -> int:
 
 
 def explanation(error: Exception) -> str:
-    """What an exception means to the user, in one line."""
+    """One line about an exception for the user."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
     if isinstance(error, MemoryError):
@@ -355,7 +355,7 @@ def explanation(error: Exception) -> str:
 
 
 def missing_library(error: ModuleNotFoundError) -> str:
-    """What to install; nothing about a module that is missing within this package, which is a mistake of ours."""
+    """A line that says what to install; empty where the missing module is one of this package, which is a bug."""
     library = (error.name or "").partition(".")[0]
     if library in ("", __package__):
         return ""

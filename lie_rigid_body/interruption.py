@@ -36,9 +36,9 @@ class Interruption:
     @classmethod
     @contextmanager
     def until_exit(cls) -> Iterator[Interruption]:
-        """A context of all that a process does: after it a second Ctrl-C must not spoil the exit status.
+        """A context of all that a process does, after which the signals are ignored.
 
-        The signals are then ignored; the interpreter gives up every other handler before it has taken down the modules.
+        A second Ctrl-C would spoil the exit status, as the interpreter gives up every handler before it ends.
         """
         interruption = cls()
         interruption.install()

@@ -1,4 +1,4 @@
-"""What a campaign is: a base scenario, the parameters that vary from run to run, and how many runs."""
+"""The definition of a campaign: a base scenario, the parameters that vary from run to run, and how many runs."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
-"""The table of all runs that are finished, written when no other can be."""
+"""File of the table of all finished runs, written when no run is left to do."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
-"""The key in the table's metadata under which the campaign is, and the version that drew its runs, as JSON."""
+"""Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 
@@ -194,7 +194,7 @@ class Campaign:
         return {name: found[name] for name in self.vary}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Workers make it anew, once for all runs: the functions that draw cannot be pickled."""
+        """The call that makes it anew from JSON, as workers do: the functions that draw cannot be pickled."""
         return _remade, (json.dumps([getattr(self, key) for key in _KEYS]),)
 
     def to_json(self) -> str:
@@ -205,7 +205,7 @@ class Campaign:
 
 @lru_cache(maxsize=1)
 def _remade(text: str) -> Campaign:
-    """The campaign of its JSON. Every run brings it along, and to read its scenario takes a while."""
+    """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
     return Campaign(*json.loads(text))
 
 

@@ -22,13 +22,13 @@ from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system import lock
 
 JOURNAL: Final = "runs.jsonl"
-"""The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
+"""File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
 RESUMED: Final = "the same command does the rest"
-"""How a campaign goes on, for a line that ends with it."""
+"""Remedy at the end of a line about a campaign that is not finished."""
 _NONE: Final = -1
-"""The place of a row that is not there."""
+"""Place in the file of a row that it does not have."""
 _ROWS_AT_ONCE: Final = 10_000
-"""Rows of the table that are in memory together."""
+"""Number of rows of the table that are in memory together."""
 
 
 class Journal:

@@ -16,10 +16,9 @@ from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.simulation import Simulation
 
 BAGS: Final = "bags"
-"""The folder of the bags, in that of the campaign."""
+"""Name of the folder of the bags in the folder of a campaign."""
 LARGEST_IN_MEMORY: Final = 8 * 2**20
-"""Largest size, bytes, of a bag that is read into memory as a whole for its certificate, which takes a twentieth less
-time than to read it in batches; a longer one would take ever more memory."""
+"""Largest size, bytes, of a bag that is read into memory as a whole to be certified, which saves 5 % of the time."""
 
 
 @dataclass(frozen=True)

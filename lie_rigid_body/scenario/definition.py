@@ -123,7 +123,7 @@ class Scenario:
 
     @property
     def without_effect(self) -> str:
-        """What is asked of sensors that are off, in a sentence without a full stop; empty if nothing."""
+        """A sentence, without its full stop, about parameters of sensors that are off; empty if there are none."""
         return without_effect(dict(self.sensor_parameters))
 
     @property
@@ -196,7 +196,7 @@ class Scenario:
         return steps_between(1.0 / (rate or self.rate), self._longest_step(self.rate_bound()))
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
-        """How many samples to compute at once, at least 1.
+        """Number of samples to compute at once, at least 1.
 
         Parameters
         ----------
