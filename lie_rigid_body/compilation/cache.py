@@ -25,8 +25,8 @@ def cache_folder(function: Callable[..., None]) -> Path | None:
 
     Only this user can write to it, as code that is loaded has to be safe.
     """
-    homes = [*filter(None, map(os.environ.get, _HOMES)), os.path.expanduser("~/.cache")]
-    for home in (*homes, Path(tempfile.gettempdir(), f"cache-{user()}")):
+    named = [os.environ[name] for name in _HOMES if os.environ.get(name)]
+    for home in (*named, os.path.expanduser("~/.cache"), f"{tempfile.gettempdir()}/cache-{user()}"):
         folder = Path(home, "lie_rigid_body", _digest(function))
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)

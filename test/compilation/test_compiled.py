@@ -106,13 +106,13 @@ def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
 
 
 def test_what_is_kept_is_loaded_after_little_work(monkeypatch):
-    loop, loaded = Loop(munthe_kaas_loop.advance), []
+    loop = Loop(munthe_kaas_loop.advance)
     monkeypatch.setattr(work, "is_kept", lambda plain: True)
     monkeypatch.setattr(work, "started", lambda *function: None)
-    monkeypatch.setattr(work, "loaded", lambda *function: loaded.append(function) or print)
+    kept = {(munthe_kaas_loop.advance, SIGNATURE): print}
+    monkeypatch.setattr(work, "loaded", lambda *function: kept[function])
     assert loop.compiled_for(STEPS_FOR_LOADING - 1) is None
     assert loop.compiled_for(LONG_CALL) is print
-    assert loaded == [(munthe_kaas_loop.advance, SIGNATURE)]
 
 
 @needs_numba
@@ -125,14 +125,14 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
     monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 1)
     loop = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop._compiled is None
+    assert loop.compiled_for(0) is None
     assert loop._compiler is not None
     assert loop._compiler.wait(60) == 0
     np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop._compiled is not None
+    assert loop.compiled_for(0) is not None
     another = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(another, steps), expected)
-    assert another._compiled is not None  # at once, from the cache
+    assert another.compiled_for(0) is not None  # at once, from the cache
 
 
 @needs_numba
