@@ -32,27 +32,20 @@ def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:
     OSError
         If there are no locks in that folder.
     """
-    held = ExitStack()
-    try:
-        import fcntl
-    except ImportError:
-        from filelock import FileLock, Timeout
-
-        beside = FileLock(f"{file.name}.lock")
+    with ExitStack() as held:
         try:
-            beside.acquire(timeout=-1 if wait else 0)
-        except Timeout:
-            raise BlockingIOError(f"{file.name} is locked") from None
-        held.callback(beside.release)
-        return held
-    descriptor = os.dup(file.fileno())
-    held.callback(os.close, descriptor)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-    except OSError:
-        held.close()
-        raise
-    return held
+            import fcntl
+        except ImportError:
+            from filelock import FileLock, Timeout
+
+            try:
+                held.enter_context(FileLock(f"{file.name}.lock").acquire(timeout=-1 if wait else 0))
+            except Timeout:
+                raise BlockingIOError(f"{file.name} is locked") from None
+        else:
+            same = held.enter_context(open(os.dup(file.fileno()), "rb", buffering=0))
+            fcntl.flock(same, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        return held.pop_all()
 
 
 def cores() -> int:

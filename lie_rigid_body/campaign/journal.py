@@ -59,9 +59,11 @@ class Journal:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
             (folder / BAGS).mkdir(exist_ok=True)
-            self._file = self.path.open("a+b")
-            self._lock = self._locked()
-            self._read()
+            with ExitStack() as parts:
+                self._file = parts.enter_context(self.path.open("a+b"))
+                parts.enter_context(self._locked())
+                self._read()
+                self._open = parts.pop_all()
         except FileExistsError as error:
             raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
         except OSError as error:
@@ -211,8 +213,7 @@ class Journal:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         with suppress(OSError):  # what could not be written cannot be now
-            self._file.close()
-        self._lock.close()
+            self._open.close()
 
 
 def _heading(campaign: Campaign) -> bytes:
