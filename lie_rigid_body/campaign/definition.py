@@ -16,7 +16,7 @@ import numpy as np
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.parameters import Value, exact_duration
+from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
@@ -29,6 +29,10 @@ TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
+_NUMBERS: Final = (
+    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
+    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
+)
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 
@@ -73,8 +77,8 @@ class Campaign:
     def __post_init__(self) -> None:
         for name in ("runs", "seed", "duration"):
             object.__setattr__(self, name, plain(getattr(self, name)))
-        _require_integer("runs", self.runs, 1, MOST_RUNS)
-        _require_integer("seed", self.seed, 0, LARGEST_SEED)
+        for number in _NUMBERS:
+            number.read(getattr(self, number.name))
         self.exact_duration  # noqa: B018 refuses what is no duration
         if not isinstance(self.scenario, str | None):
             raise InputError(f"scenario: {shown(self.scenario)} is no name: give that of a shipped scenario")
@@ -207,8 +211,3 @@ class Campaign:
 def _remade(text: str) -> Campaign:
     """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
     return Campaign(*json.loads(text))
-
-
-def _require_integer(name: str, value: object, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{name}: {shown(value)} is not an integer from {least} to {most}: give one")

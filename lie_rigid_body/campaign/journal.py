@@ -54,18 +54,19 @@ class Journal:
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
-        self._count = 0
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
             (folder / BAGS).mkdir(exist_ok=True)
             with ExitStack() as parts:
                 self._file = parts.enter_context(self.path.open("a+b"))
-                parts.enter_context(self._locked())
+                parts.enter_context(lock(self._file))
                 self._read()
                 self._open = parts.pop_all()
         except FileExistsError as error:
             raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
+        except BlockingIOError:
+            raise BagError(f"another process works on {folder}: wait for its end, or give another folder") from None
         except OSError as error:
             path = error.filename or self.path
             raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
@@ -78,14 +79,6 @@ class Journal:
                 return _equal(file.readline(), _heading(campaign))
         except OSError:
             return False
-
-    def _locked(self) -> ExitStack:
-        try:
-            return lock(self._file)
-        except BlockingIOError:
-            raise BagError(
-                f"another process works on {self.folder}: wait for its end, or give another folder"
-            ) from None
 
     def _read(self) -> None:
         self._file.seek(0)
@@ -104,7 +97,7 @@ class Journal:
             if not line.endswith(b"\n"):  # the end of the process cut it off: that run is done anew
                 self._file.truncate(place)
                 break
-            self._note(self._row(line, place).run, place)
+            self._places[self._row(line, place).run] = place
             place += len(line)
 
     def _is_bare(self, first: bytes) -> bool:
@@ -114,10 +107,6 @@ class Journal:
         except (TypeError, ValueError, RecursionError):
             return False
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
-
-    def _note(self, run: int, place: int) -> None:
-        self._count += self._places[run] == _NONE
-        self._places[run] = place
 
     def _row(self, line: bytes, place: int) -> Row:
         try:
@@ -129,14 +118,13 @@ class Journal:
         raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._places) - self._places.count(_NONE)
 
     def __contains__(self, run: int) -> bool:
         return self._places[run] != _NONE
 
     def forget(self, run: int) -> None:
         """Count a finished run as one that is still to be done; its row stays in the file until there is another."""
-        self._count -= self._places[run] != _NONE
         self._places[run] = _NONE
 
     def rows(self) -> Iterator[Row]:
@@ -160,7 +148,7 @@ class Journal:
             self._write(f"{json.dumps(row.to_dict())}\n".encode())
         except OSError as error:
             raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
-        self._note(row.run, place)
+        self._places[row.run] = place
 
     def _write(self, line: bytes) -> None:
         self._file.write(line)

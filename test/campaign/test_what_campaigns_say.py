@@ -112,7 +112,7 @@ SAID: list[tuple[Scene, str]] = [
     (lambda folder: Campaign(3, 1, 1.0).drawn(3), "run 3 is none of this campaign: give a number from 0 to 2"),
 ]
 CAMPAIGNS = [
-    ("runs: 0\nseed: 1\nduration: 1.0", "runs: 0 is not an integer from 1"),
+    ("runs: 0\nseed: 1\nduration: 1.0", "runs: 0 is outside [1, 1000000]: give for example 100"),
     ("runs: 1\nseed: -1\nduration: 1.0", "seed"),
     ("runs: 1\nseed: 1\nduration: .inf", "duration"),
     ("runs: 1\nseed: 1", "has no 'duration:'"),

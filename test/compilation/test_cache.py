@@ -45,6 +45,7 @@ def test_a_change_of_any_file_that_the_code_is_made_from_changes_its_name(made_u
 
     before = cache._digest(advance)
     (made_up / file).write_text(PACKAGE[file] + "# changed\n", encoding="utf-8")
+    cache._digest.cache_clear()
     assert (cache._digest(advance) != before) is counts
 
 
