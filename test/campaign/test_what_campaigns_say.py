@@ -180,9 +180,15 @@ DRAWN: list[tuple[dict[str, Any], str]] = [
     ({"distribution": "direction", "norm": {"distribution": "choice", "values": ["a"]}}, "'a' was drawn in run 0"),
     ({"distribution": "direction", "norm": {"distribution": "choice", "values": [math.inf]}}, "inf was drawn"),
 ]
+
+
+def drawn(one: object) -> Scene:
+    """Drawing from a distribution, if it is one."""
+    return lambda folder: distribution("vary.x", one)(Uniforms(0, 0, "x"))
+
+
 SAID += [(given(text=text), words) for text, words in CAMPAIGNS]
-SAID += [(lambda folder, one=one: distribution("vary.x", one), words) for one, words in NO_DISTRIBUTIONS]
-SAID += [(lambda folder, one=one: distribution("vary.x", one)(Uniforms(0, 0, "x")), words) for one, words in DRAWN]
+SAID += [(drawn(one), words) for one, words in [*NO_DISTRIBUTIONS, *DRAWN]]
 
 
 @pytest.mark.parametrize(("scene", "words"), SAID, ids=[words[:40] for _, words in SAID])
