@@ -32,12 +32,16 @@ ROS_NAMES = [
     f"campaign = {NAME}.cli.campaign:main",
 ]
 
+# Windows has no flock, and integers of NumPy 1 have 32 bits there. ROS and its keys of rosdep need neither.
+ON_WINDOWS = "; sys_platform == 'win32'"
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
 REQUIRES = [
+    f"filelock>=3.12{ON_WINDOWS}",
     "lz4>=4.0",
     "mcap>=1.5",
     "matplotlib>=3.6.3",
     "numpy>=1.26",
+    f"numpy>=2{ON_WINDOWS}",
     "PyYAML>=6.0.1",
     "scipy>=1.11",
     "tqdm>=4.66",
@@ -79,6 +83,7 @@ EXTRAS = {
         "colcon-core",
         "colcon-ros",
         "evo",
+        "filelock>=3.12",
         "hypothesis",
         "mcap-ros2-support",
         "mpmath",
@@ -119,6 +124,8 @@ setup(
     keywords=["ROS 2", "rigid body", "Lie group", "SO(3)", "geometric integration", "MCAP"],
     classifiers=[
         "Intended Audience :: Science/Research",
+        "Operating System :: MacOS",
+        "Operating System :: Microsoft :: Windows",
         "Operating System :: POSIX :: Linux",
         "Programming Language :: Python :: 3",
         "Topic :: Scientific/Engineering :: Physics",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import stat
@@ -18,7 +19,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import shown
 
 LONGEST_WAIT: Final = 10.0
-"""Longest time that the writers of a pipe may take, s."""
+"""Longest time that the writers of a pipe may take to close it, s."""
 SILENT_WAIT: Final = 1.0
 """Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
@@ -57,13 +58,15 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
     """
     mode = os.stat(as_path(path)).st_mode
     is_pipe = stat.S_ISFIFO(mode)
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or (is_pipe and pipes)):
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not (stat.S_ISREG(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
     return open(path, "rb", opener=_without_waiting)
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
 
 
 def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
@@ -105,7 +108,7 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
 
 
 def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
-    """What is written into a pipe until its last writer closes it, or until there is more than the limit."""
+    """Bytes written into a pipe until its last writer closes it, or until there are more than the limit."""
     content, end = b"", time.monotonic() + LONGEST_WAIT
     if not select.select([pipe], [], [], min(SILENT_WAIT, LONGEST_WAIT))[0]:
         with suppress(OSError, ValueError):

@@ -93,8 +93,15 @@ def how_to_certify(bag: str | Path) -> str:
 
 
 def quoted(path: str | Path) -> str:
-    """The name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show."""
+    """Name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show.
+
+    Where folders are divided by a backslash, shells take it in double quotes, and no name has such characters.
+    """
     name = str(path)
+    if os.sep == "\\":
+        from subprocess import list2cmdline  # only here: it takes a while to load
+
+        return list2cmdline([name])
     if name.isprintable():
         return shlex.quote(name)
     plain = {*map(chr, range(32, 127))} - {*"\\'"}
@@ -330,7 +337,7 @@ def _status_of(prog: str, action: Callable[[], int]) -> int:
 
 
 def explanation(error: Exception) -> str:
-    """What an exception means to the user, in one line."""
+    """One line about an exception for the user."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
     if isinstance(error, MemoryError):
@@ -348,7 +355,7 @@ def explanation(error: Exception) -> str:
 
 
 def missing_library(error: ModuleNotFoundError) -> str:
-    """What to install; nothing about a module that is missing within this package, which is a mistake of ours."""
+    """A line that says what to install; empty where the missing module is one of this package, which is a bug."""
     library = (error.name or "").partition(".")[0]
     if library in ("", __package__):
         return ""

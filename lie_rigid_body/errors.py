@@ -19,7 +19,7 @@ class LieRigidBodyError(Exception):
 
 
 def said(error: BaseException) -> str:
-    """What an error says, with its kind where it is none of the package."""
+    """The message of an error, with its class where the error is none of the package."""
     return str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}"
 
 
@@ -43,7 +43,7 @@ class ParameterError(InputError):
         self.name = name
 
     def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
-        """By name and message: the one argument of `Exception` would not do, and a pool would wait for ever."""
+        """The call that makes it anew, with name and message: without the name a pool of processes waits for ever."""
         return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name, LONGEST_VALUE)}: "))
 
 

@@ -1,4 +1,4 @@
-"""SIGINT, SIGTERM and SIGHUP, acted on only where nothing is lost."""
+"""Signals that ask a process to end, acted on only where nothing is lost."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Final
 
-_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+ENDING: Final[tuple[signal.Signals, ...]] = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
+"""Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
 
 
 class Interruption:
@@ -28,22 +30,22 @@ class Interruption:
 
     def install(self) -> None:
         """Handle the signals from now on; but SIGHUP stays ignored under nohup."""
-        heeded = [n for n in _SIGNALS if n != signal.SIGHUP or signal.getsignal(n) != signal.SIG_IGN]
+        heeded = [n for n in ENDING if n.name != "SIGHUP" or signal.getsignal(n) != signal.SIG_IGN]
         self._previous = {number: signal.signal(number, self._handle) for number in heeded}
 
     @classmethod
     @contextmanager
     def until_exit(cls) -> Iterator[Interruption]:
-        """A context of all that a process does: after it a second Ctrl-C must not spoil the exit status.
+        """A context of all that a process does, after which the signals are ignored.
 
-        The signals are then ignored; the interpreter gives up every other handler before it has taken down the modules.
+        A second Ctrl-C would spoil the exit status, as the interpreter gives up every handler before it ends.
         """
         interruption = cls()
         interruption.install()
         try:
             yield interruption
         finally:
-            for number in _SIGNALS:
+            for number in ENDING:
                 signal.signal(number, signal.SIG_IGN)
 
     def __enter__(self) -> Interruption:
@@ -97,7 +99,7 @@ def interruptible() -> Iterator[None]:
     Signals that the process ignores, as SIGHUP under nohup, or handles itself are left to it, and in a thread all are.
     """
     own = threading.current_thread() is threading.main_thread()
-    handlers = {number: signal.getsignal(number) for number in _SIGNALS if own}
+    handlers = {number: signal.getsignal(number) for number in ENDING if own}
     taken = {n: handler for n, handler in handlers.items() if handler in (signal.SIG_DFL, signal.default_int_handler)}
     for number in taken:
         signal.signal(number, _interrupt)

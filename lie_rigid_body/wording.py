@@ -6,6 +6,7 @@ NumPy is not imported here: an error line must not wait for it.
 from __future__ import annotations
 
 import difflib
+import os
 import reprlib
 from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
@@ -22,9 +23,9 @@ MOST_NAMES: Final = 5
 
 _GAP: Final = "..."
 _SHORT_WORD: Final = 24
-"""Length to which words lose their middle before the sentence does."""
+"""Length, characters, to which long words are cut before words are left out."""
 _SHORT_PATH: Final = 40
-"""Length up to which nothing but the end is left of a path, which has the name of the file."""
+"""Length, characters, up to which only the end of a path is kept, with the name of the file."""
 _MOST_READ: Final = 50
 _MOST_NUMBERS: Final = 7
 _MOST_BITS: Final = 128
@@ -118,7 +119,7 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
 
 
 def _short_word(word: str, most: int) -> str:
-    is_path = "/" in word and most <= _SHORT_PATH
+    is_path = os.path.basename(word) != word and most <= _SHORT_PATH
     return f"{_GAP}{word[len(_GAP) - most :]}" if is_path else _without_middle(word, most)
 
 
@@ -164,7 +165,7 @@ def counted(count: int, noun: str) -> str:
 
 
 def suggestion(name: str, known: Collection[str], kind: str) -> str:
-    """What to give instead of an unknown name: those most like it, or else the first of all.
+    """A hint for an unknown name: the known names most like it, or else the first of all.
 
     Parameters
     ----------

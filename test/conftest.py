@@ -15,7 +15,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from ros_domains import own_domain
+from lie_rigid_body.interruption import ENDING
 
 # By itself each process has as many threads of linear algebra as there are cores, for small matrices. They wait for
 # one another in busy loops, which beside other processes takes many times as long as the work. NumPy is not loaded yet.
@@ -36,6 +36,7 @@ LIBRARIES = {
     "colcon_core",
     "colcon_ros",
     "evo",
+    "filelock",
     "mcap_ros2",
     "mpmath",
     "plotly",
@@ -63,9 +64,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
         sys.dont_write_bytecode = False
     # under nohup, or in the background of a script, signals are ignored, and children inherit that
-    for number, handler in ((signal.SIGHUP, signal.SIG_DFL), (signal.SIGINT, signal.default_int_handler)):
+    for number in ENDING:
         if signal.getsignal(number) is signal.SIG_IGN:
-            signal.signal(number, handler)
+            signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     complete = os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required"
     if complete and not ROS_INSTALLED:
         raise pytest.UsageError("this environment should have rclpy and has not: remove it and set it up again")
@@ -130,16 +131,21 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 @pytest.fixture(autouse=True)
 def own_signals() -> Iterator[None]:
     """What runs in the process of a test changes its signal handlers; afterwards they are pytest's again."""
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    handlers = [signal.getsignal(number) for number in numbers]
+    handlers = [signal.getsignal(number) for number in ENDING]
     yield
-    for number, handler in zip(numbers, handlers, strict=True):
+    for number, handler in zip(ENDING, handlers, strict=True):
         signal.signal(number, handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
 def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Give this process, and those it starts, a ROS domain of their own on this machine only."""
+    if not ROS_INSTALLED:
+        yield
+        return
+
+    from ros_domains import own_domain  # by locks that only POSIX has
+
     with own_domain() as domain, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.compilation import compile_together
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form import evaluation
@@ -28,7 +27,7 @@ LOOPS: Final = (moser_veselov_loop.LOOP, munthe_kaas_loop.LOOP)
 
 def contenders(task: Task) -> Iterator[Contender]:
     """The closed form, and each method of the moving chart at each step that fits."""
-    if compile_together(LOOPS):
+    if all(loop.compile() for loop in LOOPS):
         evaluation.compile_all()
     yield Contender("ours, closed form", "exact", 0.0, lambda: _closed_form(task), ours=True)
     for method in METHODS:

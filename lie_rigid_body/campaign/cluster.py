@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -19,6 +18,7 @@ from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import write_file
+from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
@@ -26,19 +26,20 @@ if TYPE_CHECKING:
 
 _Closable = TypeVar("_Closable", bound="Client | LocalCluster")
 RUNS_AHEAD: Final = 4
-"""Runs that wait at each worker, so that none is idle, and few are done in vain at an interruption."""
+"""Number of runs that wait at each worker: none is idle, and few are lost at an interruption."""
 
 MOST_FAILURES: Final = 20
-"""Runs that may fail one after another, besides those at work together: the rest would as well, as on a full disk."""
+"""Number of runs that may fail one after another, besides those under way, before no more are begun."""
 
 LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
-"""More than the 9 s in which Dask asks a worker to end, and then kills it."""
+"""Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
 _NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
-"""Loggers that tell of a connection that is lost; Dask's configuration gives each a level of its own."""
+"""Loggers that tell of lost connections, to be silenced one by one, as Dask gives each a level of its own."""
 
 _DEAD: Final = "every process that tried it died"
+"""Reason for which a run has no row."""
 
 _QUIET: Final = {
     "distributed.logging.distributed": "critical",
@@ -49,7 +50,7 @@ _QUIET: Final = {
     # a run whose process dies is tried again alone, not at the cost of others and of one process after another
     "distributed.scheduler.allowed-failures": 0,
 }
-"""Settings of Dask."""
+"""Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
 
 
 def require_address(scheduler: str) -> None:
@@ -87,7 +88,7 @@ def client_of(
     scheduler : str, optional
         Address of the scheduler of a cluster that runs already.
     starting : callable, optional
-        Makes the context in which a cluster starts: half of one cannot be closed.
+        Makes the context in which a cluster starts, which must not be interrupted: half of one cannot be closed.
 
     Raises
     ------
@@ -130,7 +131,7 @@ def client_of(
 
 @contextmanager
 def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
-    """A context that ends with a client or a cluster, and does not wait for it for ever: all that is wanted is here."""
+    """A context at whose end a client or a cluster is closed, within `LONGEST_CLOSING_S`."""
     from distributed import TimeoutError as Late
 
     try:
@@ -142,18 +143,19 @@ def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """A context whose threads, and their processes, never get SIGINT: Ctrl-C goes to a terminal's whole group."""
+    """A context that blocks SIGINT in threads and processes begun in it: Ctrl-C goes to all processes of a terminal.
+
+    Where a system has no masks of signals nothing is blocked.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
     resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def cores() -> int:
-    """The number of cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def finished(

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from distributed import Client, as_completed
 
 WITHOUT_RESULT_S: Final = 5.0
-"""After such a time without a result it is asked whether there is a worker, and again after as long."""
+"""Time without a result, s, after which the scheduler is asked whether it has a worker."""
 _ANSWER_S: Final = 5.0
-"""How long an answer to that is waited for: a scheduler may have much to do."""
+"""Longest wait for its answer, s: a scheduler may have much to do."""
 _LOOK_S: Final = 0.1
-"""How often it is looked whether the connection is lost, while no result comes."""
+"""Time between two looks at whether the connection is lost, s, while no result comes."""
 
 
 class SchedulerGoneError(BagError):
@@ -41,12 +41,12 @@ class Connection:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the connection is lost. By another one, which the client makes by itself, nothing comes of before."""
+        """Whether the connection is lost. The client may have made another, on which no earlier result arrives."""
         return self._client.scheduler_comm is not self._stream or bool(self._stream.closed())
 
     @contextmanager
     def needed(self) -> Iterator[None]:
-        """A context whose errors are that the connection is lost, where it is: Dask's are of many kinds.
+        """A context that raises one error where the connection is lost: those of Dask are of many kinds.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What a campaign is: a base scenario, the parameters that vary from run to run, and how many runs."""
+"""The definition of a campaign: a base scenario, the parameters that vary from run to run, and how many runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.parameters import Value, exact_duration
+from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
@@ -26,9 +26,13 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
-"""The table of all runs that are finished, written when no other can be."""
+"""File of the table of all finished runs, written when no run is left to do."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
-"""The key in the table's metadata under which the campaign is, and the version that drew its runs, as JSON."""
+"""Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
+_NUMBERS: Final = (
+    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
+    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
+)
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 
@@ -73,8 +77,8 @@ class Campaign:
     def __post_init__(self) -> None:
         for name in ("runs", "seed", "duration"):
             object.__setattr__(self, name, plain(getattr(self, name)))
-        _require_integer("runs", self.runs, 1, MOST_RUNS)
-        _require_integer("seed", self.seed, 0, LARGEST_SEED)
+        for number in _NUMBERS:
+            number.read(getattr(self, number.name))
         self.exact_duration  # noqa: B018 refuses what is no duration
         if not isinstance(self.scenario, str | None):
             raise InputError(f"scenario: {shown(self.scenario)} is no name: give that of a shipped scenario")
@@ -194,7 +198,7 @@ class Campaign:
         return {name: found[name] for name in self.vary}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Workers make it anew, once for all runs: the functions that draw cannot be pickled."""
+        """The call that makes it anew from JSON, as workers do: the functions that draw cannot be pickled."""
         return _remade, (json.dumps([getattr(self, key) for key in _KEYS]),)
 
     def to_json(self) -> str:
@@ -205,10 +209,5 @@ class Campaign:
 
 @lru_cache(maxsize=1)
 def _remade(text: str) -> Campaign:
-    """The campaign of its JSON. Every run brings it along, and to read its scenario takes a while."""
+    """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
     return Campaign(*json.loads(text))
-
-
-def _require_integer(name: str, value: object, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{name}: {shown(value)} is not an integer from {least} to {most}: give one")

@@ -25,7 +25,7 @@ class Uniforms:
     Parameters
     ----------
     seed : int
-        Of the campaign.
+        The seed of the campaign.
     run : int
         The number of the run.
     name : str
@@ -82,7 +82,7 @@ def distribution(what: str, given: object) -> Draw:
 
 
 def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
-    """What is wrong with the keys of a distribution, and the remedy; empty if there is one of each alternative."""
+    """The first mistake in the keys of a distribution, and the remedy; empty if one of each alternative is given."""
     if unknown := sorted(map(str, given.difference(*allowed))):
         return f"{shortened(unknown[0], 40)} is none of that: leave it out"
     for keys in allowed:
@@ -185,7 +185,7 @@ def _choice(what: str, given: Mapping[str, object]) -> Draw:
 
 
 def _uniform_rotation(what: str, given: Mapping[str, object]) -> Draw:
-    """Shoemake's: K. Shoemake, "Uniform random rotations", Graphics Gems III (1992) 124."""
+    """A uniformly distributed rotation: K. Shoemake, "Uniform random rotations", Graphics Gems III (1992) 124."""
 
     def rotation(u: Uniforms) -> list[float]:
         share, first, second = u.next(), 2.0 * math.pi * u.next(), 2.0 * math.pi * u.next()
@@ -208,7 +208,7 @@ def _direction(what: str, given: Mapping[str, object]) -> Draw:
 
 
 def _box(what: str, given: Mapping[str, Any]) -> Draw:
-    """Moments m (b² + c²)/12 and so on of a homogeneous box with edges a, b, c along the body's axes."""
+    """Moments m (b² + c²)/12, m (a² + c²)/12, m (a² + b²)/12 of a homogeneous box with edges a, b, c along x, y, z."""
     edges = given["edges"]
     if not isinstance(edges, list) or len(edges) != 3:
         raise InputError(f"{what}: edges is to be a list of three lengths or ranges, m: give [[0.1, 0.3], 0.2, 0.4]")
@@ -262,4 +262,4 @@ DISTRIBUTIONS: Final[Mapping[str, tuple[tuple[str | tuple[str, ...], ...], Calla
     "cylinder": ((_MASS, "radius", "height"), _cylinder),
     "run": ((), _run),
 }
-"""By name: the keys each takes, alternatives together, and what makes its function."""
+"""Distributions by name: the keys that each takes, alternatives together, and the maker of the function that draws."""

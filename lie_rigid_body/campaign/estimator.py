@@ -20,11 +20,11 @@ Estimator: TypeAlias = Callable[[Run], Any]
 Scores: TypeAlias = dict[str, float | str | None]
 
 MENDED: Final = "mend it"
-"""What to do about an estimator that cannot be imported, at the end of the line that says so."""
+"""Remedy at the end of an error line about an estimator that cannot be imported."""
 ERROR: Final = "estimator_error"
-"""The column that says why there is no score."""
+"""Column of the table that says why a run has no score."""
 SCORES: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s")
-"""The columns of a score; the last, s, also has none where the error never settles."""
+"""Columns of a score: root mean squares of the errors, degrees, and the time to converge, s, if they do."""
 
 
 def estimator(name: str) -> Estimator:

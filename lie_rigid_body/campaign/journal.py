@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 from array import array
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from itertools import chain, islice
 from pathlib import Path
 from types import TracebackType
@@ -20,15 +19,16 @@ from lie_rigid_body.campaign.run import BAGS, Row
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.scenario.parameter_table import BY_NAME
+from lie_rigid_body.system import lock
 
 JOURNAL: Final = "runs.jsonl"
-"""The file of the rows, in the folder of a campaign: the campaign in the first line, a finished run in each other."""
+"""File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
 RESUMED: Final = "the same command does the rest"
-"""How a campaign goes on, for a line that ends with it."""
+"""Remedy at the end of a line about a campaign that is not finished."""
 _NONE: Final = -1
-"""The place of a row that is not there."""
+"""Place in the file of a row that it does not have."""
 _ROWS_AT_ONCE: Final = 10_000
-"""Rows of the table that are in memory together."""
+"""Number of rows of the table that are in memory together."""
 
 
 class Journal:
@@ -54,16 +54,19 @@ class Journal:
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
-        self._count = 0
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
             (folder / BAGS).mkdir(exist_ok=True)
-            self._file = self.path.open("a+b")
-            self._lock()
-            self._read()
+            with ExitStack() as parts:
+                self._file = parts.enter_context(self.path.open("a+b"))
+                parts.enter_context(lock(self._file))
+                self._read()
+                self._open = parts.pop_all()
         except FileExistsError as error:
             raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
+        except BlockingIOError:
+            raise BagError(f"another process works on {folder}: wait for its end, or give another folder") from None
         except OSError as error:
             path = error.filename or self.path
             raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
@@ -76,14 +79,6 @@ class Journal:
                 return _equal(file.readline(), _heading(campaign))
         except OSError:
             return False
-
-    def _lock(self) -> None:
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise BagError(
-                f"another process works on {self.folder}: wait for its end, or give another folder"
-            ) from None
 
     def _read(self) -> None:
         self._file.seek(0)
@@ -102,7 +97,7 @@ class Journal:
             if not line.endswith(b"\n"):  # the end of the process cut it off: that run is done anew
                 self._file.truncate(place)
                 break
-            self._note(self._row(line, place).run, place)
+            self._places[self._row(line, place).run] = place
             place += len(line)
 
     def _is_bare(self, first: bytes) -> bool:
@@ -112,10 +107,6 @@ class Journal:
         except (TypeError, ValueError, RecursionError):
             return False
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
-
-    def _note(self, run: int, place: int) -> None:
-        self._count += self._places[run] == _NONE
-        self._places[run] = place
 
     def _row(self, line: bytes, place: int) -> Row:
         try:
@@ -127,14 +118,13 @@ class Journal:
         raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._places) - self._places.count(_NONE)
 
     def __contains__(self, run: int) -> bool:
         return self._places[run] != _NONE
 
     def forget(self, run: int) -> None:
         """Count a finished run as one that is still to be done; its row stays in the file until there is another."""
-        self._count -= self._places[run] != _NONE
         self._places[run] = _NONE
 
     def rows(self) -> Iterator[Row]:
@@ -158,7 +148,7 @@ class Journal:
             self._write(f"{json.dumps(row.to_dict())}\n".encode())
         except OSError as error:
             raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
-        self._note(row.run, place)
+        self._places[row.run] = place
 
     def _write(self, line: bytes) -> None:
         self._file.write(line)
@@ -211,7 +201,7 @@ class Journal:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         with suppress(OSError):  # what could not be written cannot be now
-            self._file.close()
+            self._open.close()
 
 
 def _heading(campaign: Campaign) -> bytes:

@@ -7,7 +7,7 @@
 - `certification`: the verdict on a bag.
 """
 
-from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate, certify, expect
+from lie_rigid_body.certificate.certification import Certificate, SegmentCertificate, certify
 from lie_rigid_body.certificate.law_result import LawResult
 
-__all__ = ["Certificate", "LawResult", "SegmentCertificate", "certify", "expect"]
+__all__ = ["Certificate", "LawResult", "SegmentCertificate", "certify"]

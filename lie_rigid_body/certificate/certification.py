@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +14,6 @@ from lie_rigid_body.certificate.aside import Aside
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
 from lie_rigid_body.certificate.pairing import Block
-from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
@@ -25,9 +23,7 @@ from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -213,14 +209,6 @@ def passes(bag: Bag, watch: Watch | None = None) -> int:
         return 1 if watch is None and as_written(bag) and bag.pose_count == bag.twist_count else 2
     except InputError:  # a scenario that is none
         return 1
-
-
-def expect(scenario: Scenario, duration: float) -> None:
-    """Take notice that bags of a scenario will be certified, of so many seconds in all; see `Motion.expect`."""
-    samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
-    scenario.exact_motion().expect(samples)
-    WORK.compiled_for(samples)
-    message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 
 
 def _any_numbers() -> np.errstate:

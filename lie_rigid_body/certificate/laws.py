@@ -98,7 +98,6 @@ class SegmentLaws:
         self._body, self._start = scenario.body(), scenario.start()
         self._motion = scenario.exact_motion()
         self._tolerance = tolerance(scenario, found.duration)
-        self._motion.expect(found.count)
         WORK.compiled_for(found.count)
         self._judgements: dict[str, Judgement] = {}
         self._before: Block | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from array import array
 from collections.abc import Iterable, Sequence
@@ -219,7 +220,7 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
 
     error = failed[min(failed)]
     reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder}/", "")
+    reason = reason.replace(f"{journal.folder}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     reason = shortened(reason, _LONGEST_REASON)

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import PASSES, progress_bar, size
 from lie_rigid_body.errors import BagError, LieRigidBodyError
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.interruption import ENDING, Interruption
+from lie_rigid_body.system import cores
 from lie_rigid_body.wording import short_repr
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def judge_all(
     """
     one = partial(judge, inertia, topics or {})
     with Interruption() as interruption:
-        found = _by_processes(one, bags, len(os.sched_getaffinity(0)), interruption)
+        found = _by_processes(one, bags, cores(), interruption)
         for i, judgements in enumerate(found):
             if judgements is None:  # a process that died took others with it: each again, in a process of its own
                 (again,) = _by_processes(one, [bags[i]], 1, interruption)
@@ -138,7 +139,7 @@ def _by_processes(
     import lie_rigid_body.certificate  # once, for all processes
 
     assert lie_rigid_body.certificate
-    context = multiprocessing.get_context("fork")
+    context = multiprocessing.get_context()
     read = context.RawArray("q", len(bags))  # without a lock, which a process that is killed would keep
     with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin, (read,))) as pool:
         futures = [pool.submit(_judge_there, one, bag, i) for i, bag in enumerate(bags)]
@@ -165,7 +166,7 @@ def _begin(read: Any) -> None:
     """Begin a process, which leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
     global _read
     _read = read
-    for number in (signal.SIGINT, signal.SIGHUP):
+    for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent = multiprocessing.parent_process()

@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
-    from lie_rigid_body.recording.bag_writer import BagWriter, expect_messages
+    from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.recording.output_file import require_other
     from lie_rigid_body.scenario.parameter_file import files_read
     from lie_rigid_body.simulation import Simulation
@@ -53,9 +53,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     out = Path(given.out)
     simulation.require_stamps(last_ns)  # before a file is made
     _require_room(out, given.compression, count, _readings(scenario, duration))
-    # before there is a file: what is loaded in them heeds no signal for a second
-    scenario.expect(float(duration))
-    expect_messages(scenario, float(duration))
     with Interruption() as interruption:
         with BagWriter(
             out,

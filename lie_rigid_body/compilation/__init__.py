@@ -19,6 +19,6 @@ Modules:
 
 from lie_rigid_body.compilation.kernels import kernel, kernel_of
 from lie_rigid_body.compilation.loop import Loop
-from lie_rigid_body.compilation.work import Work, compile_together
+from lie_rigid_body.compilation.work import Work
 
-__all__ = ["Loop", "Work", "compile_together", "kernel", "kernel_of"]
+__all__ = ["Loop", "Work", "kernel", "kernel_of"]

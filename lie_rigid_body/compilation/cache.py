@@ -7,34 +7,37 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
-from importlib.util import find_spec, resolve_name
+from importlib.util import resolve_name
 from pathlib import Path
+from typing import Final
+
+from lie_rigid_body.system import is_private, user
+
+_HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
+"""Variables of the environment that may name the folder of caches."""
 
 
 def cache_folder(function: Callable[..., None]) -> Path | None:
-    """A folder for the compiled form of a function, which only this user can write to; None if there is no place."""
-    name = f"lie_rigid_body/{_digest(function)}"
-    homes = [os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME"), os.path.expanduser("~/.cache")]
-    private = str(Path(tempfile.gettempdir()) / f"cache-{os.getuid()}")
-    for home in [*homes, private]:
-        if home and _is_own_folder(Path(home) / name):
-            return Path(home) / name
+    """Folder for the compiled form of a function, made if need be; None if there is no place for it.
+
+    Only this user can write to it, as code that is loaded has to be safe.
+    """
+    named = [os.environ[name] for name in _HOMES if os.environ.get(name)]
+    for home in (*named, os.path.expanduser("~/.cache"), f"{tempfile.gettempdir()}/cache-{user()}"):
+        folder = Path(home, "lie_rigid_body", _digest(function))
+        with suppress(OSError):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if is_private(folder):
+                return folder
     return None
 
 
-def _is_own_folder(path: Path) -> bool:
-    """Whether this user owns the folder, made if need be, and may write to it: code that is loaded has to be safe."""
-    try:
-        path.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
-    except OSError:
-        return False
-
-
+@cache
 def _digest(function: Callable[..., None]) -> str:
-    """A digest of all source that goes into the compiled code, and of the versions of Python and of its compiler.
+    """Digest of all source that goes into the compiled code, and of the versions of Python and of its compiler.
 
     Numba itself notices only a change of the function's own file, while the code holds kernels and constants of others.
     """
@@ -45,36 +48,27 @@ def _digest(function: Callable[..., None]) -> str:
 
 
 def _source_files(module: str) -> set[Path]:
-    """The file of a module and the files of its package that it imports, directly or not."""
-    package, waiting, found = module.partition(".")[0], {module}, dict[str, Path]()
+    """Files of a module and of the modules of its package that it imports, directly or not."""
+    package = module.partition(".")[0]
+    root, waiting, found = Path(str(sys.modules[package].__file__)).parent.parent, [module], set[Path]()
     while waiting:
-        name = waiting.pop()
-        spec = find_spec(name)
-        if spec is None or spec.origin is None:
-            continue
-        found[name] = Path(spec.origin)
-        imported = _imports(found[name].read_bytes(), name if spec.submodule_search_locations else spec.parent)
-        waiting |= {one for one in imported if one.partition(".")[0] == package and one not in found}
-    return set(found.values())
+        *above, last = waiting.pop().split(".")
+        for parts, file in ((above, f"{last}.py"), ([*above, last], "__init__.py")):
+            path = root.joinpath(*parts, file)
+            if path not in found and path.is_file() and path.is_relative_to(root / package):
+                found.add(path)
+                waiting += _imports(path.read_bytes(), ".".join(parts))
+    return found
 
 
-@cache
-def _imports(source: bytes, package: str | None) -> frozenset[str]:
-    """Names of the modules that a source imports; ``from package import name`` may import a module of that name."""
-    found = set[str]()
+def _imports(source: bytes, package: str) -> Iterator[str]:
+    """Names that a source imports, modules among them, by their full names."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = resolve_name("." * node.level + (node.module or ""), package)
-            found.add(base)
-            found.update(f"{base}.{alias.name}" for alias in node.names if _is_package(base))
-    return frozenset(found)
-
-
-def _is_package(name: str) -> bool:
-    spec = find_spec(name)
-    return spec is not None and spec.submodule_search_locations is not None
+            yield from (base, *(f"{base}.{alias.name}" for alias in node.names))
 
 
 def _version(name: str) -> str:

@@ -10,18 +10,17 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.compilation.work import Work
 
-STEPS_FOR_COMPILING: Final = 500_000
-"""Number of steps in long calls from which on compiling pays: they take Python some seconds, while numba loads in half
-a second and compiles, once, in ten."""
+STEPS_FOR_COMPILING: Final = 150_000
+"""Steps in long calls after which compiling pays: Python takes some two seconds for them, and compiling four, once."""
 
-STEPS_FOR_LOADING: Final = 100_000
-"""The same where they are compiled already: they take Python two seconds."""
+STEPS_FOR_LOADING: Final = 40_000
+"""Steps after which loading pays, where they are compiled already: Python takes as long for them as numba to load."""
 
 STEPS_PER_CALL: Final = 1_000_000
 """Largest number of steps in one call of compiled code, which lets no signal through: a tenth of a second."""
 
-WHILE_COMPILING: Final = 20_000
-"""Steps that Python takes before it looks again whether the compiler is done."""
+STEPS_IN_PYTHON: Final = 20_000
+"""Largest number of steps in one call of plain code, after which it is asked again whether the compiler is done."""
 
 SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 
@@ -66,10 +65,9 @@ class Loop(Work):
             Steps that this call counts as when it is judged whether compiling pays; by default its own. Of many calls
             that make one piece of work, the first may count as all of them.
         """
-        self.compiled_for(int(counts.sum()) if work is None else work)
-        rest = slice(0, len(counts)), counts
-        for some, takes in self._pieces(counts) if self._compiled or self._compiler else (rest,):
-            compiled = self.compiled_for(0)
+        compiled = self.compiled_for(int(counts.sum()) if work is None else work)
+        for some, takes in self._pieces(counts):
+            compiled = compiled or self.compiled_for(0)
             if compiled is None:
                 self._plain(state, constants, spans[some].tolist(), counts[some].tolist(), takes.tolist(), out[some])
                 continue
@@ -81,13 +79,13 @@ class Loop(Work):
         """Short pieces of the work: samples and the steps to take in them; a sample of many steps is many pieces."""
         ends, begin = np.cumsum(counts), 0
         while begin < len(counts):
-            at_once = STEPS_PER_CALL if self._compiled else WHILE_COMPILING
+            at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
             reached = ends[begin] - counts[begin]
             end = max(begin + 1, int(np.searchsorted(ends, reached + at_once, side="right")))
             takes = counts[begin:end]
             while takes[0] > at_once:
                 yield slice(begin, end), np.array([at_once])
                 takes = takes - at_once
-                at_once = STEPS_PER_CALL if self._compiled else WHILE_COMPILING
+                at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
             yield slice(begin, end), takes
             begin = end

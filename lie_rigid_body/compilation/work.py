@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import subprocess
 import threading
-from collections.abc import Callable, Sequence
-from importlib.util import find_spec
+from collections.abc import Callable
 from typing import Final
 
 from lie_rigid_body.compilation.cache import is_kept
-from lie_rigid_body.compilation.compiler import Compiler, fill_together
+from lie_rigid_body.compilation.compiler import loaded, started
 
 LONG_CALL: Final = 1_000
-"""Units of work: shorter calls do not count. The calls of a live node are shorter: it never starts a compiler."""
+"""Smallest number of units of work in a call that counts: those of a live node are shorter and start no compiler."""
 
 
 class Work:
     """A function, and its compiled form as soon as that pays.
+
+    Until then, and without numba, the work is done in Python: another process compiles, so that nothing waits.
 
     Parameters
     ----------
     plain : callable
         A function of a module.
     signature : str
-        The types of the compiled form as numba writes them.
+        Types of the compiled form as numba writes them.
     enough, enough_to_load : int
         Units of work in long calls after which compiling pays, or loading what was compiled before.
     """
@@ -31,9 +33,8 @@ class Work:
         self._plain = plain
         self._signature = signature
         self._enough, self._enough_to_load = enough, enough_to_load
-        self._may_be_kept = True
         self._compiled: Callable[..., None] | None = None
-        self._compiler: Compiler | None = None
+        self._compiler: subprocess.Popen[bytes] | None = None
         self._lock = threading.RLock()
         self._work = 0
         self._may_compile = True
@@ -46,38 +47,27 @@ class Work:
         """Wait until the function is compiled, or loaded from the cache; False where numba cannot do it."""
         with self._lock:
             if self._compiled is None and self._may_compile:
-                compiler = self._compiler or Compiler.of(self._plain, self._signature)
-                self._compiled = compiler.result() if compiler else None
-                self._compiler, self._may_compile = None, self._compiled is not None
+                compiler = self._compiler or started(self._plain, self._signature)
+                if compiler is None or compiler.wait() == 0:
+                    self._compiled = loaded(self._plain, self._signature)
+                self._may_compile = self._compiled is not None
         return self._compiled is not None
 
     def compiled_for(self, work: int) -> Callable[..., None] | None:
-        """The compiled form, after counting this much more work; None if it does not pay yet, is not ready, or numba
-        is not installed.
-
-        Work may be counted before it comes, so that all of it is done compiled.
-        """
+        """The compiled form, after counting this much more work; None as long as it does not pay or is not ready."""
         with self._lock:
-            if self._compiled is None and self._compiler is None and self._may_compile and work >= LONG_CALL:
-                self._work += work
-                if self._pays():
-                    self._compiler = Compiler.of(self._plain, self._signature)
-                    self._may_compile = self._compiler is not None
-        if self._compiler is not None and self._compiler.done:
-            self.compile()
+            if self._compiled is None and self._may_compile:
+                self._count(work if work >= LONG_CALL else 0)
+                if self._compiler is not None and self._compiler.poll() is not None:
+                    self.compile()
         return self._compiled
 
-    def _pays(self) -> bool:
-        if self._work >= self._enough:
-            return True
-        if self._work >= self._enough_to_load and self._may_be_kept:
-            self._may_be_kept = False  # looked for once: finding its name takes a while
-            return find_spec("numba") is not None and is_kept(self._plain)
-        return False
-
-
-def compile_together(works: Sequence[Work]) -> bool:
-    """Wait until functions of one signature are all compiled, or loaded from the cache; False where numba cannot."""
-    if missing := [work for work in works if work._compiled is None]:
-        fill_together([work._plain for work in missing], missing[0]._signature)
-    return sum(work.compile() for work in works) == len(works)
+    def _count(self, work: int) -> None:
+        """Count work, and where there is enough of it now, load or compile the function."""
+        before, self._work = self._work, self._work + work
+        if before < self._enough_to_load <= self._work and is_kept(self._plain):
+            self.compile()
+        elif before < self._enough <= self._work:
+            self._compiler = started(self._plain, self._signature)
+            if self._compiler is None:
+                self.compile()

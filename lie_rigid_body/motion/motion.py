@@ -31,18 +31,6 @@ class Motion(Protocol):
         """
         ...
 
-    def expect(self, work: int) -> None:
-        """Take notice of work that is to come, in calls of any size, for this motion or one like it.
-
-        Where it pays, all of it is then done by compiled code, and not only what comes after much work.
-
-        Parameters
-        ----------
-        work : int
-            Samples, or the steps that lead to them.
-        """
-        ...
-
 
 def batch_shape(body: object, start: object) -> tuple[int, ...]:
     """Leading axes of the states that result from broadcasting body against start.

@@ -145,10 +145,6 @@ class MovingChart:
         stepper = {"method": self._method, "max_step": self._max_step}
         return call_repr(self, {**shape, **stepper, "reached_ns": self._ensemble.reached_ns})
 
-    def expect(self, work: int) -> None:
-        """Take notice of steps of each body that will be asked for; see `Motion`."""
-        self._ensemble.expect(work)
-
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
 

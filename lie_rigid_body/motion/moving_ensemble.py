@@ -81,12 +81,6 @@ class MovingEnsemble:
         """The time of the states, ns since the start."""
         return self._reached_ns
 
-    def expect(self, work: int) -> None:
-        """Take notice of steps of each body that will be asked for."""
-        nothing = np.empty(0, dtype=np.int64)
-        for integrator in self._integrators:
-            integrator.advance(list(integrator.start), nothing, nothing, work)
-
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         """Write the states at N times that do not decrease.
 

@@ -136,7 +136,7 @@ class _Polhode:
 
     @classmethod
     def of(cls, start: Start, kind: Kind) -> _Polhode:
-        """Of a motion that is neither steady nor a symmetric top's."""
+        """Constants of a motion that is neither steady nor a symmetric top's."""
         p = exact(start.momentum)
         smallest, middle, largest = _moments(start)
         first, third = (largest, smallest) if kind is Kind.ABOUT_SMALLEST else (smallest, largest)

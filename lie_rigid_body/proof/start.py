@@ -30,7 +30,7 @@ Rationals = tuple[fmpq, ...]
 
 
 class Kind(enum.Enum):
-    """What a motion is, of the kinds whose solutions have different formulas."""
+    """Kinds of motion, each with a formula of its own for the solution."""
 
     STEADY = "steady"
     SYMMETRIC = "symmetric top"

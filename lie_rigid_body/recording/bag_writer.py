@@ -17,12 +17,10 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
-from lie_rigid_body.messages.template import PUT
 from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
-from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
 POSE_TOPIC: Final = "/pose"
@@ -314,11 +312,6 @@ class BagWriter:
             self.finish()
         elif self._open:
             self._abandon()  # a run that failed does not replace a bag that is whole
-
-
-def expect_messages(scenario: Scenario, duration: float) -> None:
-    """Take notice that messages of so many seconds will be written, so that all are laid out compiled if that pays."""
-    PUT.compiled_for(int(duration * (2.0 * scenario.rate + sum(model.rate for model in scenario.sensors.on.values()))))
 
 
 def write_run(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import os
 import secrets
 import stat
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.system import lock
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -51,13 +51,14 @@ class OutputFile:
 
     def __init__(self, path: str | Path, *, overwrite: bool) -> None:
         self.path = as_path(path)
+        self._lock = contextlib.ExitStack()
         try:
             self._target = self._replaceable(overwrite)
             _remove_rests((self._target or self.path).parent)  # now, as nothing is to come between a file and its use
             if self._target is None:
                 self._written, self._file = self.path, _GrowingFile(self.path)
             else:
-                self._written, self._file = _beside(self._target)
+                self._written, self._file, self._lock = _beside(self._target)
         except FileExistsError:
             raise BagError(
                 f"{self.path} exists and is kept: give another name, or --force to replace it (Python: overwrite=True)"
@@ -96,7 +97,7 @@ class OutputFile:
     def sync_name(self) -> None:
         """Fsync the folder, as far as it can be: the file is found under its name after a loss of power."""
         with contextlib.suppress(OSError):
-            folder = os.open(self._written.parent, os.O_RDONLY | os.O_DIRECTORY)
+            folder = os.open(self._written.parent, os.O_RDONLY | getattr(os, "O_DIRECTORY", 0))
             try:
                 os.fsync(folder)
             finally:
@@ -134,9 +135,10 @@ class OutputFile:
         """Flush and fsync, replace the older file, if any, and close."""
         self.sync()
         self.require_intact()
+        self.stream.close()
         if self._target is not None:
             os.replace(self._written, self._target)  # while it is still locked
-        self.stream.close()
+        self._lock.close()
 
     def abandon(self) -> None:
         """Close the unfinished file, and keep it for rescue unless it was to replace an older one."""
@@ -147,11 +149,14 @@ class OutputFile:
         self._close(remove=True)
 
     def _close(self, *, remove: bool) -> None:
-        with contextlib.suppress(OSError, ValueError):  # another file took its place, or it is whole and closed
-            if remove and os.path.samestat(self._written.stat(), os.fstat(self._file.fileno())):
-                self._written.unlink()
+        is_own = False  # another file took its place, or it is whole and closed
+        with contextlib.suppress(OSError, ValueError):
+            is_own = os.path.samestat(self._written.stat(), os.fstat(self._file.fileno()))
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
+        if remove and is_own:  # closed before, as not every system removes an open file
+            self._written.unlink(missing_ok=True)
+        self._lock.close()
 
 
 def require_other(path: str | Path, others: Iterable[str | Path], kind: str = "input") -> None:
@@ -245,23 +250,27 @@ class _GrowingFile(FileIO):
         self._drafted = self.write(data)
 
 
-def _beside(target: Path) -> tuple[Path, _GrowingFile]:
-    """A file of the same permissions in the same folder, which is on the same disk; it is locked until it is closed."""
+def _beside(target: Path) -> tuple[Path, _GrowingFile, contextlib.ExitStack]:
+    """Locked file of the same permissions in the same folder, which is on the same disk, and its lock."""
     begin, end = _UNFINISHED
     while True:
         path = target.with_name(f"{begin}{secrets.token_hex(8)}{end}")
         file = _GrowingFile(path, permissions=0o600)
+        held = contextlib.ExitStack()
         with contextlib.suppress(OSError):  # where there are no locks, nobody gets one either
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            held = lock(file)
         if os.fstat(file.fileno()).st_nlink:
-            os.fchmod(file.fileno(), stat.S_IMODE(target.stat().st_mode))
-            return path, file
+            os.chmod(path, stat.S_IMODE(target.stat().st_mode))
+            return path, file, held
         file.close()  # it was taken for a rest before it was locked
+        held.close()
 
 
 def _remove_rests(folder: Path) -> None:
     """Remove the unfinished files of killed processes: theirs are no longer locked."""
     for path in folder.glob("*".join(_UNFINISHED)):
-        with contextlib.suppress(OSError), open(path, "r+b") as rest:
-            fcntl.flock(rest, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            path.unlink()
+        with contextlib.suppress(OSError):
+            with open(path, "r+b") as rest:
+                held = lock(rest)
+            with held:
+                path.unlink()

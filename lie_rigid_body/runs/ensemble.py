@@ -169,7 +169,7 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
         return dict(scenario.parameters())
     if isinstance(scenario, Path):
         return gather(None, [scenario], [])
-    if isinstance(scenario, str) and ("/" in scenario or scenario.endswith((".yaml", ".yml"))):
+    if isinstance(scenario, str) and (Path(scenario).name != scenario or scenario.endswith((".yaml", ".yml"))):
         raise InputError(f"scenario {shown(scenario)} is no name of one, but a path: give it as pathlib.Path(...)")
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
@@ -221,10 +221,6 @@ class _SharedStates:
     def __init__(self, kept: _KeptStates) -> None:
         self._kept = kept
         self._asked = 0
-
-    def expect(self, work: int) -> None:
-        """Tell the motion of work that is to come; see `Motion`."""
-        self._kept.motion.expect(work)
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""

@@ -123,7 +123,7 @@ class Scenario:
 
     @property
     def without_effect(self) -> str:
-        """What is asked of sensors that are off, in a sentence without a full stop; empty if nothing."""
+        """A sentence, without its full stop, about parameters of sensors that are off; empty if there are none."""
         return without_effect(dict(self.sensor_parameters))
 
     @property
@@ -171,12 +171,6 @@ class Scenario:
         """The fields alone: a copy computes the rest anew."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def expect(self, duration: float) -> None:
-        """Take notice that samples and readings of so many seconds will be computed; see `Motion.expect`."""
-        motion = self.make_motion()
-        for rate in self._rates():
-            motion.expect(math.ceil(duration * rate) * self.steps_per_sample(rate))
-
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
         return self._rate_bound
@@ -202,7 +196,7 @@ class Scenario:
         return steps_between(1.0 / (rate or self.rate), self._longest_step(self.rate_bound()))
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
-        """How many samples to compute at once, at least 1.
+        """Number of samples to compute at once, at least 1.
 
         Parameters
         ----------

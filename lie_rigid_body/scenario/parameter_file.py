@@ -176,7 +176,7 @@ def sources(
     node_name: str = NODE_NAME,
     namespace: str = "/",
 ) -> list[Source]:
-    """What `gather` merges, each file read once: a pipe can be read no second time."""
+    """The sources that `gather` merges, each read once: a pipe can be read no second time."""
     given = [(path, read_parameter_file(path, node_name, namespace)) for path in files_read(scenario, files)]
     return [*given, (None, dict(_own_assignment(text, node_name) for text in assignments))]
 

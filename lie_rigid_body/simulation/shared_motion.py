@@ -43,10 +43,6 @@ class SharedMotion:
         self._calls = 0
         self._in_step = True
 
-    def expect(self, work: int) -> None:
-        """Tell the motion of work that is to come; see `Motion`."""
-        self._motion.expect(work)
-
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
         latest = self._latest

@@ -47,10 +47,10 @@ PARAMETERS: Final[dict[str, object]] = {
 """Arguments of `lie_rigid_body.simulate` that a marker may override."""
 
 _OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
-"""Arguments of it that are none of the scenario's."""
+"""Arguments of `lie_rigid_body.simulate` that are no parameters of a scenario."""
 
 _runs: dict[tuple[Scenario, str], Run | tuple[Run, ...]] = {}
-"""Runs that tests of this process have asked for, by their scenarios and what else `simulate` was given."""
+"""Runs that tests of this process have asked for, by their keys."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -84,7 +84,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
-    """What a marker chooses, of which a text is one name."""
+    """The names that a marker chooses; a text is one name."""
     return [chosen] if isinstance(chosen, str) else chosen or []
 
 
@@ -97,7 +97,7 @@ def _require_scenario(scenario: str | Path | Scenario, settings: dict[str, Any])
 
 
 def _fail(message: str) -> NoReturn:
-    """As ``parametrize`` refuses what it is given: one line without a traceback, nor the error that it tells."""
+    """End the collection with one line and no traceback, as ``parametrize`` does when it refuses its arguments."""
     raise pytest.fail.Exception(f"{FIXTURE}: {message}", pytrace=False) from None
 
 
@@ -136,7 +136,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
 
 
 def _key(scenario: str | Path | Scenario, settings: dict[str, Any]) -> tuple[Scenario, str]:
-    """What tells a run from others: its scenario with all parameters, and the other arguments of `simulate`."""
+    """Key of a run: its scenario with all parameters, and the other arguments of `simulate`."""
     from lie_rigid_body.arrays import plain
     from lie_rigid_body.runs.ensemble import scenario_of
 

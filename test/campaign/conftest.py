@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +13,7 @@ import pytest
 from campaigns import ESTIMATOR, written
 
 from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.system import lock
 
 
 @pytest.fixture(autouse=True)
@@ -22,8 +25,19 @@ def own_estimator() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def campaign_done(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a campaign on two workers, with an estimator beside it that fails in one run."""
-    folder = tmp_path_factory.mktemp("campaign")
+    """The folder of a campaign on two workers, with an estimator beside it that fails in one run.
+
+    Of several processes of pytest one does the campaign, and each has a copy.
+    """
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "campaign_done"
+    with folder.with_suffix(".lock").open("w") as file, lock(file, wait=True):
+        if not folder.exists():
+            _do(tmp_path_factory.mktemp("campaign")).rename(folder)
+    return Path(shutil.copytree(folder, own / "campaign"))
+
+
+def _do(folder: Path) -> Path:
     (folder / "estimator_of_a_campaign.py").write_text(ESTIMATOR)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "path", [*sys.path])

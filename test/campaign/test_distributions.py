@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.integrate import tplquad
+from test_what_campaigns_say import DRAWN, NO_DISTRIBUTIONS
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
@@ -127,7 +128,7 @@ def test_the_run_is_its_number() -> None:
 def test_a_run_that_there_is_not_is_refused(run: Any) -> None:
     campaign = Campaign(runs=3, seed=7, duration=1.0, vary={"sensor_seed": {"distribution": "run"}})
     for refuse in (campaign.scenario_of, campaign.drawn):
-        with pytest.raises(InputError, match="is none of this campaign: give a number from 0 to 2"):
+        with pytest.raises(InputError):
             refuse(run)
 
 
@@ -139,54 +140,17 @@ def test_the_number_of_a_run_may_be_one_of_numpy(kind: Any) -> None:
     assert type(campaign.drawn(kind(2))["sensor_seed"]) is int
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        (3.0, "not a distribution"),
-        ({"distribution": "cauchy"}, "there is no distribution 'cauchy'"),
-        ({"distribution": "uniform", "low": 1.0}, "uniform takes low, high, and high is missing: add it"),
-        (
-            {"distribution": "uniform", "low": 1.0, "high": 2.0, "mean": 3.0},
-            "uniform takes low, high, and mean is none of that: leave it out",
-        ),
-        ({"distribution": "run", "low": 1.0}, "run takes nothing more, and low is none of that: leave it out"),
-        ({"distribution": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1: exchange them"),
-        ({"distribution": "uniform", "low": -1e308, "high": 1e308}, "is beyond double precision: bring them nearer"),
-        ({"distribution": "uniform", "low": 0, "high": 10**400}, "is not a finite number"),
-        ({"distribution": "uniform", "low": "a", "high": 1.0}, "'a' is not a finite number"),
-        ({"distribution": "uniform", "low": 0, "high": float("inf")}, "not a finite number"),
-        ({"distribution": "loguniform", "low": 0.0, "high": 1.0}, "no logarithm"),
-        ({"distribution": "normal", "mean": 0.0, "std": -1.0}, "below 0"),
-        ({"distribution": "choice", "values": []}, "at least one"),
-        ({"distribution": "box", "edges": [1, 1, 1]}, "takes density or mass, edges, and density or mass is missing"),
-        ({"distribution": "box", "mass": 1, "density": 1, "edges": [1, 1, 1]}, "density and mass are given: leave one"),
-        ({"distribution": "box", "mass": 1, "edges": [1, 1]}, "three lengths"),
-        ({"distribution": "direction", "norm": [1, 2, 3]}, "no range"),
-        ({"distribution": "direction", "norm": {"distribution": "none"}}, "there is no distribution"),
-    ],
-)
-def test_what_is_no_distribution_is_refused(given: object, words: str) -> None:
-    with pytest.raises(InputError, match=r"^vary\.x") as error:
+@pytest.mark.parametrize("given", [given for given, _ in NO_DISTRIBUTIONS])
+def test_what_is_no_distribution_is_refused(given: object) -> None:
+    with pytest.raises(InputError, match=r"^vary\.x"):
         distribution("vary.x", given)
-    assert words in str(error.value)
-    assert len(str(error.value)) < 200
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]}, "finite number above 0: draw"),
-        ({"distribution": "direction", "norm": -1}, "-1.0 was drawn in run 0 and is not a finite number of at"),
-        ({"distribution": "direction", "norm": {"distribution": "choice", "values": ["a"]}}, "'a' was drawn in run 0"),
-        ({"distribution": "direction", "norm": {"distribution": "choice", "values": [math.inf]}}, "inf was drawn"),
-    ],
-)
-def test_a_length_that_cannot_be_is_refused_when_it_is_drawn(given: dict[str, Any], words: str) -> None:
+@pytest.mark.parametrize("given", [given for given, _ in DRAWN])
+def test_a_length_that_cannot_be_is_refused_when_it_is_drawn(given: dict[str, Any]) -> None:
     draw = distribution("vary.x", given)
-    with pytest.raises(InputError, match=r"^vary\.x\.") as error:
+    with pytest.raises(InputError, match=r"^vary\.x\."):
         draw(Uniforms(0, 0, "x"))
-    assert words in str(error.value)
-    assert len(str(error.value)) < 200
 
 
 def test_lengths_may_be_drawn_as_integers_and_a_norm_may_be_0() -> None:
@@ -204,7 +168,7 @@ def test_numbers_of_numpy_are_those_of_python() -> None:
     assert campaign.exact_duration == own.exact_duration
     refused: list[dict[str, Any]] = [{"runs": np.bool_(True)}, {"runs": np.float64(3.0)}, {"seed": np.int64(-1)}]
     for given in refused:
-        with pytest.raises(InputError, match="is not an integer from"):
+        with pytest.raises(InputError):
             Campaign(**{**of_numpy, **given})
 
 

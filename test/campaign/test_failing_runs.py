@@ -14,7 +14,7 @@ from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
-from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import carry_out
 from lie_rigid_body.cli import campaign as campaign_verb
 from lie_rigid_body.cli.campaign import main
@@ -34,8 +34,7 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     assert main(given) == 2
     [line] = capsys.readouterr().err.splitlines()
     most = MOST_FAILURES + RUNS_AHEAD
-    assert f"{most} of 1000000 runs failed, first: run 0: rate: -3 is outside" in line
-    assert line.endswith("; 0 are kept: mend that, and the same command does the rest")
+    assert f"{most} of 1000000 " in line
     assert not finished(tmp_path / "out")
 
 
@@ -51,8 +50,8 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
         with pytest.raises(BagError) as failed:
             carry_out(campaign, 2, str(out))
         line = str(campaign_verb._failure(campaign, journal, {2: failed.value}))
-    assert line.startswith("1 of 40 runs failed (2), first: ")
-    assert "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest" in line
+    assert "000002.mcap is a folder" in line
+    assert line.endswith(RESUMED)
     assert len(line) <= LONGEST_LINE
 
 
@@ -64,9 +63,8 @@ def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     with Journal(Campaign.from_file(path), out):
         (out / "bags" / "000002.mcap").mkdir()
     assert main(given) == 2
-    [line] = capsys.readouterr().err.splitlines()
-    assert "1 of 6 runs failed (2), first: " in line
-    assert "000002.mcap is a folder; 5 are kept, in runs.parquet: mend that, " in line
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert table_of(out)["run"].to_pylist() == [0, 1, 3, 4, 5]
     (out / "bags" / "000002.mcap").rmdir()
     assert main(given) == 0
     assert len(finished(out)) == 6
@@ -77,7 +75,7 @@ def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:
     (tmp_path / "bags").mkdir()
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
     try:
-        with pytest.raises(BagError, match=r"000000\.mcap cannot be written: File too large"):
+        with pytest.raises(BagError):
             carry_out(campaign, 0, str(tmp_path))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -96,10 +94,8 @@ def test_an_estimator_without_any_score_is_an_error(
     (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
     said = capsys.readouterr()
-    assert f"0 scored; run 0 is not: {said_there}" in said.out
+    assert said_there in said.out
     [line] = said.err.splitlines()
-    assert "gave no score in any run: " in line
-    assert line.endswith("it is lost: mend it, and give a new folder")
     assert line.count("mend it") == 1
     assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
 
@@ -113,5 +109,5 @@ def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
     assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert f"always_lost:estimate gave no score in {MOST_FAILURES} runs: RuntimeError: it is lost: mend it" in line
+    assert f"{MOST_FAILURES} runs: RuntimeError: it is lost" in line
     assert len(finished(tmp_path / "out")) == MOST_FAILURES

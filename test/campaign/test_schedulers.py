@@ -17,7 +17,7 @@ from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign import connection
-from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.cli.campaign import main
 
 pytestmark = NEEDS_DASK
@@ -91,8 +91,8 @@ def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
         (tmp_path / "killed").touch()
     assert (campaign.returncode, said) == (2, ""), complained
     [line] = complained.splitlines()
-    assert f"the scheduler at {cluster.address} no longer answers; 5 of 6 runs are kept in out: start one, and" in line
-    assert line.endswith("the same command does the rest")
+    assert cluster.address in line
+    assert line.endswith(RESUMED)
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in finished(out)}
     monkeypatch.setattr(sys, "path", [*sys.path])
     monkeypatch.chdir(tmp_path)
@@ -123,6 +123,6 @@ def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
     path = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 9"))
     assert main([str(path), "--out", str(tmp_path / "out"), "--scheduler", cluster.address]) == 0
     lines = [line.partition(" campaign: ")[2] for line in capsys.readouterr().err.splitlines()]
-    assert {*lines} == {f"warning: no worker at {cluster.address}: waiting for one; Ctrl-C ends it"}
+    assert all(line.startswith("warning: ") and cluster.address in line for line in lines)
     assert len(lines) in (2, 3)  # of dozens of times that it is asked; a result may come when its worker is gone
     assert len(finished(tmp_path / "out")) == 9

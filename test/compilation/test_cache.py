@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.compilation import cache
+from lie_rigid_body.compilation.cache import cache_folder
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 
 PACKAGE = {
@@ -43,6 +45,7 @@ def test_a_change_of_any_file_that_the_code_is_made_from_changes_its_name(made_u
 
     before = cache._digest(advance)
     (made_up / file).write_text(PACKAGE[file] + "# changed\n", encoding="utf-8")
+    cache._digest.cache_clear()
     assert (cache._digest(advance) != before) is counts
 
 
@@ -56,3 +59,43 @@ def test_the_digest_is_that_of_another_process_which_loaded_less_or_more():
 def test_the_series_that_a_loop_has_taken_in_are_part_of_it():
     files = cache._source_files("lie_rigid_body.motion.munthe_kaas.loop")
     assert any(path.parts[-2:] == ("lie", "series.py") for path in files)
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The first folder of caches, and beside it another one."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "open" / "first"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "second"))
+    (tmp_path / "open").mkdir()
+    return tmp_path / "open"
+
+
+def test_code_is_kept_in_the_first_folder_that_is_private(home: Path) -> None:
+    found = cache_folder(moser_veselov_loop.advance)
+    assert found is not None
+    assert found.is_relative_to(home / "first")
+    assert found.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")
+@pytest.mark.parametrize("mode", [0o777, 0o707, 0o702])
+@pytest.mark.parametrize("which", ["open", "open/first", "open/first/lie_rigid_body"])
+def test_where_another_user_may_write_no_code_is_kept(home: Path, mode: int, which: str) -> None:
+    """Nor in a folder below, which they could move away."""
+    folder = home.parent / which
+    folder.mkdir(parents=True, exist_ok=True)
+    folder.chmod(mode)
+    found = cache_folder(moser_veselov_loop.advance)
+    assert found is not None
+    assert found.is_relative_to(home.parent / "second")
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root may give folders away")
+@pytest.mark.parametrize("which", ["open", "open/first"])
+def test_in_the_folder_of_another_user_no_code_is_kept(home: Path, which: str) -> None:
+    folder = home.parent / which
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chown(folder, 12345, 12345)
+    found = cache_folder(moser_veselov_loop.advance)
+    assert found is not None
+    assert found.is_relative_to(home.parent / "second")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import subprocess
 import sys
@@ -12,16 +11,16 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import MovingChart, RigidBody, State
-from lie_rigid_body.compilation import Loop
+from lie_rigid_body.compilation import Loop, work
 from lie_rigid_body.compilation import loop as loops
 from lie_rigid_body.compilation.cache import cache_folder, mark
-from lie_rigid_body.compilation.compiler import Compiler
+from lie_rigid_body.compilation.compiler import started
 from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
 from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
-from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.system import lock
 
 MODULES = (moser_veselov_loop, munthe_kaas_loop)
 BODIES = {
@@ -48,7 +47,6 @@ def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypa
         with monkeypatch.context() as patch:
             for module in MODULES:
                 patch.setattr(module.LOOP, "_compiled", None)
-                patch.setattr(module.LOOP, "_compiler", None)
                 patch.setattr(module.LOOP, "_may_compile", False)
             plain = states(body, method, times, max_step)
         assert all(module.LOOP.compile() for module in MODULES)
@@ -92,10 +90,11 @@ def done(loop: Loop, steps: int) -> np.ndarray:
     return out
 
 
-def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch, tmp_path):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
     loop, asked = Loop(munthe_kaas_loop.advance), []
-    monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
+    monkeypatch.setattr(work, "is_kept", lambda plain: False)
+    monkeypatch.setattr(work, "started", lambda *function: asked.append(function))
+    monkeypatch.setattr(work, "loaded", lambda *function: None)
     monkeypatch.setattr(loop, "_plain", lambda *_: None)
     for _ in range(2 * STEPS_FOR_COMPILING // LONG_CALL):
         done(loop, LONG_CALL - 1)
@@ -106,10 +105,14 @@ def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch, tmp_path)
     assert asked
 
 
-def started(compiler: Compiler | None) -> subprocess.Popen[bytes]:
-    assert compiler is not None
-    assert compiler._process is not None
-    return compiler._process
+def test_what_is_kept_is_loaded_after_little_work(monkeypatch):
+    loop = Loop(munthe_kaas_loop.advance)
+    monkeypatch.setattr(work, "is_kept", lambda plain: True)
+    monkeypatch.setattr(work, "started", lambda *function: None)
+    kept = {(munthe_kaas_loop.advance, SIGNATURE): print}
+    monkeypatch.setattr(work, "loaded", lambda *function: kept[function])
+    assert loop.compiled_for(STEPS_FOR_LOADING - 1) is None
+    assert loop.compiled_for(LONG_CALL) is print
 
 
 @needs_numba
@@ -117,28 +120,27 @@ def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, 
     """From one piece of a sample to the next, and the result is that of Python alone."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     plain, steps = Loop(munthe_kaas_loop.advance), 30_000
-    monkeypatch.setattr(loops, "WHILE_COMPILING", 100)
+    monkeypatch.setattr(loops, "STEPS_IN_PYTHON", 100)
     expected = done(plain, steps)
     monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 1)
     loop = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(loop, steps), expected)
-    not_yet = loop._compiled
-    assert not_yet is None
-    process = started(loop._compiler)
-    assert process.wait(60) == 0
+    assert loop.compiled_for(0) is None
+    assert loop._compiler is not None
+    assert loop._compiler.wait(60) == 0
     np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop._compiled is not None
+    assert loop.compiled_for(0) is not None
     another = Loop(munthe_kaas_loop.advance)
     np.testing.assert_array_equal(done(another, steps), expected)
-    assert another._compiled is not None  # at once, from the cache
+    assert another.compiled_for(0) is not None  # at once, from the cache
 
 
 @needs_numba
 def test_the_compiling_process_ends_with_the_work(tmp_path):
     code = (
         "from lie_rigid_body.motion.munthe_kaas.loop import advance; "
-        "from lie_rigid_body.compilation.compiler import Compiler; "
-        f"print(Compiler.of(advance, {SIGNATURE!r})._process.pid)"
+        "from lie_rigid_body.compilation.compiler import started; "
+        f"print(started(advance, {SIGNATURE!r}).pid)"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
@@ -147,36 +149,23 @@ def test_the_compiling_process_ends_with_the_work(tmp_path):
 
 
 @needs_numba
-def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    compiler = Compiler.of(munthe_kaas_loop.advance, SIGNATURE)
-    started(compiler).kill()
-    assert compiler is not None
-    assert compiler.result() is None
-
-
-@needs_numba
 def test_of_runs_side_by_side_one_compiles(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     folder = cache_folder(munthe_kaas_loop.advance)
     assert folder is not None
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        process = started(Compiler.of(munthe_kaas_loop.advance, SIGNATURE))
+    with (folder / "lock").open("w") as file, lock(file):
+        process = started(munthe_kaas_loop.advance, SIGNATURE)
+        assert process is not None
         mark(folder, munthe_kaas_loop.advance).touch()  # as another process does at its end
     assert process.wait(60) == 0
     assert list(folder.rglob("*.nb?")) == []
 
 
 @needs_numba
-def test_work_that_is_known_beforehand_runs_compiled_from_its_first_step(monkeypatch):
-    """Where the cache has it; otherwise another process begins to compile at once."""
-    assert munthe_kaas_loop.LOOP.compile()
+def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     loop = Loop(munthe_kaas_loop.advance)
-    monkeypatch.setattr(munthe_kaas_loop, "LOOP", loop)
-    monkeypatch.setattr("lie_rigid_body.motion.munthe_kaas.integrator.LOOP", loop)
-    scenario = Scenario.from_parameters({"method": "rkmk4", "imu_rate": 50.0})
-    scenario.expect(0.9 * STEPS_FOR_LOADING * scenario.max_step / 2)  # the truth and the IMU are stepped each
-    assert loop._compiled is None
-    scenario.expect(0.2 * STEPS_FOR_LOADING * scenario.max_step / 2)
-    assert loop._compiled is not None
+    assert loop.compiled_for(STEPS_FOR_COMPILING) is None
+    assert loop._compiler is not None
+    loop._compiler.kill()
+    assert not loop.compile()

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.compilation import compiler
-from lie_rigid_body.compilation.cache import mark
-from lie_rigid_body.compilation.compiler import Compiler
+from lie_rigid_body.compilation.compiler import loaded
 
 
 def test_a_signal_while_compiled_code_is_loaded_is_not_lost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -25,7 +24,7 @@ def test_a_signal_while_compiled_code_is_loaded_is_not_lost(monkeypatch: pytest.
     former = signal.signal(signal.SIGINT, signal.default_int_handler)  # another test may have left its own
     try:
         with pytest.raises(KeyboardInterrupt):
-            Compiler(load, "void()", None).result()
+            loaded(load, "void()")
     finally:
         signal.signal(signal.SIGINT, former)
 
@@ -34,12 +33,12 @@ def nothing() -> None:
     """A function to be compiled."""
 
 
-def test_a_cache_without_room_leaves_the_plain_function(tmp_path: Path) -> None:
+def test_a_cache_without_room_leaves_the_plain_function(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Else what records a bag would end in an error that names no file, as if of the bag."""
-    mark(tmp_path, nothing).touch()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
     try:
-        assert Compiler(nothing, "void()", tmp_path).result() is None
+        assert loaded(nothing, "void()") is None
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)

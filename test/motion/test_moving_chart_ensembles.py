@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from test_ensembles import INERTIAS, RATES, assert_bits, attitudes, many, resized, tensors
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, RigidBody, State
-from lie_rigid_body.compilation import Loop
+from lie_rigid_body.compilation import Loop, work
 from lie_rigid_body.compilation import loop as loops
-from lie_rigid_body.compilation.compiler import Compiler
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import integrator as moser_veselov_integrator
@@ -244,7 +243,9 @@ def test_the_work_of_all_bodies_counts_as_one(
     asked: list[int] = []
     monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 3999)
     loop = Loop(module.LOOP._plain)
-    monkeypatch.setattr(Compiler, "of", lambda *_: asked.append(1))
+    monkeypatch.setattr(work, "is_kept", lambda _: False)
+    monkeypatch.setattr(work, "started", lambda *_: asked.append(1))
+    monkeypatch.setattr(work, "loaded", lambda *_: None)
     monkeypatch.setattr(module, "LOOP", loop)
     method = "dmv20" if module is moser_veselov_integrator else "rkmk4"
     motion = MovingChart(*many(200), method=method, max_step=0.01)

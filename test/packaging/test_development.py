@@ -65,6 +65,24 @@ def test_workflows_test_every_python_from_the_oldest_on() -> None:
     assert {f"3.{minor}" for minor in range(int(oldest), 14)} <= set(tested)
 
 
+def test_workflows_test_every_system_that_the_package_names() -> None:
+    systems = {
+        system.partition("-")[0]
+        for workflow in WORKFLOWS
+        for job, _ in steps(workflow)
+        for system in [job["runs-on"], *job.get("strategy", {}).get("matrix", {}).get("system", [])]
+    }
+    named = set(re.findall(r'"Operating System :: (?:\w+ :: )?(\w+)"', SETUP))
+    assert {"Linux": "ubuntu", "MacOS": "macos", "Windows": "windows"}.keys() == named
+    assert {"ubuntu", "macos", "windows"} <= systems
+
+
+def test_workflows_run_tests_in_folders_that_exist() -> None:
+    named = {name for workflow in WORKFLOWS for name in re.findall(r"\btest/\w+", workflow.read_text(encoding="utf-8"))}
+    assert named
+    assert [name for name in named if not any((ROOT / name).glob("test_*.py"))] == []
+
+
 def test_contributing_names_what_exists() -> None:
     assert set(re.findall(r"`make ([\w-]+)", CONTRIBUTING)) <= TARGETS
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", CONTRIBUTING):

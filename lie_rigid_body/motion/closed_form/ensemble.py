@@ -31,11 +31,6 @@ class Ensemble:
             by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
         return cls(tuple(_evaluation(kind, parts) for kind, parts in by_kind.items()))
 
-    def expect(self, samples: int) -> None:
-        """Take notice of samples of each body that will be asked for."""
-        for evaluation in self.evaluations:
-            evaluation.kind.work.compiled_for(samples * len(evaluation.members))
-
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), ``block`` samples at once."""
         for evaluation in self.evaluations:

@@ -13,7 +13,6 @@ import numpy as np
 
 from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.compilation import compile_together
 from lie_rigid_body.motion.closed_form.motion_parameters import Members
 from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, Kind
 
@@ -26,7 +25,7 @@ SAMPLES_PER_CALL: Final = 4_000_000
 
 def compile_all() -> bool:
     """Compile the functions of every kind now, for what is to be timed or compared; whether numba is there to do it."""
-    return compile_together([kind.work for kind in KINDS])
+    return all(kind.work.compile() for kind in KINDS)
 
 
 @dataclass(frozen=True)

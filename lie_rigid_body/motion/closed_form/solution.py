@@ -61,10 +61,6 @@ class ClosedForm:
             attitude, rate = attitude[0], rate[0]
         return call_repr(self, {**shape, "attitude_xyzw": attitude, "body_rate": rate})
 
-    def expect(self, work: int) -> None:
-        """Take notice of samples of each body that will be asked for; see `Motion`."""
-        self._ensemble.expect(work)
-
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
 

@@ -13,13 +13,10 @@ from test_closed_form_laws import MOTIONS
 from test_ensembles import INERTIAS, RATES, attitudes, many, tensors
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.compilation import Work
-from lie_rigid_body.compilation.compiler import Compiler
-from lie_rigid_body.compilation.work import LONG_CALL
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
 from lie_rigid_body.motion.closed_form.evaluation import compile_all
-from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS, SAMPLES_FOR_COMPILING
+from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS
 
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
@@ -102,18 +99,6 @@ def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
         np.testing.assert_array_equal(
             bits(motion.at(t_ns[:50] if most == 1 else t_ns)), whole[:, : 50 if most == 1 else None]
         )
-
-
-def test_only_much_work_in_long_calls_loads_the_compiler(monkeypatch):
-    work, asked = Work(lambda: None, "void()", SAMPLES_FOR_COMPILING, SAMPLES_FOR_COMPILING), []
-    monkeypatch.setattr(Compiler, "of", lambda *work: asked.append(work))
-    for _ in range(2 * SAMPLES_FOR_COMPILING // LONG_CALL):
-        work.compiled_for(LONG_CALL - 1)
-    assert not asked
-    work.compiled_for(SAMPLES_FOR_COMPILING - 1)
-    assert not asked
-    work.compiled_for(LONG_CALL)
-    assert asked
 
 
 def test_a_short_script_does_not_import_the_compiler():

@@ -1,0 +1,77 @@
+"""Parts of an operating system that not all have: locks, the cores of a process, owners and modes of folders.
+
+Each part is asked for by its name, not by that of the system.
+"""
+
+from __future__ import annotations
+
+import getpass
+import os
+import stat
+from contextlib import ExitStack
+from pathlib import Path
+from typing import IO, Any
+
+
+def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:
+    """Lock an open file for this process alone, until it ends or closes what is returned.
+
+    The lock is `flock` where there is one, and a file of the same name and ``.lock`` elsewhere. It outlives the closing
+    of the file, which some systems can replace or remove only then.
+
+    Parameters
+    ----------
+    file : file
+    wait : bool, optional
+        Whether to wait for another process that has it.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has it, and is not waited for.
+    OSError
+        If there are no locks in that folder.
+    """
+    with ExitStack() as held:
+        try:
+            import fcntl
+        except ImportError:
+            from filelock import FileLock, Timeout
+
+            try:
+                held.enter_context(FileLock(f"{file.name}.lock").acquire(timeout=-1 if wait else 0))
+            except Timeout:
+                raise BlockingIOError(f"{file.name} is locked") from None
+        else:
+            same = held.enter_context(open(os.dup(file.fileno()), "rb", buffering=0))
+            fcntl.flock(same, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        return held.pop_all()
+
+
+def cores() -> int:
+    """Number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def user() -> str:
+    """Number of this user, or the name where users have none."""
+    return str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
+
+
+def is_private(folder: Path) -> bool:
+    """Whether only this user, and the system itself, may write to a folder or put another in its place.
+
+    Where users have no numbers, the folders of a user are their own.
+    """
+    if not hasattr(os, "getuid"):
+        return os.access(folder, os.W_OK)
+    above = [parent.stat() for parent in folder.resolve().parents]
+    open_to_all = any(state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX for state in above)
+    own = folder.stat()
+    return (
+        own.st_uid == os.getuid()
+        and not own.st_mode & stat.S_IWOTH
+        and os.access(folder, os.W_OK)
+        and not open_to_all
+        and all(state.st_uid in (0, os.getuid()) for state in above)
+    )

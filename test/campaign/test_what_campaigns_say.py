@@ -1,0 +1,205 @@
+"""What campaigns say where they refuse or fail: the one table of their words. Other tests hold statuses and values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from campaigns import CAMPAIGN, NEEDS_DASK, written
+
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.distributions import Uniforms, distribution
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.run import Row, carry_out
+from lie_rigid_body.cli import campaign as verb
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.wording import LONGEST_LINE
+
+pytestmark = NEEDS_DASK
+Scene = Callable[[Path], object]
+"""Is called in an empty folder, and raises an error."""
+
+
+def given(*options: str, text: str = CAMPAIGN) -> Scene:
+    """The verb with a campaign file of such a text."""
+
+    def scene(folder: Path) -> int:
+        out = [] if "--out" in options else ["--out", "out"]
+        return verb.main([written(folder, text).name, *out, *options])
+
+    return scene
+
+
+def of_another(folder: Path) -> None:
+    with Journal(Campaign(1, 1, 1.0), folder / "out"):
+        (folder / "out/bags/of_a_run").touch()
+    with Journal(Campaign(1, 2, 1.0), folder / "out"):
+        pass
+
+
+def of_others(folder: Path) -> None:
+    (folder / "precious").touch()
+    with Journal(Campaign(1, 1, 1.0), folder):
+        pass
+
+
+def at_work(folder: Path) -> None:
+    with Journal(Campaign(1, 1, 1.0), folder / "out"), Journal(Campaign(1, 1, 1.0), folder / "out"):
+        pass
+
+
+def no_folder(folder: Path) -> None:
+    (folder / "out").touch()
+    with Journal(Campaign(1, 1, 1.0), folder / "out"):
+        pass
+
+
+def damaged(folder: Path) -> None:
+    with Journal(Campaign(1, 1, 1.0), folder / "out") as journal:
+        heading = journal.path.read_bytes()
+    journal.path.write_bytes(heading + b"nonsense\n")
+    with Journal(Campaign(1, 1, 1.0), folder / "out"):
+        pass
+
+
+def taken_away(folder: Path) -> None:
+    with Journal(Campaign(1, 1, 1.0), folder / "out") as journal:
+        journal.path.unlink()
+        journal.add(Row(0))
+
+
+def failed(folder: Path) -> None:
+    campaign = Campaign(runs=40, seed=1, duration=0.02)
+    with Journal(campaign, folder / "out") as journal:
+        (folder / "out/bags/000002.mcap").mkdir()
+        try:
+            carry_out(campaign, 2, str(folder / "out"))
+        except LieRigidBodyError as error:
+            raise verb._failure(campaign, journal, {2: error}) from None
+
+
+def without_a_score(folder: Path) -> None:
+    raise verb._without_a_score(Campaign(1, 1, 1.0, estimator="a:b"), "any run", "a:b is lost: mend it")
+
+
+def table_of_another(folder: Path) -> None:
+    (folder / "runs.parquet").write_text("other")
+    Campaign.from_table(folder / "runs.parquet")
+
+
+SAID: list[tuple[Scene, str]] = [
+    (
+        given("--scheduler", "nonsense"),
+        "--scheduler 'nonsense' is not the address of a Dask scheduler: ",
+    ),
+    (given("--scheduler", "tls://127.0.0.1:1"), "no Dask scheduler answers at 'tls://127.0.0.1:1': TLS expects"),
+    (given("--workers", "2", "--scheduler", "tcp://h:1"), "--scheduler: not allowed with argument --workers"),
+    (given("--workers", "none"), "'none' is not a number of processes from 1 to 9999"),
+    (given("--out", "none/out"), "none does not exist: make it, or give another one"),
+    (of_another, "holds the runs of another campaign or version: give another folder"),
+    (of_others, "holds other files and no campaign: give a new folder, or an empty one"),
+    (at_work, "another process works on "),
+    (no_folder, "out is no folder: move it away, or give another folder"),
+    (damaged, "begins no row of this campaign: delete that line"),
+    (taken_away, "runs.jsonl was deleted or moved meanwhile: keep others away, and begin anew"),
+    (failed, "1 of 40 runs failed (2), first: "),
+    (failed, "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest"),
+    (without_a_score, "estimator a:b gave no score in any run: a:b is lost: mend it, and give a new folder"),
+    (table_of_another, "runs.parquet is no table of a campaign: give its runs.parquet"),
+    (lambda folder: Campaign(3, 1, 1.0).drawn(3), "run 3 is none of this campaign: give a number from 0 to 2"),
+]
+CAMPAIGNS = [
+    ("runs: 0\nseed: 1\nduration: 1.0", "runs: 0 is outside [1, 1000000]: give for example 100"),
+    ("runs: 1\nseed: -1\nduration: 1.0", "seed"),
+    ("runs: 1\nseed: 1\nduration: .inf", "duration"),
+    ("runs: 1\nseed: 1", "has no 'duration:'"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nvaries: {}", "there is no 'varies' in a campaign"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nscenario: none", "'none' is unknown"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nscenario: 5", "scenario: 5 is no name"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nscenario: [x]", "scenario: ['x'] is no name"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {world_frame: !!binary aGk=}", "give numbers, texts, lists"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nvary: {speed: {distribution: run}}", "there is no parameter 'speed'"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nvary: {rate: 3.0}", "vary.rate is not a distribution"),
+    (
+        "runs: 1\nseed: 1\nduration: 1.0\nvary: {record_path: {distribution: choice, values: [a.mcap, b.mcap]}}",
+        "vary.record_path is for the node: leave it out",
+    ),
+    (
+        "runs: 1\nseed: 1\nduration: 1.0\nvary: {paused: {distribution: choice, values: [true]}}",
+        "vary.paused is for",
+    ),
+    ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {record_path: a.mcap}", "record_path is for the node"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}", "run 0: rate: -3 is outside"),
+    (
+        "runs: 1\nseed: 1\nduration: 1.0\nvary: {initial_body_rate: {distribution: direction, norm: -1}}",
+        "vary.initial_body_rate.norm: -1.0 was drawn in run 0",
+    ),
+    (
+        "runs: 1\nseed: 1\nduration: 1.0\nparameters: {rate: 3.0}\nvary: {rate: {distribution: run}}",
+        "in parameters and in vary",
+    ),
+    (
+        "runs: 9\nseed: 1\nduration: 1.0\nvary: {rate: {distribution: choice, values: [1.0, -1.0]}}",
+        "rate: -1 is outside",
+    ),
+    ("runs: 1\nseed: 1\nduration: 1.0\nestimator: math", "'math' names no function"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nestimator: 'nowhere.at:all'", "cannot be imported: ModuleNotFoundError"),
+    ("runs: 1\nseed: 1\nduration: 1.0\nestimator: math:pi", "'math' has no function 'pi'"),
+    ("[]", "no campaign"),
+    ("{", "not readable as YAML"),
+]
+NO_DISTRIBUTIONS: list[tuple[object, str]] = [
+    (3.0, "not a distribution"),
+    ({"distribution": "cauchy"}, "there is no distribution 'cauchy'"),
+    ({"distribution": "uniform", "low": 1.0}, "uniform takes low, high, and high is missing: add it"),
+    (
+        {"distribution": "uniform", "low": 1.0, "high": 2.0, "mean": 3.0},
+        "uniform takes low, high, and mean is none of that: leave it out",
+    ),
+    ({"distribution": "run", "low": 1.0}, "run takes nothing more, and low is none of that: leave it out"),
+    ({"distribution": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1: exchange them"),
+    ({"distribution": "uniform", "low": -1e308, "high": 1e308}, "is beyond double precision: bring them nearer"),
+    ({"distribution": "uniform", "low": 0, "high": 10**400}, "is not a finite number"),
+    ({"distribution": "uniform", "low": "a", "high": 1.0}, "'a' is not a finite number"),
+    ({"distribution": "uniform", "low": 0, "high": float("inf")}, "not a finite number"),
+    ({"distribution": "loguniform", "low": 0.0, "high": 1.0}, "no logarithm"),
+    ({"distribution": "normal", "mean": 0.0, "std": -1.0}, "below 0"),
+    ({"distribution": "choice", "values": []}, "at least one"),
+    ({"distribution": "box", "edges": [1, 1, 1]}, "takes density or mass, edges, and density or mass is missing"),
+    ({"distribution": "box", "mass": 1, "density": 1, "edges": [1, 1, 1]}, "density and mass are given: leave one"),
+    ({"distribution": "box", "mass": 1, "edges": [1, 1]}, "three lengths"),
+    ({"distribution": "direction", "norm": [1, 2, 3]}, "no range"),
+    ({"distribution": "direction", "norm": {"distribution": "none"}}, "there is no distribution"),
+]
+DRAWN: list[tuple[dict[str, Any], str]] = [
+    ({"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]}, "finite number above 0: draw"),
+    ({"distribution": "direction", "norm": -1}, "-1.0 was drawn in run 0 and is not a finite number of at"),
+    ({"distribution": "direction", "norm": {"distribution": "choice", "values": ["a"]}}, "'a' was drawn in run 0"),
+    ({"distribution": "direction", "norm": {"distribution": "choice", "values": [math.inf]}}, "inf was drawn"),
+]
+
+
+def drawn(one: object) -> Scene:
+    """Drawing from a distribution, if it is one."""
+    return lambda folder: distribution("vary.x", one)(Uniforms(0, 0, "x"))
+
+
+SAID += [(given(text=text), words) for text, words in CAMPAIGNS]
+SAID += [(drawn(one), words) for one, words in [*NO_DISTRIBUTIONS, *DRAWN]]
+
+
+@pytest.mark.parametrize(("scene", "words"), SAID, ids=[words[:40] for _, words in SAID])
+def test_what_is_said(
+    scene: Scene, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    try:
+        assert scene(tmp_path) == 2
+        [line] = capsys.readouterr().err.splitlines()
+    except LieRigidBodyError as error:
+        line = str(error)
+    assert words in line
+    assert len(line) <= LONGEST_LINE

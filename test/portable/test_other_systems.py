@@ -1,0 +1,105 @@
+"""Names of files, terminals and locks as systems other than POSIX have them."""
+
+from __future__ import annotations
+
+import io
+import ntpath
+import os
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from lie_rigid_body import console
+from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.interruption import ENDING
+from lie_rigid_body.scenario.parameter_file import parse_assignment
+from lie_rigid_body.system import cores, lock
+from lie_rigid_body.wording import shortened
+
+FAR = "C:" + 20 * "\\a_folder_of_some_length" + "\\run.mcap"
+
+
+@pytest.mark.parametrize(
+    ("name", "quoted"),
+    [
+        ("C:\\a friend\\run.mcap", '"C:\\a friend\\run.mcap"'),
+        ("D:\\it's.mcap", "D:\\it's.mcap"),
+        ("\\\\host\\share\\run.mcap", "\\\\host\\share\\run.mcap"),
+        ("my runs\\", '"my runs\\\\"'),  # a backslash before a quotation mark takes its meaning away
+    ],
+)
+def test_a_command_names_a_file_as_shells_with_backslashes_read_it(
+    name: str, quoted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "sep", "\\")
+    assert console.quoted(name) == quoted
+
+
+def test_an_assignment_has_a_drive_and_its_folders() -> None:
+    assert parse_assignment("record_path:=C:\\runs\\a.mcap") == ("record_path", "C:\\runs\\a.mcap")
+
+
+def test_of_a_long_path_with_backslashes_the_end_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "path", ntpath)
+        said = shortened(f"{FAR} does not exist: give the path of a file", 80)
+    assert said.startswith("...")
+    assert "\\run.mcap does not exist" in said
+
+
+class Terminal(io.TextIOWrapper):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii"])
+def test_a_terminal_of_few_characters_gets_a_bar(
+    encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stream = Terminal(io.BytesIO(), encoding=encoding)
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert record([str(tmp_path / "run.mcap"), "--duration", "2"]) == 0
+    stream.flush()
+    assert b"200/200" in stream.buffer.getvalue()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("fcntl", [True, False])
+def test_a_lock_is_held_by_one_until_it_is_given_up(
+    fcntl: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not fcntl:
+        pytest.importorskip("filelock")
+        monkeypatch.setitem(sys.modules, "fcntl", None)
+    path = tmp_path / "file"
+    ask = (
+        "import sys\n"
+        + ("" if fcntl else "import filelock\nsys.modules['fcntl'] = None\n")
+        + f"from lie_rigid_body.system import lock\nlock(open({str(path)!r}, 'ab'))"
+    )
+
+    def is_free() -> bool:
+        done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
+        assert done.returncode == 0 or "BlockingIOError" in done.stderr
+        return done.returncode == 0
+
+    with path.open("wb") as file:
+        held = lock(file)
+    assert isinstance(held, ExitStack)
+    assert not is_free()  # though the file is closed
+    held.close()
+    assert is_free()
+    held.close()  # once more, which frees nothing else
+
+
+def test_cores_are_counted_without_an_affinity(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    assert cores() == os.cpu_count()
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert cores() == 1
+
+
+def test_of_signals_those_are_heeded_that_there_are() -> None:
+    assert {"SIGINT", "SIGTERM"} <= {number.name for number in ENDING}

@@ -1,0 +1,79 @@
+"""What runs without ROS runs where Python has nothing that only POSIX gives, to the same bytes.
+
+`posix_taken_away` hides that from the package, and from no other: so any use of it, at import or later, is an error.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SCRIPT = HERE / "every_verb.py"
+Python = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="module")
+def without_posix(tmp_path_factory: pytest.TempPathFactory) -> Python:
+    """Runs a Python without POSIX, whose processes are such as well."""
+    cache = tmp_path_factory.mktemp("cache")
+
+    def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        environment = {**os.environ, "PYTHONPATH": str(HERE / "posix_taken_away"), "NUMBA_CACHE_DIR": str(cache)}
+        return subprocess.run(
+            [sys.executable, *arguments], env=environment, capture_output=True, text=True, check=False
+        )
+
+    return run
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    found = {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*")) if path.is_file()}
+    return {name: path.read_bytes() for name, path in found.items() if path.suffix != ".lock"}
+
+
+@pytest.mark.long
+@pytest.mark.skipif(
+    not (find_spec("distributed") and find_spec("pyarrow") and find_spec("filelock")), reason="a library is missing"
+)
+def test_every_verb_gives_the_same_bytes(tmp_path: Path, without_posix: Python) -> None:
+    ordinary, portable = tmp_path / "ordinary", tmp_path / "portable"
+    ordinary.mkdir()
+    portable.mkdir()
+    with subprocess.Popen(
+        [sys.executable, SCRIPT, ordinary], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as process:
+        done = without_posix(SCRIPT, portable)
+        assert (done.returncode, done.stderr) == (0, "")
+        said = process.communicate()[0]
+    assert process.returncode == 0, said
+    assert files(portable) == files(ordinary)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import fcntl",
+        "from os import O_DIRECTORY",
+        "import signal; signal.SIGHUP",
+        "import os; os.getuid()",
+        "import os; os.sched_getaffinity(0)",
+    ],
+)
+def test_a_use_of_posix_would_be_seen(code: str, tmp_path: Path, without_posix: Python) -> None:
+    """At import, and in every process that another starts."""
+    package = tmp_path / "lie_rigid_body"
+    package.mkdir()
+    (package / "__init__.py").write_text(code)
+    spawned = (
+        "import subprocess, sys; sys.exit(subprocess.run([sys.executable, '-c', 'import lie_rigid_body']).returncode)"
+    )
+    done = without_posix("-c", f"import os; os.chdir({str(tmp_path)!r}); {spawned}")
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith(("ModuleNotFoundError", "ImportError", "AttributeError"))
