@@ -46,7 +46,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
-    "report": BAG | {"evaluation", "runs", "console"},
+    "report": BAG | {"certificate", "evaluation", "runs", "console"},
     "cli": EDGE | {"campaign"},
     "ros": EDGE,
     "": SCENARIO | {"simulation", "evaluation", "runs"},

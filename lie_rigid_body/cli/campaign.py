@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from array import array
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -20,12 +19,15 @@ if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.campaign.journal import Journal
     from lie_rigid_body.campaign.run import Row
+    from lie_rigid_body.parameters import Value
 
 MOST_TRIED: Final = 1000
-"""Runs whose parameters are tried before the first is begun: each takes some milliseconds."""
+"""Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
 _LONGEST_REASON: Final = 70
 """Largest length of what a run failed of in an error line, characters."""
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
+ERROR, TOTAL = "estimator_error", "total_rms_deg"
+"""Columns of the table that say why an estimator has no score in a run, and its total error."""
 
 
 @console.run
@@ -196,8 +198,6 @@ def _say_alone(address: str) -> None:
 
 def _require_a_score(campaign: Campaign, rows: Sequence[Row], most: int) -> None:
     """Refuse to go on with an estimator that gave no score in so many runs: it has a mistake."""
-    from lie_rigid_body.campaign.estimator import ERROR
-
     errors = [row.scores.get(ERROR) for row in rows]
     if len(errors) == most and None not in errors:
         raise _without_a_score(campaign, f"{most} runs", f"{errors[0]}")
@@ -233,66 +233,56 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
     if failed:
         raise _failure(campaign, journal, failed)
-    table, tally = journal.write_table(), _Tally.of(journal.rows())
-    broken, certified = tally.broken, tally.count - len(tally.broken)
+    from pyarrow.parquet import read_table
+
+    path = journal.write_table()
+    table = read_table(path).to_pydict()
+    runs = table["run"]
+    broken = [run for run, certified in zip(runs, table["certified"], strict=True) if not certified]
     lines = [
-        f"{counted(tally.count, 'run')}, {certified} certified, attitudes within {tally.worst:.2g} rad, "
-        f"in {printable(str(table))}"
+        f"{counted(len(runs), 'run')}, {len(runs) - len(broken)} certified, attitudes within "
+        f"{max(0.0, *table['attitude_accuracy_rad']):.2g} rad, in {printable(str(path))}"
     ]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    errors = {run: error for run, error in zip(runs, table.get(ERROR, ()), strict=False) if error is not None}
     if campaign.estimator is not None:
-        lines.append(tally.of_scores())
+        totals = sorted(total or 0.0 for run, total in zip(runs, table[TOTAL], strict=True) if run not in errors)
+        median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
+        unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
+        lines.append(f"{len(totals)} scored{median}{unscored}")
     if given.report is not None:
-        from lie_rigid_body.cli.campaign_page import page
-        from lie_rigid_body.recording.output_file import write_file
-
-        content = page(f"Campaign {given.campaign}", campaign, [*journal.rows()])
-        write_file(given.report, content, overwrite=given.force)
+        _write_page(campaign, journal, given)
         lines.append(f"wrote {printable(given.report)}")
-    console.say("\n".join(lines), done=f"{table} is written")
+    console.say("\n".join(lines), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    if campaign.estimator is not None and not tally.totals_deg:
-        raise _without_a_score(campaign, "any run", tally.first_error)
+    if len(errors) == len(runs):
+        raise _without_a_score(campaign, "any run", errors[runs[0]])
     return console.SUCCESS
 
 
-@dataclass
-class _Tally:
-    """What is told of all runs, without their rows."""
+def _write_page(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> None:
+    """Write the page of all runs: what was drawn for each, and its residuals."""
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report.html_page import details
+    from lie_rigid_body.report.overview_page import Line, page
 
-    count: int = 0
-    worst: float = 0.0
-    broken: list[int] = field(default_factory=list)
-    totals_deg: array[float] = field(default_factory=lambda: array("d"))
-    unscored: str = ""
-    first_error: str = ""
-
-    @classmethod
-    def of(cls, rows: Iterable[Row]) -> _Tally:
-        """The tally of rows in the order of their numbers."""
-        from lie_rigid_body.campaign.estimator import ERROR
-
-        tally = cls()
-        for row in rows:
-            tally.count += 1
-            tally.worst = max(tally.worst, row.attitude_accuracy_rad)
-            if not row.certified:
-                tally.broken.append(row.run)
-            error = row.scores.get(ERROR)
-            if error is None and row.scores:
-                tally.totals_deg.append(float(row.scores["total_rms_deg"] or 0.0))
-            elif error is not None:
-                tally.unscored = tally.unscored or f"; run {row.run} is not: {error}"
-                tally.first_error = tally.first_error or f"{error}"
-        return tally
-
-    def of_scores(self) -> str:
-        """The scores in a line."""
-        ordered = sorted(self.totals_deg)
-        return (
-            f"{len(ordered)} scored"
-            + (f", median {ordered[len(ordered) // 2]:.3g}° rms" if ordered else "")
-            + self.unscored
+    lines = [
+        Line(
+            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
+            row.certified,
+            row.attitude_accuracy_rad,
+            row.residuals,
         )
+        for row in journal.rows()
+    ]
+    declared = details("Campaign", campaign.to_json())
+    content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, [declared])
+    write_file(given.report, content, overwrite=given.force)
+
+
+def _cell(value: Value | Sequence[float]) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return str(value) if isinstance(value, str | int) else f"[{', '.join(f'{v:.4g}' for v in value)}]"

@@ -144,22 +144,22 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         The exit status.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import text
+    from lie_rigid_body.report import score_text
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
     if given.plot is not None:
-        from lie_rigid_body.report.figure import png
+        from lie_rigid_body.report.score_picture import png
 
         write_file(given.plot, png(title, score), overwrite=given.force)
     if given.report is not None:
-        from lie_rigid_body.report.page import page
+        from lie_rigid_body.report.score_page import page
 
         write_file(given.report, page(title, read, score), overwrite=given.force)
     files = [path for path in (given.plot, given.report) if path is not None]
     if given.json:
-        content = text.as_json(source or None, read, score, series=given.series)
+        content = score_text.as_json(source or None, read, score, series=given.series)
         said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        said = "\n".join([text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
+        said = "\n".join([score_text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else console.BROKEN

@@ -18,10 +18,11 @@ from mcap.writer import Writer
 from test_check import refused, write_bag
 
 from lie_rigid_body.certificate import Certificate
-from lie_rigid_body.cli import judgement
+from lie_rigid_body.cli import judging
 from lie_rigid_body.cli.check import main
-from lie_rigid_body.cli.judgement import Judgement, judge_all
+from lie_rigid_body.cli.judging import judge_all
 from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.report.overview import Verdict
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
 
@@ -230,11 +231,11 @@ def test_a_topic_is_given_once(tmp_path, capsys):
 def deadly(inertia, topics, bag, progress):
     if bag == "deadly":
         os.kill(os.getpid(), signal.SIGKILL)
-    return [Judgement(bag, None, Certificate(()))]
+    return [Verdict(bag, None, Certificate(()))]
 
 
 def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
-    monkeypatch.setattr(judgement, "judge", deadly)
+    monkeypatch.setattr(judging, "judge", deadly)
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})
     found = judge_all(["a", "deadly", "b", "c"])
     assert [(each.bag, each.status) for each in found] == [("a", 0), ("deadly", 2), ("b", 0), ("c", 0)]

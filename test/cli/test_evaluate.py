@@ -15,7 +15,7 @@ from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import Limits
-from lie_rigid_body.report.figure import _draw, svg
+from lie_rigid_body.report.score_picture import _draw, svg
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from html import escape
 
 from lie_rigid_body.evaluation import Score, summary
-from lie_rigid_body.report import html_page, text
-from lie_rigid_body.report.figure import svg
+from lie_rigid_body.report import html_page, score_text
+from lie_rigid_body.report.score_picture import svg
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
 def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
-    """The page.
+    """Make the page.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
     """
     parts = [
         *(html_page.badge(sentence, passed=score.passed) for sentence in summary.verdict(score)),
-        html_page.paragraph(f"{text.extent(read, score)}."),
+        html_page.paragraph(f"{score_text.extent(read, score)}."),
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import wait as wait_for
 from typing import TYPE_CHECKING, Any, Final
@@ -20,61 +19,24 @@ from lie_rigid_body import console
 from lie_rigid_body.cli.bags import PASSES, progress_bar, size
 from lie_rigid_body.errors import BagError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.report.overview import Verdict
 
 if TYPE_CHECKING:
-    from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.recording.bag_reader import Bag
 
 _LOOK_EVERY: Final = 0.2
 """Time between two looks at how far the bags have been read, s."""
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 _read: Any = None
-"""Bytes that were read of each bag, which processes share."""
+"""Numbers of bytes that were read of each bag, shared by the processes."""
 
-
-@dataclass(frozen=True)
-class Judgement:
-    """The certificate of one body of a bag, or why there is none.
-
-    Parameters
-    ----------
-    bag : str
-        As the user gave it.
-    body : str or None
-        Its namespace, where the bag has several bodies.
-    certificate : Certificate or None
-    reason : str
-        Why it cannot be judged, in one line that begins with the bag.
-    """
-
-    bag: str
-    body: str | None
-    certificate: Certificate | None
-    reason: str = ""
-
-    __repr__ = short_repr
-
-    @property
-    def name(self) -> str:
-        """The bag, and the body where there are several."""
-        return self.bag if self.body is None else f"{self.bag} {self.body}"
-
-    @property
-    def status(self) -> int:
-        """The exit status that it alone would have."""
-        if self.certificate is None:
-            return console.UNUSABLE
-        return console.SUCCESS if self.certificate.passed else console.BROKEN
-
-
-Judge = Callable[[str, Callable[[int], object]], list[Judgement]]
+Judge = Callable[[str, Callable[[int], object]], list[Verdict]]
 
 
 def judge(
     inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
-) -> list[Judgement]:
-    """The judgements of all bodies of a bag; whatever is wrong with it is its judgement."""
+) -> list[Verdict]:
+    """Judge all bodies of a bag; whatever is wrong with the bag is its verdict."""
     from lie_rigid_body.recording.bag_reader import Bag
 
     try:
@@ -85,33 +47,33 @@ def judge(
 
 def judge_bodies(
     bag: str, bodies: Mapping[str, Bag | BagError], inertia: Sequence[float] | None = None
-) -> list[Judgement]:
-    """The judgements of the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its judgement."""
+) -> list[Verdict]:
+    """Judge the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its verdict."""
     return [_of_body(bag, name if len(bodies) > 1 else None, found, inertia) for name, found in bodies.items()]
 
 
-def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Judgement:
+def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Verdict:
     from lie_rigid_body.certificate import certify
 
     try:
         if isinstance(found, BagError):
             raise found
-        return Judgement(bag, body, certify(found, inertia))
+        return Verdict(bag, body, certify(found, inertia))
     except Exception as error:
         return _unusable(bag, body, error)
 
 
-def _unusable(bag: str, body: str | None, error: Exception) -> Judgement:
+def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
     if os.environ.get(console.DEBUG):
         traceback.print_exc()
     reason = console.explanation(error)
-    return Judgement(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
+    return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
 
 
 def judge_all(
     bags: Sequence[str], inertia: Sequence[float] | None = None, topics: Mapping[str, str] | None = None
-) -> list[Judgement]:
-    """The judgements of bags, in their order, by as many processes as there are cores.
+) -> list[Verdict]:
+    """Judge bags by as many processes as there are cores; the verdicts come in the order of the bags.
 
     Parameters
     ----------
@@ -124,20 +86,15 @@ def judge_all(
     one = partial(judge, inertia, topics or {})
     with Interruption() as interruption:
         found = _by_processes(one, bags, len(os.sched_getaffinity(0)), interruption)
-        for i, judgements in enumerate(found):
-            if judgements is None:  # a process that died took others with it: each again, in a process of its own
+        for i, verdicts in enumerate(found):
+            if verdicts is None:  # a process that died took others with it: each again, in a process of its own
                 (again,) = _by_processes(one, [bags[i]], 1, interruption)
-                found[i] = again or [Judgement(bags[i], None, None, f"{bags[i]}: {_KILLED}")]
-    return [judgement for judgements in found for judgement in judgements or []]
+                found[i] = again or [Verdict(bags[i], None, None, f"{bags[i]}: {_KILLED}")]
+    return [verdict for verdicts in found for verdict in verdicts or []]
 
 
-def _by_processes(
-    one: Judge, bags: Sequence[str], most: int, interruption: Interruption
-) -> list[list[Judgement] | None]:
-    """The judgements of each bag, by so many processes at most, or None where one died."""
-    import lie_rigid_body.certificate  # once, for all processes
-
-    assert lie_rigid_body.certificate
+def _by_processes(one: Judge, bags: Sequence[str], most: int, interruption: Interruption) -> list[list[Verdict] | None]:
+    """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
     context = multiprocessing.get_context("fork")
     read = context.RawArray("q", len(bags))  # without a lock, which a process that is killed would keep
     with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin, (read,))) as pool:
@@ -173,17 +130,17 @@ def _begin(read: Any) -> None:
     threading.Thread(target=lambda: (wait_for([parent.sentinel]), os._exit(1)), daemon=True).start()
 
 
-def _judge_there(one: Judge, bag: str, number: int) -> list[Judgement]:
+def _judge_there(one: Judge, bag: str, number: int) -> list[Verdict]:
     def add(count: int) -> None:
         _read[number] += count
 
-    judgements = one(bag, add)
+    verdicts = one(bag, add)
     _read[number] = PASSES * size(bag)  # though a bag that is whole is read less often, and what is none not at all
-    return judgements
+    return verdicts
 
 
-def _show_progress(futures: Sequence[Future[list[Judgement]]], bags: Sequence[str], read: Any) -> None:
-    """Wait for the judgements; on a terminal show how much has been read."""
+def _show_progress(futures: Sequence[Future[list[Verdict]]], bags: Sequence[str], read: Any) -> None:
+    """Wait for the verdicts; on a terminal show how much has been read."""
     with progress_bar(bags) as bar:
         waiting = set(futures)
         while waiting:
