@@ -127,7 +127,7 @@ class Misalignment:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RunComparison:
     """Estimates, their stamps and the truth, with a limit to the lag.
 
     Attributes
@@ -147,11 +147,11 @@ class Comparison:
 
     __repr__ = short_repr
 
-    def part(self, chosen: slice | Integers) -> Comparison:
+    def part(self, chosen: slice | Integers) -> RunComparison:
         """Some of the samples."""
         return replace(self, stamps_ns=self.stamps_ns[chosen], estimate_xyzw=self.estimate_xyzw[chosen])
 
-    def inner(self) -> Comparison:
+    def inner(self) -> RunComparison:
         """The samples that have a truth whatever the lag is, so that every lag is judged by the same ones."""
         early, late = self.true_stamps(self.longest_lag_s), self.true_stamps(-self.longest_lag_s)
         return self.part(np.flatnonzero(self.truth.covers(early) & self.truth.covers(late)))
@@ -192,7 +192,7 @@ def columns(free: frozenset[str]) -> list[int]:
 
 
 def fit(
-    comparison: Comparison,
+    comparison: RunComparison,
     free: frozenset[str],
     start: Misalignment,
     steps: int = 25,
@@ -202,7 +202,7 @@ def fit(
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
     free : frozenset of str
         Which of `HEADING`, `MOUNTING` and `LAG` to fit; the others stay as in the start.
     start : Misalignment
@@ -239,7 +239,7 @@ def fit(
     return best
 
 
-def separable(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> bool:
+def separable(comparison: RunComparison, free: frozenset[str], misalignment: Misalignment) -> bool:
     """Whether the motion tells a lag from the other free parameters, and turns at all.
 
     The variance of a lag that is fitted alone grows by a factor when other parameters are fitted with it, the variance
@@ -254,7 +254,7 @@ def separable(comparison: Comparison, free: frozenset[str], misalignment: Misali
     return bool(alone <= LARGEST_INFLATION * (alone - shared))
 
 
-def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> float:
+def lag_standard_error(comparison: RunComparison, free: frozenset[str], misalignment: Misalignment) -> float:
     """Standard error of a fitted lag, s.
 
     The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
@@ -265,7 +265,7 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
     free : frozenset of str
         Which constants were fitted beside the lag.
     misalignment : Misalignment

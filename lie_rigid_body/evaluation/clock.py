@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.evaluation.alignment import LAG, Comparison, Misalignment, fit, lag_standard_error
+from lie_rigid_body.evaluation.alignment import LAG, Misalignment, RunComparison, fit, lag_standard_error
 from lie_rigid_body.evaluation.attitudes import from_mean, sizes
 from lie_rigid_body.evaluation.estimate import FARTHEST_NS
 from lie_rigid_body.evaluation.explanation import NEGLIGIBLE
@@ -69,7 +69,7 @@ FINE: Final = 1e-8
 
 
 @dataclass(frozen=True)
-class Clock:
+class StampClock:
     """The clock of an estimate, beside that of the truth.
 
     Attributes
@@ -100,26 +100,26 @@ class Clock:
         """As that of an `Explanation`: one cause, less simple than a heading; another rate, beside a lag, is two."""
         return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(self.median))
 
-    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> Clock:
+    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> StampClock:
         """With lags, s, at two true times, s after the anchor, taken away."""
         (t, lag), (later, other) = early, late
         drift = (other - lag) / (later - t) if later != t else 0.0
-        return Clock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
+        return StampClock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
 
 
-def other_clock(comparison: Comparison, error: float) -> Clock | None:
+def other_clock(comparison: RunComparison, error: float) -> StampClock | None:
     """The clock by which an estimate follows the truth, if it is another one.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples, also those outside of the truth's times.
     error : float
         Median error by the stamps as they are, rad.
 
     Returns
     -------
-    Clock or None
+    StampClock or None
     """
     table, comparison = _Table.of(comparison.truth), _without_strays(comparison)
     if table is None or len(comparison.stamps_ns) < FEWEST_SAMPLES:
@@ -135,7 +135,7 @@ def other_clock(comparison: Comparison, error: float) -> Clock | None:
     return best
 
 
-def _without_strays(comparison: Comparison) -> Comparison:
+def _without_strays(comparison: RunComparison) -> RunComparison:
     """Without the few samples that are farther from all others than these span, as by one wrong stamp."""
     stamps, few = comparison.stamps_ns, round(MOST_STRAY * len(comparison.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
@@ -143,7 +143,7 @@ def _without_strays(comparison: Comparison) -> Comparison:
     return comparison.part(np.flatnonzero((stamps >= first - span) & (stamps <= last + span)))
 
 
-def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
+def _is_of_a_gyro(clock: StampClock, comparison: RunComparison) -> bool:
     """Whether the errors of a gyro explain as much as another rate, and that does not fill the truth's times."""
     known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
     if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES or _spans(clock, by_clock(comparison, clock)):
@@ -159,13 +159,13 @@ def _lowest(costs: Array) -> list[int]:
     return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
 
 
-def by_clock(comparison: Comparison, clock: Clock) -> Comparison:
+def by_clock(comparison: RunComparison, clock: StampClock) -> RunComparison:
     """The samples that are within the truth's times by a clock, at their true times."""
     true = clock.true_stamps(comparison.stamps_ns)
     return replace(comparison, stamps_ns=true).part(np.flatnonzero(comparison.truth.covers(true)))
 
 
-def clock_lag(comparison: Comparison, clock: Clock) -> tuple[float, float] | tuple[None, None]:
+def clock_lag(comparison: RunComparison, clock: StampClock) -> tuple[float, float] | tuple[None, None]:
     """The lag by a clock and its standard error, s; by another rate there is none."""
     if clock.rate != 1.0:
         return None, None
@@ -175,34 +175,34 @@ def clock_lag(comparison: Comparison, clock: Clock) -> tuple[float, float] | tup
 
 
 @dataclass(frozen=True)
-class _Grid:
+class _ClockGrid:
     """Clocks with an anchor in common."""
 
     anchor_ns: int
     rates: Array
     lags_s: Array
 
-    def clock(self, k: int) -> Clock:
-        return Clock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
+    def clock(self, k: int) -> StampClock:
+        return StampClock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
 
     @property
     def least_covered(self) -> float:
         return LEAST_COVERED if np.all(self.rates == 1.0) else MOSTLY_COVERED
 
 
-def _grids(comparison: Comparison, table: _Table) -> Iterator[_Grid]:
+def _grids(comparison: RunComparison, table: _Table) -> Iterator[_ClockGrid]:
     """All lags, and all rates by which the last sample is within the truth's times."""
     truth, step = comparison.truth, GRID_STEP * table.step_ns
     first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
     begin, end = ceil((first - table.last_ns) / step), ceil((last - truth.first_ns) / step)
     if end - begin <= MOST_CLOCKS:
         lags = np.arange(begin, end, dtype=np.float64) * step / 1e9
-        yield _Grid(first, np.ones(len(lags)), lags)
+        yield _ClockGrid(first, np.ones(len(lags)), lags)
     for anchor in {first, truth.first_ns, 0}:
         count = int((truth.last_ns - anchor) / step) + 1
         if truth.first_ns <= anchor < last and 0 < count <= MOST_CLOCKS:
             rates = np.arange(1, count + 1) * step / (last - anchor)
-            yield _Grid(anchor, rates, np.zeros(count))
+            yield _ClockGrid(anchor, rates, np.zeros(count))
 
 
 @dataclass(frozen=True)
@@ -234,7 +234,7 @@ class _Table:
     def last_ns(self) -> int:
         return self.first_ns + round(self.step_ns * (len(self.known) - 1))
 
-    def costs(self, grid: _Grid, comparison: Comparison) -> Array:
+    def costs(self, grid: _ClockGrid, comparison: RunComparison) -> Array:
         """Mean sine of half of the angles by each clock; infinite where it leaves too few samples within the table."""
         stamps, estimate = comparison.stamps_ns, comparison.estimate_xyzw
         fewest = max(FEWEST_SAMPLES, grid.least_covered * self.share * len(stamps))
@@ -256,7 +256,7 @@ class _Table:
         return np.concatenate(found)
 
 
-def _refined(clock: Clock, comparison: Comparison, step_s: float) -> Clock:
+def _refined(clock: StampClock, comparison: RunComparison, step_s: float) -> StampClock:
     """With the lag, and if it is another the rate, by which the estimate follows the truth best."""
     for _ in range(ROUNDS):
         true = by_clock(comparison, clock)
@@ -272,11 +272,11 @@ def _refined(clock: Clock, comparison: Comparison, step_s: float) -> Clock:
     return clock
 
 
-def _lag(comparison: Comparison) -> float:
+def _lag(comparison: RunComparison) -> float:
     return fit(comparison, ONLY_LAG, Misalignment(), steps=3, smallest_step=FINE).lag_s
 
 
-def _left(clock: Clock, comparison: Comparison) -> float:
+def _left(clock: StampClock, comparison: RunComparison) -> float:
     """The median angle by a clock, rad; infinite if the estimate does not follow the body all along by it."""
     true = by_clock(comparison, clock)
     share = LEAST_COVERED if clock.rate == 1.0 else MOSTLY_COVERED
@@ -290,7 +290,7 @@ def _left(clock: Clock, comparison: Comparison) -> float:
     return np.inf if uneven or unlike or feigned else left
 
 
-def _as_stamped(clock: Clock, comparison: Comparison) -> float:
+def _as_stamped(clock: StampClock, comparison: RunComparison) -> float:
     """The median angle, rad, by the stamps as they are, of the samples that a clock has a truth for; some have none.
 
     Else a lag would be told by which what errs has no truth.
@@ -306,12 +306,12 @@ def _is_spin(rate: Array) -> bool:
     return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
 
 
-def _is_within_half_a_turn(clock: Clock, rate: Array) -> bool:
+def _is_within_half_a_turn(clock: StampClock, rate: Array) -> bool:
     """Whether a lag is so short that the attitude is not that of a turn earlier or later as well."""
     return abs(clock.lag_s) * float(sizes(rate).max()) < np.pi
 
 
-def _spans(clock: Clock, true: Comparison) -> bool:
+def _spans(clock: StampClock, true: RunComparison) -> bool:
     """Whether by a clock of a far other rate an estimate fills the truth's times, as no error of a gyro makes it."""
     truth = true.truth
     span = float(true.stamps_ns[-1] - true.stamps_ns[0])

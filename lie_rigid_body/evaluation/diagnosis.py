@@ -19,7 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.alignment import LAG, MOUNTING, Comparison, Convention, Misalignment, fit
+from lie_rigid_body.evaluation.alignment import LAG, MOUNTING, Convention, Misalignment, RunComparison, fit
 from lie_rigid_body.evaluation.attitudes import from_mean
 from lie_rigid_body.evaluation.estimate import period_ns
 from lie_rigid_body.evaluation.explanation import (
@@ -113,12 +113,12 @@ class Diagnosis:
         return tuple(found)
 
 
-def diagnose(comparison: Comparison, nearer: tuple[Explanation, ...] = ()) -> Diagnosis:
+def diagnose(comparison: RunComparison, nearer: tuple[Explanation, ...] = ()) -> Diagnosis:
     """Explain what an estimate is off by.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of samples whose true time, shifted by the longest lag either way, is within the truth's times.
     nearer : tuple of Explanation
         What was tried with a shorter longest lag: far lags are held against these as well.
@@ -143,7 +143,7 @@ def diagnose(comparison: Comparison, nearer: tuple[Explanation, ...] = ()) -> Di
     return Diagnosis(best, tried, lag_s, standard_error_s, at_limit)
 
 
-def follows(comparison: Comparison, diagnosis: Diagnosis) -> bool:
+def follows(comparison: RunComparison, diagnosis: Diagnosis) -> bool:
     """Whether a few causes explain nearly all of what an estimate is off by, be they sure enough to be named or not.
 
     A gyro on other axes, or of another unit, leaves attitudes that nothing constant explains.
@@ -154,7 +154,7 @@ def follows(comparison: Comparison, diagnosis: Diagnosis) -> bool:
     return any(e.median <= most for e in diagnosis.tried if 0 < len(e.causes) <= MOST_CAUSES)
 
 
-def _with_lag(comparison: Comparison, best: Explanation, lag_s: float) -> Explanation:
+def _with_lag(comparison: RunComparison, best: Explanation, lag_s: float) -> Explanation:
     """An explanation with a lag beside it that is sure, if that explains anything."""
     if LAG in best.free:
         return best
@@ -163,7 +163,7 @@ def _with_lag(comparison: Comparison, best: Explanation, lag_s: float) -> Explan
 
 
 def _named(
-    comparison: Comparison, tried: tuple[Explanation, ...], limit_s: float, nearer: tuple[Explanation, ...]
+    comparison: RunComparison, tried: tuple[Explanation, ...], limit_s: float, nearer: tuple[Explanation, ...]
 ) -> Explanation:
     """The first of those tried, the simplest last, whose constants are constant and that leaves little enough."""
     unconstant: list[Explanation] = []
@@ -181,7 +181,7 @@ def _named(
     return plain
 
 
-def _conventions(comparison: Comparison, error: float, named: Explanation) -> Explanation:
+def _conventions(comparison: RunComparison, error: float, named: Explanation) -> Explanation:
     """Several conventions that alone explain nearly all, instead of what is named, or that."""
     if error <= CONVENTIONS_LEFT or len(comparison.stamps_ns) < FEWEST_SAMPLES:
         return named
@@ -214,7 +214,7 @@ def _is_no_better(explanation: Explanation, other: Explanation) -> bool:
     return TIE_FACTOR * explanation.median >= other.median and not explanation.is_part_of(other)
 
 
-def _is_constant(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
+def _is_constant(comparison: RunComparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
     """Whether constants fitted to three quarters of a run halve the median of the fourth, each of them and in each.
 
     A far lag must also be the best in each.

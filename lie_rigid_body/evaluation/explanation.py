@@ -13,13 +13,21 @@ from lie_rigid_body.evaluation.alignment import (
     HEADING,
     LAG,
     MOUNTING,
-    Comparison,
     Convention,
     Misalignment,
+    RunComparison,
     columns,
     fit,
 )
-from lie_rigid_body.evaluation.search import CONVENTIONS, FINE_SAMPLES, MOST_FINE_LAGS, MOST_LAGS, Grid, spread, written
+from lie_rigid_body.evaluation.search import (
+    CONVENTIONS,
+    FINE_SAMPLES,
+    MOST_FINE_LAGS,
+    MOST_LAGS,
+    StartGrid,
+    spread,
+    written,
+)
 from lie_rigid_body.wording import short_repr
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -109,13 +117,13 @@ class Explanation:
         )
 
 
-def explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
+def explanations(comparison: RunComparison, plain: Explanation) -> Iterator[Explanation]:
     """The explanations that may be the best, or as good."""
-    grid = Grid.of(comparison)
+    grid = StartGrid.of(comparison)
     points = {convention: grid.best(convention, ALL_CONSTANTS) for convention in CONVENTIONS}
     limit = min(cost for cost, _ in points.values()) + PRUNING_MARGIN
     near = [convention for convention in CONVENTIONS if points[convention][0] <= limit]
-    fine = grid if len(grid.lags_s) < MOST_LAGS else Grid.of(comparison, MOST_FINE_LAGS, FINE_SAMPLES)
+    fine = grid if len(grid.lags_s) < MOST_LAGS else StartGrid.of(comparison, MOST_FINE_LAGS, FINE_SAMPLES)
     full = [explain(comparison, convention, ALL_CONSTANTS, points[convention][1]) for convention in near]
     lowest = min([plain, *full], key=lambda e: e.cost).cost
     full = [
@@ -142,7 +150,11 @@ def _may_win(most: Explanation, free: frozenset[str], lowest: float) -> bool:
 
 
 def _nearest(
-    comparison: Comparison, grid: Grid, convention: Convention, free: frozenset[str], *further: Misalignment
+    comparison: RunComparison,
+    grid: StartGrid,
+    convention: Convention,
+    free: frozenset[str],
+    *further: Misalignment,
 ) -> Explanation:
     """The explanation of the least lag, of those by some causes that leave about the least.
 
@@ -164,13 +176,15 @@ def _nearest(
     return other if other.median <= TIE_FACTOR * found.median else found
 
 
-def explain(comparison: Comparison, convention: Convention, free: frozenset[str], start: Misalignment) -> Explanation:
+def explain(
+    comparison: RunComparison, convention: Convention, free: frozenset[str], start: Misalignment
+) -> Explanation:
     """A combination of causes fitted to a run."""
     found = fit(written(comparison, convention), free, start, steps=12, smallest_step=1e-7)
     return Explanation(convention, free, found, median_left(comparison, convention, found))
 
 
-def median_left(comparison: Comparison, convention: Convention, misalignment: Misalignment) -> float:
+def median_left(comparison: RunComparison, convention: Convention, misalignment: Misalignment) -> float:
     """Median of the angles that are left, rad, at least `NEGLIGIBLE`; infinite if the truth is known at no sample."""
     left = written(comparison, convention).angles(misalignment)
     return max(float(np.median(left)), NEGLIGIBLE) if left.size else np.inf

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
-from lie_rigid_body.evaluation.clock import Clock, by_clock
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Misalignment, RunComparison, fit
+from lie_rigid_body.evaluation.clock import StampClock, by_clock
 from lie_rigid_body.evaluation.diagnosis import Diagnosis
 from lie_rigid_body.evaluation.estimate import period_ns
 from lie_rigid_body.evaluation.explanation import Explanation
@@ -56,12 +56,12 @@ class Finding:
         return asdict(self)
 
 
-def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
+def findings(comparison: RunComparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
     """The causes of a diagnosis as findings, in the order in which they are undone.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples.
     diagnosis : Diagnosis
 
@@ -82,14 +82,14 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
     return tuple(found) if rms(before) <= rms(given) else ()
 
 
-def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
+def clock_finding(comparison: RunComparison, clock: StampClock) -> Finding:
     """Another clock as a finding.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples, also those outside of the truth's times.
-    clock : Clock
+    clock : StampClock
     """
     before = np.degrees(comparison.angles(Misalignment()))
     after = np.degrees(by_clock(comparison, clock).angles(Misalignment()))
@@ -100,7 +100,7 @@ def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
     return Finding(code, f"{sentence} ({gain(before, after)}).", rms(after))
 
 
-def _rate(clock: Clock) -> str:
+def _rate(clock: StampClock) -> str:
     times = f"{max(clock.rate, 1.0 / clock.rate):.5g} times as {'slow' if clock.rate > 1.0 else 'fast'}"
     return (
         f"The clock of the estimate's stamps runs {times} as that of the truth: stamp it with the time of the readings "
@@ -129,7 +129,7 @@ def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
         yield cause, partial
 
 
-def _fitted(comparison: Comparison, explanation: Explanation) -> Misalignment:
+def _fitted(comparison: RunComparison, explanation: Explanation) -> Misalignment:
     """All constants of an explanation, fitted together to up to `FITTED` samples."""
     ours = written(comparison, explanation.convention)
     few = ours.inner()
@@ -142,7 +142,7 @@ def _code(cause: str, fitted: Misalignment) -> str:
     return cause
 
 
-def _sentence(cause: str, comparison: Comparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
+def _sentence(cause: str, comparison: RunComparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
     if cause == "scalar_first":
         return "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"
     if cause == "inverted":
@@ -202,7 +202,7 @@ def _places(mounting: Array) -> str:
     return f"; its x, y, z are {name} of the body{meaning}" + (f", but for {left:.2g}°" if left >= 0.01 else "")
 
 
-def _lag(comparison: Comparison, lag_s: float) -> str:
+def _lag(comparison: RunComparison, lag_s: float) -> str:
     period = period_ns(comparison.stamps_ns) / 1e9
     late = lag_s > 0.0
     remedy = (

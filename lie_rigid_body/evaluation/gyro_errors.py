@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.alignment import RunComparison
 from lie_rigid_body.evaluation.attitude_error import world_error
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.search import spread
@@ -24,12 +24,12 @@ ROUNDS: Final = 6
 """Steps of Gauss–Newton."""
 
 
-def left_by_gyro_errors(comparison: Comparison) -> float:
+def left_by_gyro_errors(comparison: RunComparison) -> float:
     """Median angle that the best constant errors of a gyro leave, rad.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of samples within the truth's times.
     """
     few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))

@@ -11,9 +11,9 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import (
     LAG,
-    Comparison,
     Convention,
     Misalignment,
+    RunComparison,
     fit,
     lag_standard_error,
     separable,
@@ -59,7 +59,7 @@ MOST_OTHER_LAGS: Final = 1000
 """Largest number of other lags, either way, that a far one is held against."""
 
 
-def told_lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
+def told_lag(comparison: RunComparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
     """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
 
     Else beside what was found. It is told if it is named as a cause; or if it is about the same in each half of the
@@ -77,7 +77,7 @@ def told_lag(comparison: Comparison, explanation: Explanation) -> tuple[float, f
     return None, None
 
 
-def _is_the_same_in_halves(comparison: Comparison, fitted: Misalignment) -> bool:
+def _is_the_same_in_halves(comparison: RunComparison, fitted: Misalignment) -> bool:
     """Whether each half of a run alone tells about the same lag, as it hardly does of what drifts feign."""
     for half in np.array_split(np.arange(len(comparison.stamps_ns)), 2):
         alone = fit(comparison.part(half), ALL_CONSTANTS, fitted)
@@ -86,12 +86,12 @@ def _is_the_same_in_halves(comparison: Comparison, fitted: Misalignment) -> bool
     return True
 
 
-def is_far(comparison: Comparison, misalignment: Misalignment) -> bool:
+def is_far(comparison: RunComparison, misalignment: Misalignment) -> bool:
     """Whether the body turns by more than half a turn in a lag."""
     return abs(misalignment.lag_s) * comparison.fastest() > np.pi
 
 
-def is_nearest(comparison: Comparison, explanation: Explanation, tried: Iterable[Explanation]) -> bool:
+def is_nearest(comparison: RunComparison, explanation: Explanation, tried: Iterable[Explanation]) -> bool:
     """Whether a lag is not far, or none of those tried without a far one costs hardly more.
 
     One of the causes of the latter would take the place of the far lag.
@@ -102,7 +102,7 @@ def is_nearest(comparison: Comparison, explanation: Explanation, tried: Iterable
     return explanation.cost + FAR < min(near, default=np.inf)
 
 
-def is_for_all_quarters(comparison: Comparison, explanation: Explanation) -> bool:
+def is_for_all_quarters(comparison: RunComparison, explanation: Explanation) -> bool:
     """Whether no other lag halves what a far one leaves of a quarter of the run, from the second on.
 
     Of a motion that nearly repeats there are many far ones that fit better than none beside errors that drift, each for
@@ -120,7 +120,7 @@ def is_for_all_quarters(comparison: Comparison, explanation: Explanation) -> boo
     return all(medians[0] <= 2.0 * max(medians.min(), NEGLIGIBLE) for medians in quarters)
 
 
-def _medians(comparison: Comparison, misalignment: Misalignment, lags_s: list[float]) -> Array:
+def _medians(comparison: RunComparison, misalignment: Misalignment, lags_s: list[float]) -> Array:
     """Medians of the angles that each of some lags leaves, rad; infinite where it has a truth for less than half."""
     stamps = np.stack([comparison.true_stamps(lag_s) for lag_s in lags_s])
     known = comparison.truth.covers(stamps)
@@ -130,7 +130,7 @@ def _medians(comparison: Comparison, misalignment: Misalignment, lags_s: list[fl
 
 
 def _told(
-    comparison: Comparison, free: frozenset[str], explanation: Explanation
+    comparison: RunComparison, free: frozenset[str], explanation: Explanation
 ) -> tuple[float, float] | tuple[None, None]:
     fitted = fit(comparison, free, explanation.misalignment)
     without = fit(comparison, free - {LAG}, replace(fitted, lag_s=0.0))

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.attitudes import mean
 from lie_rigid_body.lie import quaternion
 
@@ -44,7 +44,7 @@ FINE_SAMPLES: Final = 60
 
 
 @dataclass(frozen=True)
-class Grid:
+class StartGrid:
     """Some samples of an estimate with the truth at each lag of a grid.
 
     Attributes
@@ -61,7 +61,7 @@ class Grid:
     truth_xyzw: Array
 
     @classmethod
-    def of(cls, comparison: Comparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> Grid:
+    def of(cls, comparison: RunComparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> StartGrid:
         """For the lags that a comparison allows, no farther apart than the motion asks for, but for the most."""
         few = comparison.part(spread(len(comparison.stamps_ns), most_samples))
         half = min(max(int(np.ceil(few.longest_lag_s * few.fastest() / LAG_TURN)), 1), most_lags // 2)
@@ -122,6 +122,6 @@ def spread(count: int, most: int) -> Integers:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def written(comparison: Comparison, convention: Convention) -> Comparison:
+def written(comparison: RunComparison, convention: Convention) -> RunComparison:
     """The comparison with its estimates taken to be written in another convention."""
     return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))

@@ -9,7 +9,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.scoring import Score
+from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.evaluation.statistics import Statistics
 
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import LAG, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import LAG, Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.attitude_error import angles
 from lie_rigid_body.evaluation.attitudes import angles_between, from_mean, mean
 from lie_rigid_body.evaluation.diagnosis import Diagnosis
@@ -79,7 +79,7 @@ class TurnedWorld:
         is_far = abs(explanation.misalignment.lag_s) > NEAR_SAMPLES * period_s
         return _turns_the_world(explanation) and explanation.median < min(LEAST_TILT, most) and not is_far
 
-    def beside(self, comparison: Comparison) -> tuple[Comparison, Explanation]:
+    def beside(self, comparison: RunComparison) -> tuple[RunComparison, Explanation]:
         """A comparison with the world turned back, and that nothing else explains what is left."""
         back = quaternion.multiply(quaternion.conjugate(self.turn_xyzw), comparison.estimate_xyzw)
         rest, none = replace(comparison, estimate_xyzw=back).inner(), (Convention(), Misalignment())

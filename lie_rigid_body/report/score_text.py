@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.summary import findings, table, verdict, wrapped
+from lie_rigid_body.evaluation.score import findings, table, verdict, wrapped
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import printable
 

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.alignment import KEPT_STATES, Comparison, Convention
+from lie_rigid_body.evaluation.alignment import KEPT_STATES, Convention, RunComparison
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0
@@ -149,7 +149,7 @@ def test_the_truth_of_the_same_times_is_asked_for_once():
         asked.append(t_ns)
         return MOTIONS["dzhanibekov"].at(t_ns).attitude_xyzw
 
-    whole = Comparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
+    whole = RunComparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
     parts = [whole.part(slice(100, 110)), whole.part(np.arange(100, 110))]
     first, again = (part.true_states(0.1) for part in parts)
     assert len(asked) == 1

@@ -15,12 +15,12 @@ from lie_rigid_body.evaluation.alignment import (
     HEADING,
     LAG,
     MOUNTING,
-    Comparison,
     Misalignment,
+    RunComparison,
     fit,
     lag_standard_error,
 )
-from lie_rigid_body.evaluation.summary import table
+from lie_rigid_body.evaluation.score import table
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"
@@ -69,7 +69,7 @@ def test_the_standard_error_of_the_lag_is_its_spread(memory):
     off, claimed = [], []
     for seed in range(24):
         estimate = quaternion.multiply(true, correlated(seed, memory))
-        comparison = Comparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
+        comparison = RunComparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
         fitted = fit(comparison, free, Misalignment(), smallest_step=1e-6)
         off.append(fitted.lag_s - 0.03)
         claimed.append(lag_standard_error(comparison, free, fitted))
