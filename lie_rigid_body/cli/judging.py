@@ -13,16 +13,15 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait as wait_for
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli.bags import PASSES, progress_bar, size
 from lie_rigid_body.errors import BagError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.report.overview import Verdict
-
-if TYPE_CHECKING:
-    from lie_rigid_body.recording.bag_reader import Bag
 
 _LOOK_EVERY: Final = 0.2
 """Time between two looks at how far the bags have been read, s."""
@@ -37,8 +36,6 @@ def judge(
     inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
 ) -> list[Verdict]:
     """Judge all bodies of a bag; whatever is wrong with the bag is its verdict."""
-    from lie_rigid_body.recording.bag_reader import Bag
-
     try:
         return judge_bodies(bag, Bag.all_of(bag, progress, topics), inertia)
     except Exception as error:
@@ -53,8 +50,6 @@ def judge_bodies(
 
 
 def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Verdict:
-    from lie_rigid_body.certificate import certify
-
     try:
         if isinstance(found, BagError):
             raise found

@@ -14,6 +14,7 @@ from lie_rigid_body.report.plotly_parts import axis, coordinates, layout, line, 
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
+    FEW_SAMPLES,
     GREY,
     MOST_RESETS,
     RED,
@@ -28,8 +29,6 @@ from lie_rigid_body.report.recorded_motion import (
 
 _POINTS: Final = 3000
 """Largest number of points of a polhode or herpolhode."""
-_FEW: Final = 3
-"""Number of samples up to which a line alone would hardly show."""
 _ABOVE: Final = 0.995
 """Size of the surface that is drawn, as a share of the ellipsoid: the polhode lies on that and is not to sink in."""
 _DISTANCE: Final = 1.15
@@ -47,7 +46,7 @@ def rate(pieces: Sequence[RecordedSegment]) -> Figure:
     """Body rate over time."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     rates = np.concatenate([piece.states.body_rate for piece in pieces])
-    few = {"mode": "markers" if len(t) <= _FEW else "lines", "cliponaxis": True}
+    few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
     traces = []
     for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True):
         at = extremes(t, component)

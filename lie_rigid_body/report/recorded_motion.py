@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,11 @@ RED: Final = "#CC2222"
 SURFACE: Final = "#C9D6E8"
 CIRCLES: Final = "#8A97A8"
 """Colours of limits, of paths and what is broken, of the ellipsoid, and of its principal circles."""
+
+FEW_SAMPLES: Final = 3
+"""Largest number of samples that a line alone would hardly show."""
+DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
+"""Look of such samples in a picture."""
 
 MOST_RESETS: Final = 12
 """Largest number of resets that are drawn as lines through the curves."""

@@ -14,6 +14,8 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
+    DOTS,
+    FEW_SAMPLES,
     GREY,
     MOST_RESETS,
     RED,
@@ -32,12 +34,9 @@ if TYPE_CHECKING:
 
 INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
-FEW_SAMPLES: Final = 3
-"""Largest number of samples of a segment that a line alone would hardly show."""
 MANY_SAMPLES: Final = 20_000
 """Number of samples of a segment above which the curves of a fast motion fill whole areas; points of a polhode."""
 
-_DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
 _TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
@@ -96,7 +95,7 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
 def _style(count: int, width: float) -> dict[str, Any]:
     """Line style of the curves of so many samples: few as dots, many so that one curve does not hide the others."""
     if count <= FEW_SAMPLES:
-        return {**_DOTS, "lw": width}
+        return {**DOTS, "lw": width}
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
@@ -125,7 +124,7 @@ def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str 
     """Draw the smallest and the largest value in each interval of time, as a band: others are seen through it."""
     t, lowest, highest = envelope(t, values)
     axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
-    axes.plot(t, lowest, color=colour, lw=0.9, **(_DOTS if len(t) <= FEW_SAMPLES else {}))
+    axes.plot(t, lowest, color=colour, lw=0.9, **(DOTS if len(t) <= FEW_SAMPLES else {}))
     axes.plot(t, highest, color=colour, lw=0.9, label=label)
 
 

@@ -6,32 +6,39 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO, StringIO
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation import Consistency, Score
 from lie_rigid_body.evaluation.estimate import GAP
+from lie_rigid_body.report.recorded_motion import DOTS, FEW_SAMPLES, RED, extremes
 from lie_rigid_body.wording import counted, printable, shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS: Final = {"total": "#333333", "heading": "#0072B2", "inclination": "#D55E00"}
-"""Distinct in every kind of colour vision."""
-_LIMIT: Final = "#CC2222"
-_MOST_POINTS: Final = 4000
-"""Points of a curve: more are drawn as the largest of neighbours, so that no peak is lost."""
+COLOURS: Final = {
+    "total": "#333333",
+    "heading": "#0072B2",
+    "inclination": "#D55E00",
+    "best by noise": "#CC79A7",
+    "NEES": "#333333",
+}
+"""Colours of the curves, distinct in every kind of colour vision."""
+_GREEN: Final = "#009E73"
+_COLUMNS: Final = 2000
+"""Number of intervals of time of a long curve, so that no peak is lost."""
 _LONGEST_LINE: Final = 110
-"""Characters of a line of the title that the figure has room for."""
+"""Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic."""
 
 
 def png(title: str, score: Score) -> bytes:
-    """The picture as a PNG."""
+    """PNG of the picture."""
     out = BytesIO()
     with _without_glyphs():
         _draw(title, score).savefig(out, format="png", dpi=120)
@@ -39,7 +46,7 @@ def png(title: str, score: Score) -> bytes:
 
 
 def svg(title: str, score: Score) -> str:
-    """The picture as an SVG element."""
+    """SVG element of the picture."""
     import matplotlib
 
     out = StringIO()
@@ -52,7 +59,7 @@ def svg(title: str, score: Score) -> str:
 
 @contextmanager
 def _without_glyphs() -> Iterator[None]:
-    """No warnings of characters that the font lacks, such as Chinese ones of a name: a PNG shows boxes for them."""
+    """Context without warnings of characters that the font lacks, such as Chinese ones of a name."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
         yield
@@ -63,80 +70,66 @@ def _draw(title: str, score: Score) -> Figure:
 
     rows = 2 if score.consistency is None else 3
     figure = Figure(figsize=(10.0, 2.2 + 2.0 * rows), layout="constrained")
-    total, parts, *rest = figure.subplots(rows, sharex=True)
-    _draw_angles(total, score, ("total",))
-    _draw_best(total, score)
-    _draw_limits(total, score)
-    _draw_angles(parts, score, ("heading", "inclination"))
-    if rest:
-        _draw_nees(rest[0], score)
-    for axes in (total, parts, *rest):
+    panels: list[Axes] = list(figure.subplots(rows, sharex=True))
+    _draw_angles(panels[0], score, "total")
+    if score.best is not None and not score.best.unobserved:
+        _plot(panels[0], score.t_s, score.best.filtered_deg, "best by noise", 0.8)
+    _draw_limits(panels[0], score)
+    _draw_angles(panels[1], score, "heading", "inclination")
+    if score.consistency is not None:
+        _draw_nees(panels[2], score.t_s, score.consistency)
+    for axes in panels:
         if axes.get_yscale() == "linear":
             axes.set_ylim(bottom=0.0)  # when all is drawn: from here on it no longer makes room
         axes.grid(alpha=0.3, lw=0.6)
         axes.margins(x=0.0)
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, borderaxespad=0.1)
-    (rest[0] if rest else parts).set_xlabel("time since the first estimate [s]")
-    rms = score.total_deg.rms
-    _name(figure, f"{title}\nattitude error {rms:.4g}° rms, {counted(score.samples, 'sample')}")
+    panels[-1].set_xlabel("time since the first estimate [s]")
+    # the names of a file and a topic may hold anything, and ``$`` is no formula
+    rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
+    figure.suptitle(f"{shortened(printable(title), _LONGEST_LINE)}\n{rms}", fontsize=11, parse_math=False)
     return figure
 
 
-def _name(figure: Figure, text: str) -> None:
-    """Write the title, which has the names of a file and a topic: they may hold anything, and ``$`` is no formula."""
-    lines = (shortened(printable(line), _LONGEST_LINE) for line in text.rsplit("\n", 1))
-    figure.suptitle("\n".join(lines), fontsize=11, parse_math=False)
+def _plot(axes: Axes, t_s: Array, values: Array, label: str, width: float = 1.1) -> None:
+    """Plot a curve over time; points of a very short one are seen."""
+    few = DOTS if len(values) <= FEW_SAMPLES else {}
+    axes.plot(*_thinned(t_s, values), color=COLOURS[label], lw=width, label=label, **few)
 
 
-def _draw_angles(axes: Axes, score: Score, names: tuple[str, ...]) -> None:
-    largest = median = 0.0
-    for name in names:
-        degrees = np.degrees(getattr(score.error, name))
-        axes.plot(*_thinned(score.t_s, degrees), color=COLOURS[name], lw=1.1, label=name, **_marker(degrees))
-        largest, median = max(largest, float(degrees.max())), max(median, float(np.median(degrees)))
+def _draw_angles(axes: Axes, score: Score, *names: str) -> None:
+    errors = [np.degrees(getattr(score.error, name)) for name in names]
+    for name, degrees in zip(names, errors, strict=True):
+        _plot(axes, score.t_s, degrees, name)
     axes.set_ylabel("error [deg]")
-    if median > 0.0 and largest > _WIDE_SPAN * median:
+    median = max(float(np.median(degrees)) for degrees in errors)
+    if median > 0.0 and float(np.max(errors)) > _WIDE_SPAN * median:
         axes.set_yscale("log")
-
-
-def _draw_best(axes: Axes, score: Score) -> None:
-    if score.best is not None and not score.best.unobserved:
-        axes.plot(*_thinned(score.t_s, score.best.filtered_deg), color="#CC79A7", lw=0.8, label="best by noise")
 
 
 def _draw_limits(axes: Axes, score: Score) -> None:
     end, limits = float(score.t_s[-1]), score.limits
     if score.time_to_converge_s is not None and score.time_to_converge_s > 0.0:
-        axes.axvline(score.time_to_converge_s, color="#009E73", lw=1.0, ls="--", label="converged")
+        axes.axvline(score.time_to_converge_s, color=_GREEN, lw=1.0, ls="--", label="converged")
     if limits.max_rms_deg is not None:
-        axes.plot([0.0, end], [limits.max_rms_deg] * 2, color=_LIMIT, lw=1.0, ls=":", label="limit of the rms")
+        axes.plot([0.0, end], [limits.max_rms_deg] * 2, color=RED, lw=1.0, ls=":", label="limit of the rms")
     for i, (start, limit) in enumerate(limits.max_after):
         label = "limit" if i == 0 else None
-        axes.plot([min(start, end), end], [limit] * 2, color=_LIMIT, lw=1.4, label=label)
+        axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.4, label=label)
 
 
-def _draw_nees(axes: Axes, score: Score) -> None:
-    consistency = score.consistency
-    assert consistency is not None
-    axes.plot(*_thinned(score.t_s, consistency.nees), color=COLOURS["total"], lw=0.9, label="NEES")
-    low, high = consistency.bounds
+def _draw_nees(axes: Axes, t_s: Array, consistency: Consistency) -> None:
+    _plot(axes, t_s, consistency.nees, "NEES", 0.9)
     label = f"{consistency.probability:.0%} bounds"
-    axes.axhspan(low, high, color="#009E73", alpha=0.2, lw=0.0, label=label)
+    axes.axhspan(*consistency.bounds, color=_GREEN, alpha=0.2, lw=0.0, label=label)
     axes.set_yscale("log")
     axes.set_ylabel("NEES")
 
 
 def _thinned(t_s: Array, values: Array) -> tuple[Array, Array]:
-    """At most some thousand points, each the largest of its neighbours, and none where there is a gap."""
+    """Some thousand points, the smallest and the largest of their neighbours, and none where there is a gap."""
     steps = np.diff(t_s)
-    behind = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.intp)
-    size = -(-len(values) // _MOST_POINTS)
-    if size > 1:
-        starts = np.union1d(np.arange(0, len(values), size), behind)
-        behind = np.searchsorted(starts, behind)
-        t_s, values = t_s[starts], np.maximum.reduceat(values, starts)
-    return np.insert(t_s, behind, np.nan), np.insert(values, behind, np.nan)
-
-
-def _marker(values: Array) -> dict[str, Any]:
-    return {"marker": "o", "ms": 4.0} if len(values) <= 3 else {}
+    behind = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
+    kept = np.union1d(extremes(t_s, values, _COLUMNS), behind)
+    places = np.searchsorted(kept, behind)
+    return np.insert(t_s[kept], places, np.nan), np.insert(values[kept], places, np.nan)
