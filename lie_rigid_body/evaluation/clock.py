@@ -27,50 +27,52 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.wording import short_repr
 
 LARGEST_LEFT: Final = float(np.radians(5.0))
-"""What leaves a larger median, rad, is not the clock."""
+"""Largest median angle that is left by a clock that is named, rad."""
 LARGEST_SHARE: Final = 0.25
-"""Nor what leaves a larger share of the error, or of what an attitude leaves that does not follow the body."""
+"""Largest median angle that is left by a clock that is named, as a share of the error and of `from_mean`."""
 AS_GOOD: Final = 1.25
-"""Nor another rate, where the errors of a gyro leave no more than so many times as much."""
+"""Ratio of the median angles left by errors of a gyro and by another rate, up to which the gyro is taken."""
 LEAST_COVERED: Final = 0.25
-"""Nor what leaves a smaller share of the samples within the truth's times; with another rate `MOSTLY_COVERED`."""
+"""Least share of the samples that a clock of rate 1 puts within the truth's times."""
 MOSTLY_COVERED: Final = 0.9
+"""Least share of the samples that a clock of another rate puts within the truth's times."""
 MOST_STRAY: Final = 0.05
 """Largest share of the samples at either end that may be stamped far from all others, and are then left out."""
 UNEVEN: Final = 3.0
-"""Largest ratio of the median in a quarter of the run, from the second on, to that of all."""
+"""Largest ratio of the median angle in a quarter of the run, from the second on, to that of the whole run."""
 
 TABLE_TURN: Final = 0.1
 """Turn of the body between points of the table of the truth, rad."""
 GRID_STEP: Final = 2.0
-"""Points of the table between points of a grid."""
+"""Distance between neighbouring points of a grid, in points of the table."""
 MOST_POINTS: Final = 20_000
-"""Points of the table of the truth; of a longer run its begin tells the clock."""
+"""Largest number of points of the table of the truth; of a longer run the first part tells the clock."""
 MOST_CLOCKS: Final = 50_000
-"""A grid with more points is not looked at."""
+"""Largest number of points of a grid; a larger grid is not searched."""
 LEAST_TURN: Final = 0.1
-"""A body that turns by less in all, rad, tells no clock."""
+"""Least turn of the body in the whole run that tells a clock, rad."""
 MOST_REFINED: Final = 5
 """Largest number of points of a grid that are refined."""
 GRID_SAMPLES: Final = 80
-"""Samples by which a point of a grid is judged."""
+"""Number of samples by which a point of a grid is judged."""
 FIT_SAMPLES: Final = 200
 """Largest number of samples by which a clock is refined."""
 ROUNDS: Final = 12
-"""Largest number of times that it is."""
+"""Largest number of rounds of a refinement."""
 SPIN: Final = 0.98
-"""Square of the mean of a body's axes of rotation from which on it turns about one axis."""
+"""Squared length of the mean axis of rotation above which a body counts as turning about one axis."""
 FAR: Final = 1.5
-"""Ratio of two rates above which they are far from each other, farther than errors of a gyro make them."""
+"""Ratio of two clock rates above which no error of a gyro feigns it."""
 MOSTLY_SPANNED: Final = 0.8
+"""Least share of the truth's times that samples span which are said to fill them."""
 ONLY_LAG: Final = frozenset({LAG})
 FINE: Final = 1e-8
-"""A lag below this, s, needs no further round."""
+"""Lag below which a refinement ends, s."""
 
 
 @dataclass(frozen=True)
 class StampClock:
-    """The clock of an estimate, beside that of the truth.
+    """Clock of an estimate's stamps, relative to that of the truth.
 
     Attributes
     ----------
@@ -91,24 +93,24 @@ class StampClock:
     __repr__ = short_repr
 
     def true_stamps(self, stamps_ns: Integers) -> Integers:
-        """The true times of stamps, ns."""
+        """True times of stamps, ns."""
         since = self.rate * (stamps_ns - self.anchor_ns) - 1e9 * self.lag_s
         return np.asarray(self.anchor_ns + np.clip(np.round(since), -FARTHEST_NS, FARTHEST_NS).astype(np.int64))
 
     @property
     def cost(self) -> float:
-        """As that of an `Explanation`: one cause, less simple than a heading; another rate, beside a lag, is two."""
+        """Cost as `Explanation.cost`: one cause, less simple than a heading; another rate beside a lag is two."""
         return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(self.median))
 
     def moved(self, early: tuple[float, float], late: tuple[float, float]) -> StampClock:
-        """With lags, s, at two true times, s after the anchor, taken away."""
+        """Clock without the lags, s, that it has at two true times, s after the anchor."""
         (t, lag), (later, other) = early, late
         drift = (other - lag) / (later - t) if later != t else 0.0
         return StampClock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
 
 
 def other_clock(comparison: RunComparison, error: float) -> StampClock | None:
-    """The clock by which an estimate follows the truth, if it is another one.
+    """Search for another clock by which an estimate follows the truth.
 
     Parameters
     ----------
@@ -136,7 +138,7 @@ def other_clock(comparison: RunComparison, error: float) -> StampClock | None:
 
 
 def _without_strays(comparison: RunComparison) -> RunComparison:
-    """Without the few samples that are farther from all others than these span, as by one wrong stamp."""
+    """Comparison without the few samples that are farther from all others than these span, as by one wrong stamp."""
     stamps, few = comparison.stamps_ns, round(MOST_STRAY * len(comparison.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
     span = last - first
@@ -144,7 +146,7 @@ def _without_strays(comparison: RunComparison) -> RunComparison:
 
 
 def _is_of_a_gyro(clock: StampClock, comparison: RunComparison) -> bool:
-    """Whether the errors of a gyro explain as much as another rate, and that does not fill the truth's times."""
+    """Whether errors of a gyro explain as much as another clock rate that does not fill the truth's times."""
     known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
     if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES or _spans(clock, by_clock(comparison, clock)):
         return False
@@ -152,7 +154,7 @@ def _is_of_a_gyro(clock: StampClock, comparison: RunComparison) -> bool:
 
 
 def _lowest(costs: Array) -> list[int]:
-    """The lowest of the minima, which are as low as the grid can tell."""
+    """Indices of the minima that are as low as the grid can tell, the lowest first."""
     padded = np.concatenate([[np.inf], costs, [np.inf]])
     minima = np.flatnonzero(np.isfinite(costs) & (costs <= padded[:-2]) & (costs <= padded[2:]))
     near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + TABLE_TURN / 2.0]
@@ -160,13 +162,13 @@ def _lowest(costs: Array) -> list[int]:
 
 
 def by_clock(comparison: RunComparison, clock: StampClock) -> RunComparison:
-    """The samples that are within the truth's times by a clock, at their true times."""
+    """Comparison of the samples that a clock puts within the truth's times, at their true times."""
     true = clock.true_stamps(comparison.stamps_ns)
     return replace(comparison, stamps_ns=true).part(np.flatnonzero(comparison.truth.covers(true)))
 
 
 def clock_lag(comparison: RunComparison, clock: StampClock) -> tuple[float, float] | tuple[None, None]:
-    """The lag by a clock and its standard error, s; by another rate there is none."""
+    """Lag of a clock and its standard error, s; none of a clock of another rate."""
     if clock.rate != 1.0:
         return None, None
     true = by_clock(comparison, clock)
@@ -176,7 +178,7 @@ def clock_lag(comparison: RunComparison, clock: StampClock) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class _ClockGrid:
-    """Clocks with an anchor in common."""
+    """Grid of clocks with one anchor."""
 
     anchor_ns: int
     rates: Array
@@ -191,7 +193,7 @@ class _ClockGrid:
 
 
 def _grids(comparison: RunComparison, table: _Table) -> Iterator[_ClockGrid]:
-    """All lags, and all rates by which the last sample is within the truth's times."""
+    """Grids of all lags, and of all rates by which the last sample is within the truth's times."""
     truth, step = comparison.truth, GRID_STEP * table.step_ns
     first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
     begin, end = ceil((first - table.last_ns) / step), ceil((last - truth.first_ns) / step)
@@ -207,7 +209,7 @@ def _grids(comparison: RunComparison, table: _Table) -> Iterator[_ClockGrid]:
 
 @dataclass(frozen=True)
 class _Table:
-    """The truth at even times, the share that they are of all, and where it is known."""
+    """Table of the truth at even times, the share of the run that they span, and where the truth is known."""
 
     first_ns: int
     step_ns: float
@@ -217,7 +219,7 @@ class _Table:
 
     @classmethod
     def of(cls, truth: Truth) -> _Table | None:
-        """As fine as the motion asks for; None if the body hardly turns."""
+        """Tabulate the truth as finely as the motion asks for; None if the body hardly turns."""
         some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
         some = some[truth.covers(some)]
         rate = truth.states(some)[1] if some.size else np.zeros((1, 3))
@@ -257,7 +259,7 @@ class _Table:
 
 
 def _refined(clock: StampClock, comparison: RunComparison, step_s: float) -> StampClock:
-    """With the lag, and if it is another the rate, by which the estimate follows the truth best."""
+    """Refine the lag of a clock, and its rate if that is not 1, until the estimate follows the truth best."""
     for _ in range(ROUNDS):
         true = by_clock(comparison, clock)
         if len(true.stamps_ns) < FEWEST_SAMPLES:
@@ -277,7 +279,7 @@ def _lag(comparison: RunComparison) -> float:
 
 
 def _left(clock: StampClock, comparison: RunComparison) -> float:
-    """The median angle by a clock, rad; infinite if the estimate does not follow the body all along by it."""
+    """Median angle that a clock leaves, rad; infinite if the estimate does not follow the body all along by it."""
     true = by_clock(comparison, clock)
     share = LEAST_COVERED if clock.rate == 1.0 else MOSTLY_COVERED
     if len(true.stamps_ns) < max(FEWEST_SAMPLES, share * len(comparison.stamps_ns)):
@@ -291,9 +293,9 @@ def _left(clock: StampClock, comparison: RunComparison) -> float:
 
 
 def _as_stamped(clock: StampClock, comparison: RunComparison) -> float:
-    """The median angle, rad, by the stamps as they are, of the samples that a clock has a truth for; some have none.
+    """Median angle by the stamps as they are, rad, of the samples that a clock puts within the truth's times.
 
-    Else a lag would be told by which what errs has no truth.
+    Only these are compared: else a lag would win by leaving the samples that err without a truth.
     """
     compared = comparison.truth.covers(clock.true_stamps(comparison.stamps_ns))
     angles = comparison.part(np.flatnonzero(compared)).angles(Misalignment())
@@ -312,7 +314,7 @@ def _is_within_half_a_turn(clock: StampClock, rate: Array) -> bool:
 
 
 def _spans(clock: StampClock, true: RunComparison) -> bool:
-    """Whether by a clock of a far other rate an estimate fills the truth's times, as no error of a gyro makes it."""
+    """Whether a clock of a far other rate makes an estimate fill the truth's times, as no error of a gyro does."""
     truth = true.truth
     span = float(true.stamps_ns[-1] - true.stamps_ns[0])
     return max(clock.rate, 1.0 / clock.rate) > FAR and span > MOSTLY_SPANNED * (truth.last_ns - truth.first_ns)

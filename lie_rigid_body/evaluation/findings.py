@@ -24,15 +24,15 @@ FITTED = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
 
 SAME_AXES_DEG = 5.0
-"""A mounting so near to axes that change places and signs is told in those words."""
+"""Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
 
 OF_SENSORS: Final = float(np.radians(20.0))
-"""Errors of the sensors, which keep to the body as a mounting does, hardly turn its axes by more, rad."""
+"""Largest turn of the body's axes that errors of the sensors feign, rad: they keep to the body as a mounting does."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong about an estimate.
+    """Mistake in an estimate, with what to do.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class Finding:
     __repr__ = short_repr
 
     def to_json(self) -> dict[str, str | float]:
-        """The three entries by name."""
+        """JSON-serialisable data: code, message and what is left."""
         return asdict(self)
 
 
 def findings(comparison: RunComparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
-    """The causes of a diagnosis as findings, in the order in which they are undone.
+    """Put the causes of a diagnosis into words, in the order in which they are undone.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def findings(comparison: RunComparison, diagnosis: Diagnosis) -> tuple[Finding, 
 
 
 def clock_finding(comparison: RunComparison, clock: StampClock) -> Finding:
-    """Another clock as a finding.
+    """Put another clock into words.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _rate(clock: StampClock) -> str:
 
 
 def gain(before: Array, after: Array) -> str:
-    """What undoing a cause does to the errors, degrees; alone it need not help."""
+    """Sentence about the errors before and after a cause is undone, degrees; alone it need not help."""
     if np.median(after) >= np.median(before):
         return "helps only together with what follows"
     return (
@@ -119,7 +119,7 @@ def gain(before: Array, after: Array) -> str:
 
 
 def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
-    """Each cause with the explanation by it and those before it."""
+    """Causes in their order, each with the explanation by it and those before it."""
     causes = best.causes
     for k, cause in enumerate(causes, 1):
         partial = best
@@ -184,14 +184,14 @@ def _mounting(fitted: Misalignment) -> str:
 
 
 def angle_and_axis(rotation: Array) -> str:
-    """A rotation, shape (4,), in words."""
+    """Angle and axis of a rotation, shape (4,), in words."""
     vector = quaternion.log(rotation)
     angle = float(np.sqrt(vector @ vector))
     return f"{np.degrees(angle):.4g}° about ({components(vector / angle if angle else vector, 3)})"
 
 
 def _places(mounting: Array) -> str:
-    """The body axes of an estimate by those of the body, where they are the same but for places and signs."""
+    """Body axes of an estimate named by those of the body, where they only change places and signs; else empty."""
     axes = quaternion.rotate(mounting, np.eye(3))  # row by row, on the axes of the body
     nearest = np.round(axes)
     left = float(np.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0))))

@@ -28,7 +28,7 @@ HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 
 @dataclass(frozen=True)
 class Score:
-    """What an estimate is worth.
+    """Errors of an estimate, and their causes.
 
     Attributes
     ----------
@@ -84,14 +84,14 @@ class Score:
     __repr__ = short_repr
 
     def __str__(self) -> str:
-        """The table and the findings, as ``evaluate`` prints them, in several lines."""
+        """Table and findings in several lines, as ``evaluate`` prints them."""
         return "\n".join(
             [*table(self), "", *findings(self), *(line for text in verdict(self) for line in wrapped(text))]
         )
 
     @property
     def samples(self) -> int:
-        """How many estimates were compared."""
+        """Number of estimates that were compared."""
         return len(self.stamps_ns)
 
     @property
@@ -105,7 +105,7 @@ class Score:
         return not self.broken
 
     def to_json(self, *, series: bool = False) -> dict[str, object]:
-        """The score as numbers, texts, lists and dictionaries; with its series if they are wanted."""
+        """JSON-serialisable data of the score, with its series if they are wanted."""
         content: dict[str, object] = {
             "samples": self.samples,
             "outside": self.outside,
@@ -150,14 +150,14 @@ def table(score: Score) -> list[str]:
 
 
 def findings(score: Score) -> list[str]:
-    """Each finding under its code, wrapped; that there is none is said with a warning where it errs by much."""
+    """Findings under their codes, wrapped; if there is none, a line that says so, with a warning of large errors."""
     found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
     large = score.total_deg.median > LARGEST_SETTLED_DEG
     return found or [f"no findings{': no mistake that is known explains errors as large' if large else ''}"]
 
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
-    """The three errors by name, and the total at best, by the noise of the sensors, where it is known."""
+    """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
     yield "total", score.total_deg
     yield "heading", score.heading_deg
     yield "inclination", score.inclination_deg
@@ -167,12 +167,12 @@ def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
 
 
 def numbers(statistics: Statistics) -> list[str]:
-    """The statistics as text, in the order of `HEADINGS`."""
+    """Statistics as text, in the order of `HEADINGS`."""
     return [f"{value:.4g}" for value in statistics.to_json().values()]
 
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:
-    """What else the score tells, by name."""
+    """Other facts of a score by name."""
     if score.time_to_converge_s is None:
         yield "converged", f"never: the last error is above {score.converged_deg:.4g}°"
     else:
@@ -200,11 +200,11 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
 
 
 def verdict(score: Score) -> list[str]:
-    """Whether limits are kept, in sentences; none if none were given."""
+    """Sentences about whether limits are kept; none if none were given."""
     broken = [f"BROKEN: {sentence}." for sentence in score.broken]
     return broken or ([] if score.limits == Limits() else ["PASSED: every limit is kept."])
 
 
 def wrapped(sentence: str, mark: str = "") -> list[str]:
-    """A sentence in lines for a terminal, the first after a mark."""
+    """Lines of a sentence for a terminal, the first after a mark."""
     return textwrap.wrap(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")

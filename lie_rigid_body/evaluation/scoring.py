@@ -32,10 +32,10 @@ from lie_rigid_body.wording import shown
 LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
 ABSENT: Final = 0.05
-"""A filter may begin late or end early by this share of the truth's times before it is remarked."""
+"""Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 
 UNLIKE_DEG: Final = 5.0
-"""Error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
+"""Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
 
 def evaluate(
@@ -151,7 +151,7 @@ def _diagnosis(
     longest_lag_s: float | None,
     total_deg: Statistics,
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
-    """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing else is.
+    """Find the lag with its standard error, s, the mistakes, and what is wrong about the turns where nothing else is.
 
     `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
@@ -189,7 +189,7 @@ def _diagnosis(
 
 
 def _is_simple(diagnosis: Diagnosis) -> bool:
-    """Whether one cause was found that no other clock feigns."""
+    """Whether a single cause was found that no other clock feigns."""
     return len(diagnosis.explanation.causes) == 1 and not diagnosis.explanation.free - {HEADING}
 
 
@@ -207,14 +207,14 @@ def _is_better(clock: StampClock, diagnosis: Diagnosis) -> bool:
 def _within(
     estimate: Estimate, truth: Truth, longest_lag_s: float, nearer: tuple[Explanation, ...] = ()
 ) -> tuple[RunComparison, Diagnosis | None]:
-    """The comparison with a limit to the lag, and its diagnosis if there are samples for one."""
+    """Comparison with a limit to the lag, and its diagnosis if there are samples for one."""
     comparison = RunComparison(estimate.stamps_ns, estimate.attitude_xyzw, truth, longest_lag_s)
     inner = comparison.inner()
     return comparison, diagnose(inner, nearer) if len(inner.stamps_ns) else None
 
 
 def _apart(stamps: Integers, given: int, truth: Truth) -> str:
-    """That no stamp of so many estimates, some of which may be of one stamp, is within the truth."""
+    """Error message that no stamp of so many estimates is within the truth; some may share one stamp."""
     ahead = (int(stamps[0]) - truth.first_ns) / 1e9
     span = f"within the truth, from {truth.first_ns / 1e9:.12g} s to {truth.last_ns / 1e9:.12g} s"
     if len(stamps) < min(given, 2):
@@ -229,7 +229,7 @@ def _apart(stamps: Integers, given: int, truth: Truth) -> str:
 
 
 def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
-    """What of the truth's times an estimate leaves out at either end, and what of it lies beyond them."""
+    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds."""
     remarks = []
     duration, least = truth.last_ns - truth.first_ns, GAP * period_ns(stamps)
     absent = int(stamps[0]) - truth.first_ns, truth.last_ns - int(stamps[-1])
@@ -257,7 +257,7 @@ def _interpolation(uncertainty: float, total: Statistics) -> tuple[Remark, ...]:
 
 
 def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Array:
-    """The covariances of the samples that were compared."""
+    """Covariances of the samples that were compared."""
     if covariance.ndim != 3:
         return covariance
     stamps = np.asarray(stamps_ns)
