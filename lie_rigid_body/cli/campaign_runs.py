@@ -28,7 +28,7 @@ from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, short
 MOST_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
 _LONGEST_REASON: Final = 70
-"""Largest length of what a run failed of in an error line, characters."""
+"""Largest length of the reason why a run failed in an error line, characters."""
 
 
 def run_campaign(given: argparse.Namespace) -> int:

@@ -114,7 +114,7 @@ def _pool(pool: ProcessPoolExecutor) -> Iterator[ProcessPoolExecutor]:
 
 
 def _begin(read: Any) -> None:
-    """Begin a process, which leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
+    """Begin a process that leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
     global _read
     _read = read
     for number in (signal.SIGINT, signal.SIGHUP):

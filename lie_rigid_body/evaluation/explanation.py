@@ -97,7 +97,7 @@ class Explanation:
 
     @property
     def is_canonical(self) -> bool:
-        """Whether the mounting is the smaller of two that explain the same: with a forward-right-down body and without."""
+        """Whether the mounting is the smaller of two that do as well, with a forward-right-down body and without."""
         x, _, _, w = self.misalignment.mounting
         return not self.convention.ned_world or abs(x) <= abs(w)
 

@@ -1,4 +1,4 @@
-"""Where a fit begins: the best of a grid of conventions, headings and lags."""
+"""Grid of conventions, headings and lags, the best points of which are where fits begin."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class StartGrid:
 
     @classmethod
     def of(cls, comparison: RunComparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> StartGrid:
-        """Make the grid of the lags that a comparison allows, as near to each other as the motion asks for, at most so many."""
+        """Make the grid of the lags that a comparison allows, as dense as the motion asks for, at most so many."""
         few = comparison.part(spread(len(comparison.stamps_ns), most_samples))
         half = min(max(int(np.ceil(few.longest_lag_s * few.fastest() / LAG_TURN)), 1), most_lags // 2)
         lags = np.linspace(-few.longest_lag_s, few.longest_lag_s, 2 * half + 1)

@@ -309,7 +309,7 @@ class _System:
         return np.pad(np.bincount(at[at >= 0], minlength=len(self._stamps)).astype(np.float64), self._padding)
 
     def _vector(self, sensor: VectorReadings, place: int | None, truth: Array) -> tuple[Array, Array, int | None]:
-        """Readings at each sample: derivative by a turn over their noise, one over their noise, and place of their bias."""
+        """Readings at each sample: derivative by a turn over the noise, one over the noise, and place of the bias."""
         count, unit = self._count(sensor), float(np.linalg.norm(sensor.vector))
         if place is not None and count.any():
             steps = count.copy()

@@ -33,7 +33,7 @@ LEAST_TILT: Final = float(np.radians(10.0))
 NAMED_TURNS: Final = {"ned_world", "heading_offset"}
 """Causes that turn the world as well, and are named so."""
 LAG_AS_GOOD: Final = 4.0
-"""Ratio of the median angles left by a near lag and by a turn, up to which the lag is told: of a spin both are alike."""
+"""Ratio of the median angles left by a near lag and by a turn, up to which the lag is told: of a spin both fit."""
 NEAR_SAMPLES: Final = 3.0
 """Largest near lag, samples: a filter errs by one or two."""
 

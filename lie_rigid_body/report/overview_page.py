@@ -128,7 +128,7 @@ def page(
 
 
 def _accuracy(what: str, lines: Sequence[Line], *, everything: bool) -> Iterator[str]:
-    """Accuracy to which those are certified that are."""
+    """Paragraph on the accuracy of those that are certified."""
     accuracies = [line.accuracy for line in lines if line.certified]
     if accuracies:
         whose = "Attitudes" if everything else f"The attitudes of the {what} that are certified"

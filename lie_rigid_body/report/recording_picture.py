@@ -71,7 +71,7 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     whose = "first segment: " if len(pieces) > 1 else ""
     _draw_rate(curves[0], pieces)
-    _draw_drifts(*curves[1:], pieces)
+    _draw_drifts(curves[1], curves[2], pieces)
     _draw_polhode(of_space, pieces[0], whose)
     for axes in curves:
         axes.grid(alpha=0.3, lw=0.6)

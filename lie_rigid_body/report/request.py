@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
-"""Options of a bag, and the topic that one would remap without a bag."""
+"""Options that go with a bag, each with the topic that one remaps without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
 _EPILOG: Final = """
 Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctrl-C, SIGTERM or --duration, and then

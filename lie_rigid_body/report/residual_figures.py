@@ -120,7 +120,8 @@ def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> di
     low, high = float(exponents.min()), float(exponents.max())
     widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
     edges = np.logspace(low - widen, high + widen, _BINS + 1)
-    traces, beyond = [], residuals > own
+    traces: list[dict[str, Any]] = []
+    beyond = residuals > own
     for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
         counts, _ = np.histogram(residuals[which], edges)
         if counts.any():

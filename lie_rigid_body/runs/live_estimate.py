@@ -149,7 +149,7 @@ class LiveEstimate:
         return replace(read, notes=(*read.notes, *self._notes()), left_out=self.estimate.left_out)
 
     def _settled(self, most: int) -> Rows:
-        """So many of the estimates in the second half of the time, evenly spread."""
+        """Rows of so many estimates in the second half of the time, evenly spread."""
         stamps, numbers = self.estimate.kept.rows()
         settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)
         chosen = settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]
