@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 PASSES: Final = 3
-"""Largest number of times that a bag is read to be certified or drawn: to open it, to find segments, to take samples."""
+"""Largest number of times that a bag is read: to open it, to find its segments, and to take its samples."""
 
 
 def is_folder_of_bags(name: str) -> bool:

@@ -158,7 +158,7 @@ class Ellipsoid:
         """Sections with the three principal planes, shape (3, 181, 3)."""
         angle = np.linspace(0, 2 * np.pi, 181)
         ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        return self.radii * np.stack([np.insert(ring, plane, 0.0, axis=-1) for plane in range(3)])
+        return np.asarray(self.radii * np.stack([np.insert(ring, plane, 0.0, axis=-1) for plane in range(3)]))
 
     def faces(self, points: Array, view: View) -> Booleans:
         """Whether the surface at each of its points, shape (N, 3), faces the eye."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -174,14 +172,6 @@ def test_unusable_bags_are_refused_in_one_line(bag, tmp_path, capsys):
         cut.write_bytes(bag.read_bytes()[: int(part * bag.stat().st_size)])
         assert "cut off" in refused(capsys, [str(cut)])
     assert "the following arguments are required: BAG" in refused(capsys, [])
-
-
-def test_as_a_process(bag):
-    run = subprocess.run(
-        [sys.executable, "-m", "lie_rigid_body", "check", str(bag)], capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0
-    assert run.stderr == ""
 
 
 @pytest.mark.parametrize("name", ["asymmetric_top", "dzhanibekov", "tumbling_cubesat", "tossed_phone"])

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -63,13 +60,6 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
         patch.setattr("lie_rigid_body.recording.output_file.OutputFile.commit", interrupted)
         assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
     assert list(tmp_path.iterdir()) == [bag]
-
-
-def test_the_window_that_the_environment_names_is_not_asked_for(bag, tmp_path):
-    command = [sys.executable, "-m", "lie_rigid_body", "plot", str(bag), "-o", str(tmp_path / "out.png")]
-    environment = os.environ | {"MPLBACKEND": "no_such_window"}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.filterwarnings("error")
