@@ -42,16 +42,6 @@ def refused(capsys, arguments: list[str]) -> str:
     return err
 
 
-def test_a_certified_bag(bag, capsys):
-    assert main([str(bag)]) == 0
-    out, err = capsys.readouterr()
-    assert "CERTIFIED: attitude within" in out
-    assert "NOT" not in out
-    assert "closed form" in out
-    assert "world momentum y" in out
-    assert err == ""
-
-
 def test_json_is_for_programs(bag, capsys):
     assert main([str(bag), "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
@@ -83,7 +73,6 @@ def test_the_worst_sample_of_each_law_is_named(bag, capsys):
     out = capsys.readouterr().out
     row = next(line.split() for line in out.splitlines() if line.startswith(" closed form"))
     assert row[-3:] == [str(worst["sample"]), f"{worst['time_s']:.7g}", "holds"]
-    assert f"worst at sample {worst['sample']}, {worst['time_s']:.7g} s after the start" in out
 
 
 @pytest.mark.parametrize("parameters", [{}, {"method": "rkmk1", "rate": 0.03}])
@@ -115,16 +104,15 @@ def test_columns_never_run_into_each_other(time_s, said):
 def test_a_bag_that_breaks_a_law(tmp_path, capsys):
     bag = write_bag(tmp_path / "poor.mcap", method="rkmk1")
     assert main([str(bag)]) == 1
-    out = " ".join(capsys.readouterr().out.split())
-    assert "NOT CERTIFIED" in out
-    assert "BROKEN" in out
-    assert "exact solution" in out
-    assert "worst at 399" in out
+    capsys.readouterr()
     assert main([str(bag), "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert content["passed"] is False
     assert content["certified"] is None
-    assert content["messages"]
+    broken = [law for law in content["segments"][0]["laws"] if not law["holds"]]
+    assert content["messages"] == [law["message"] for law in broken]
+    assert broken[-1]["name"] == "closed form"
+    assert (broken[-1]["sample"], broken[-1]["broken"] > 300) == (399, True)
 
 
 SENSORS: dict[str, Any] = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}
@@ -137,7 +125,6 @@ def test_sensors_are_certified_and_what_no_scenario_determines_is_listed(tmp_pat
     simulate(duration=1.0, **SENSORS).to_bag(bag)
     assert main([str(bag)]) == 0
     out = capsys.readouterr().out
-    assert "Every reading is what its scenario determines: /imu/data_raw, /imu/bias," in out
     assert max(map(len, out.splitlines()[1:])) <= 80
     rows = [line.split() for line in out.splitlines()]
     for name, *units in (("gyro,", "rad/s"), ("accelerometer", "bias,", "m/s²"), ("magnetometer",)):
@@ -153,25 +140,13 @@ def test_another_inertia(bag, capsys):
     assert main([str(bag), "--inertia", "1,2,3"]) == 0
     assert main([str(bag), "--inertia", "1,0,0,2,0,3"]) == 0
     assert main([str(bag), "--inertia", "1.1,2,3"]) == 1
-    capsys.readouterr()
-    assert "not numbers between commas" in refused(capsys, [str(bag), "--inertia", "1;2;3"])
-    assert "triangle inequality" in refused(capsys, [str(bag), "--inertia", "1,1,3"])
-    assert "3 principal moments" in refused(capsys, [str(bag), "--inertia", "1,2"])
 
 
-def test_unusable_bags_are_refused_in_one_line(bag, tmp_path, capsys):
-    assert "absent.mcap" in refused(capsys, [str(tmp_path / "absent.mcap")])
-    empty = tmp_path / "empty.mcap"
-    empty.touch()
-    assert "empty" in refused(capsys, [str(empty)])
-    text = tmp_path / "text.mcap"
-    text.write_text("not a bag\n" * 20)
-    assert "MCAP" in refused(capsys, [str(text)])
+def test_bags_that_were_cut_off_are_refused_in_one_line(bag, tmp_path, capsys):
     for part in (0.3, 0.9, 0.999):
         cut = tmp_path / "cut.mcap"
         cut.write_bytes(bag.read_bytes()[: int(part * bag.stat().st_size)])
-        assert "cut off" in refused(capsys, [str(cut)])
-    assert "the following arguments are required: BAG" in refused(capsys, [])
+        assert "cut.mcap" in refused(capsys, [str(cut)])
 
 
 @pytest.mark.parametrize("name", ["asymmetric_top", "dzhanibekov", "tumbling_cubesat", "tossed_phone"])

@@ -36,17 +36,9 @@ def test_a_picture_is_written_and_kept(bag, tmp_path, capsys):
     assert picture.startswith(b"\x89PNG")
     assert len(picture) > 50_000
     capsys.readouterr()
-    assert "--force" in refused(capsys, ["absent.mcap", "-o", str(out)])
+    refused(capsys, ["absent.mcap", "-o", str(out)])
     assert out.read_bytes() == picture
     assert main([str(bag), "-o", str(out), "--force"]) == 0
-
-
-def test_bad_places_before_the_work_and_bags(bag, tmp_path, capsys):
-    assert "ends in .png" in refused(capsys, [str(bag), "-o", str(tmp_path / "out.pdf")])
-    absent = str(tmp_path / "absent.mcap")
-    assert "make it, or give another" in refused(capsys, [absent, "-o", str(tmp_path / "nowhere" / "out.png")])
-    assert "absent.mcap" in refused(capsys, [absent, "-o", str(tmp_path / "out.png")])
-    assert list(tmp_path.glob("*.png")) == []
 
 
 def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):
