@@ -318,3 +318,20 @@ def test_check_of_several_bags_writes_their_page(bag: Path, tmp_path: Path, caps
     assert "Not judged" in text
     assert "&lt;i&gt;no.mcap" in text
     assert "<i>no.mcap" not in text
+
+
+@pytest.mark.parametrize(
+    ("residuals", "worst"),
+    [
+        ({}, ("", "")),
+        ({"a": (1e-9, 1e-8), "b": (3e-9, 1e-8)}, ("b", "0.3")),
+        ({"a": (3e-8, 1e-8), "b": (np.nan, 1e-8)}, ("b", "nan")),
+        ({"a": (3e-8, 1e-8), "b": (1.0, 0.0)}, ("b", "1 of 0")),
+        ({"a": (0.0, 0.0), "b": (1e-9, 1e-8)}, ("b", "0.1")),
+    ],
+)
+def test_the_worst_law_of_a_line_went_farthest(
+    residuals: dict[str, tuple[float, float]], worst: tuple[str, str]
+) -> None:
+    for ordered in (residuals, dict(reversed(residuals.items()))):
+        assert Line(("run 1",), False, 1e-15, ordered).worst == worst

@@ -197,3 +197,17 @@ def test_words_and_numbers_keep_clear_of_an_ellipsoid_seen_from_below(tmp_path):
         assert max(len(text) for text in axis.get_major_formatter().format_ticks(axis.get_majorticklocs())) <= 3
         boxes = [tick.label1.get_window_extent(renderer) for tick in axis.get_major_ticks()]
         assert not any(a.overlaps(b) for a, b in pairwise(boxes))
+
+
+@pytest.mark.parametrize("inertia", [[3.0, 1.0, 2.0], [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]])
+def test_surface_circles_and_polhode_have_the_energy_of_the_start(inertia, tmp_path):
+    [piece] = recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 60, inertia=inertia)))
+    scenario = piece.segment.scenario
+    body = scenario.body()
+    ellipsoid = Ellipsoid.of(piece, 50)
+    assert ellipsoid is not None
+    assert len(ellipsoid.polhode) == 50
+    surface = ellipsoid.surface().reshape(3, -1).T
+    for points in (ellipsoid.polhode, surface, ellipsoid.principal_circles().reshape(-1, 3)):
+        energy = 0.5 * points**2 @ body.principal_moments
+        np.testing.assert_allclose(energy, body.kinetic_energy(scenario.start()), rtol=1e-9)
