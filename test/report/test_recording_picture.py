@@ -206,7 +206,7 @@ def test_surface_circles_and_polhode_have_the_energy_of_the_start(inertia, tmp_p
     body = scenario.body()
     ellipsoid = Ellipsoid.of(piece, 50)
     assert ellipsoid is not None
-    assert len(ellipsoid.polhode) == 50
+    assert 5 < len(ellipsoid.polhode) <= 50
     surface = ellipsoid.surface().reshape(3, -1).T
     for points in (ellipsoid.polhode, surface, ellipsoid.principal_circles().reshape(-1, 3)):
         energy = 0.5 * points**2 @ body.principal_moments
