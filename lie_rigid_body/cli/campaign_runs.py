@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from itertools import islice
@@ -149,7 +150,7 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
     reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder}/", "")
+    reason = reason.replace(f"{journal.folder}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     reason = shortened(reason, _LONGEST_REASON)

@@ -5,39 +5,35 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait as wait_for
-from typing import Any, Final
+from typing import Final
+
+from tqdm import tqdm
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.cli.bags import PASSES, progress_bar, size
 from lie_rigid_body.errors import BagError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.report.overview import Verdict
 
-_LOOK_EVERY: Final = 0.2
-"""Time between two looks at how far the bags have been read, s."""
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
-_read: Any = None
-"""Numbers of bytes that were read of each bag, shared by the processes."""
 
-Judge = Callable[[str, Callable[[int], object]], list[Verdict]]
+Judge = Callable[[str], list[Verdict]]
 
 
-def judge(
-    inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str, progress: Callable[[int], object]
-) -> list[Verdict]:
+def judge(inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str) -> list[Verdict]:
     """Judge all bodies of a bag; whatever is wrong with the bag is its verdict."""
     try:
-        return judge_bodies(bag, Bag.all_of(bag, progress, topics), inertia)
+        return judge_bodies(bag, Bag.all_of(bag, lambda count: None, topics), inertia)
     except Exception as error:
         return [_unusable(bag, None, error)]
 
@@ -91,11 +87,13 @@ def judge_all(
 def _by_processes(one: Judge, bags: Sequence[str], most: int, interruption: Interruption) -> list[list[Verdict] | None]:
     """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
     context = multiprocessing.get_context("fork")
-    read = context.RawArray("q", len(bags))  # without a lock, which a process that is killed would keep
-    with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin, (read,))) as pool:
-        futures = [pool.submit(_judge_there, one, bag, i) for i, bag in enumerate(bags)]
+    with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:
+        futures = [pool.submit(one, bag) for bag in bags]
         with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
-            _show_progress(futures, bags, read)
+            # disable=None: shown on a terminal only
+            done = as_completed(futures)
+            for _ in tqdm(done, total=len(bags), unit=" bags", file=sys.stderr, disable=None, leave=False):
+                pass
         return [None if isinstance(future.exception(), BrokenProcessPool) else future.result() for future in futures]
 
 
@@ -113,31 +111,11 @@ def _pool(pool: ProcessPoolExecutor) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown(cancel_futures=True)
 
 
-def _begin(read: Any) -> None:
+def _begin() -> None:
     """Begin a process that leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
-    global _read
-    _read = read
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent = multiprocessing.parent_process()
     assert parent is not None
     threading.Thread(target=lambda: (wait_for([parent.sentinel]), os._exit(1)), daemon=True).start()
-
-
-def _judge_there(one: Judge, bag: str, number: int) -> list[Verdict]:
-    def add(count: int) -> None:
-        _read[number] += count
-
-    verdicts = one(bag, add)
-    _read[number] = PASSES * size(bag)  # though a bag that is whole is read less often, and what is none not at all
-    return verdicts
-
-
-def _show_progress(futures: Sequence[Future[list[Verdict]]], bags: Sequence[str], read: Any) -> None:
-    """Wait for the verdicts; on a terminal show how much has been read."""
-    with progress_bar(bags) as bar:
-        waiting = set(futures)
-        while waiting:
-            _, waiting = wait(waiting, timeout=None if bar.disable else _LOOK_EVERY)
-            bar.update(sum(read) - bar.n)

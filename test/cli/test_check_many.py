@@ -189,7 +189,7 @@ def test_a_table_tells_what_of_its_bags_is_not_certified(tmp_path, capsys):
     assert "Not certified" not in " ".join(answer(capsys, good, with_imu)[1])
 
 
-def deadly(inertia, topics, bag, progress):
+def deadly(inertia, topics, bag):
     if bag == "deadly":
         os.kill(os.getpid(), signal.SIGKILL)
     return [Verdict(bag, None, Certificate(()))]
