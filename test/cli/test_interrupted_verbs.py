@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -89,7 +90,7 @@ class Ended(NamedTuple):
     files: list[str]
 
 
-def run(folder: Path, *verbs: tuple[str, list[tuple[int, str]]], program: str = PROGRAM) -> list[Ended]:
+def run(folder: Path, *verbs: tuple[str, Sequence[tuple[int, str]]], program: str = PROGRAM) -> list[Ended]:
     """Run verbs one after another in one process, each with signals and the calls at which they come."""
     told = [";".join([*(f"{int(number)} {place}" for number, place in blows), verb]) for verb, blows in verbs]
     environment = os.environ | {"MPLBACKEND": "no_such_window"}  # as Jupyter names one: a picture needs none
@@ -98,7 +99,8 @@ def run(folder: Path, *verbs: tuple[str, list[tuple[int, str]]], program: str = 
     said, complained = done.stdout.split("\0"), done.stderr.split("\0")
     assert (done.returncode, len(complained)) == (0, len(verbs) + 1), done.stderr
     ends = [json.loads(end) for end in said[1::2]]
-    return [Ended(end[0], *texts, end[1]) for end, *texts in zip(ends, said[::2], complained, strict=False)]
+    texts = zip(ends, said[::2], complained, strict=False)
+    return [Ended(status, out, err, files) for (status, files), out, err in texts]
 
 
 def names(folder: Path) -> list[str]:
