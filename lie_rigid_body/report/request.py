@@ -144,18 +144,16 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         The exit status.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import score_text
+    from lie_rigid_body.report import score_page, score_picture, score_text
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
-    if given.plot is not None:
-        from lie_rigid_body.report.score_picture import png
-
-        write_file(given.plot, png(title, score), overwrite=given.force)
-    if given.report is not None:
-        from lie_rigid_body.report.score_page import page
-
-        write_file(given.report, page(title, read, score), overwrite=given.force)
-    files = [path for path in (given.plot, given.report) if path is not None]
+    makes = {
+        given.plot: lambda: score_picture.png(title, score),
+        given.report: lambda: score_page.page(title, read, score),
+    }
+    files = [path for path in makes if path is not None]
+    for path in files:
+        write_file(path, makes[path](), overwrite=given.force)
     if given.json:
         content = score_text.as_json(source or None, read, score, series=given.series)
         said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
