@@ -24,8 +24,10 @@ CIRCLES: Final = "#8A97A8"
 
 FEW_SAMPLES: Final = 3
 """Largest number of samples that a line alone would hardly show."""
+MANY_SAMPLES: Final = 20_000
+"""Number of samples above which the curves of a fast motion fill whole areas; points of a polhode."""
 DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
-"""Look of such samples in a picture."""
+"""Look of few samples in a picture."""
 
 MOST_RESETS: Final = 12
 """Largest number of resets that are drawn as lines through the curves."""
@@ -73,6 +75,13 @@ def extremes(t: Array, values: Array, columns: int = COLUMNS) -> Integers:
     order = np.lexsort((values, column))
     first = np.flatnonzero(np.diff(column[order], prepend=-1))
     return np.union1d(order[first], order[np.append(first[1:], len(t)) - 1])
+
+
+def curve_style(count: int, width: float) -> dict[str, Any]:
+    """Style of the curves of so many samples in a picture: few as dots, many so that no curve hides the others."""
+    if count <= FEW_SAMPLES:
+        return {**DOTS, "lw": width}
+    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
 def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Booleans]:

@@ -17,11 +17,13 @@ from lie_rigid_body.report.recorded_motion import (
     DOTS,
     FEW_SAMPLES,
     GREY,
+    MANY_SAMPLES,
     MOST_RESETS,
     RED,
     SURFACE,
     Ellipsoid,
     View,
+    curve_style,
     reset_times,
     times,
 )
@@ -34,8 +36,6 @@ if TYPE_CHECKING:
 
 INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
-MANY_SAMPLES: Final = 20_000
-"""Number of samples of a segment above which the curves of a fast motion fill whole areas; points of a polhode."""
 
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
@@ -87,16 +87,9 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         t = times(piece.stamps_ns, pieces)
         for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
             label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            axes.plot(t, rates, color=colour, label=label, **_style(piece.count, 1.4))
+            axes.plot(t, rates, color=colour, label=label, **curve_style(piece.count, 1.4))
     axes.set_ylabel("body rate [rad/s]")
     _add_legend(axes)
-
-
-def _style(count: int, width: float) -> dict[str, Any]:
-    """Line style of the curves of so many samples: few as dots, many so that one curve does not hide the others."""
-    if count <= FEW_SAMPLES:
-        return {**DOTS, "lw": width}
-    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
 def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]) -> None:

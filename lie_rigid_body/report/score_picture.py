@@ -13,7 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Consistency, Score
 from lie_rigid_body.evaluation.estimate import GAP
-from lie_rigid_body.report.recorded_motion import DOTS, FEW_SAMPLES, RED, extremes
+from lie_rigid_body.report.recorded_motion import RED, curve_style, extremes
 from lie_rigid_body.wording import counted, printable, shortened
 
 if TYPE_CHECKING:
@@ -92,9 +92,8 @@ def _draw(title: str, score: Score) -> Figure:
 
 
 def _plot(axes: Axes, t_s: Array, values: Array, label: str, width: float = 1.1) -> None:
-    """Plot a curve over time; points of a very short one are seen."""
-    few = DOTS if len(values) <= FEW_SAMPLES else {}
-    axes.plot(*_thinned(t_s, values), color=COLOURS[label], lw=width, label=label, **few)
+    """Plot a curve over time."""
+    axes.plot(*_thinned(t_s, values), color=COLOURS[label], label=label, **curve_style(len(values), width))
 
 
 def _draw_angles(axes: Axes, score: Score, *names: str) -> None:
