@@ -1,1 +1,1 @@
-"""The headless verbs, one per file, and the texts and the picture that they give."""
+"""The headless verbs, one per file, and the work of those that do much."""

@@ -1,4 +1,4 @@
-"""The bags that arguments name, and how far they have been read."""
+"""Bags that arguments name, and how far they have been read."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 PASSES: Final = 3
-"""How often a bag is read at most to be certified or drawn: to open it, to find its segments, and to take its
-samples."""
+"""Largest number of times that a bag is read: to open it, to find its segments, and to take its samples."""
 
 
 def is_folder_of_bags(name: str) -> bool:
@@ -23,7 +22,7 @@ def is_folder_of_bags(name: str) -> bool:
 
 
 def bags_of(names: Sequence[str]) -> list[str]:
-    """The bags that the arguments name, folders of bags searched, each bag once."""
+    """Bags that the arguments name, each once; folders of bags are searched."""
     from lie_rigid_body.recording.bag_folders import bags_in
 
     found: dict[Path, str] = {}
@@ -34,7 +33,7 @@ def bags_of(names: Sequence[str]) -> list[str]:
 
 
 def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:
-    """A bar of the bytes to be read of bags in so many passes, as a context; `tqdm.update` is told of those read."""
+    """Progress bar of the bytes to be read of bags in so many passes, as a context; `tqdm.update` takes those read."""
     from tqdm import tqdm
 
     total = passes * sum(map(size, bags))
@@ -43,7 +42,7 @@ def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:
 
 
 def size(bag: str | Path) -> int:
-    """The bytes of a bag's files; 0 where there are none."""
+    """Number of bytes of a bag's files; 0 where there are none."""
     path = Path(bag)
     files = [*path.glob("*.mcap"), *path.glob("*.db3")] if path.is_dir() else [path]
     return sum(file.stat().st_size for file in files if file.is_file())

@@ -9,14 +9,14 @@ from dataclasses import asdict
 from typing import Final, NamedTuple
 
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
-from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
+from lie_rigid_body.motion.description import Circulation, Description, Flips
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADE, SENSOR_PARAMETERS
 
 Row = tuple[str, str]
 
 _WIDTH: Final = 98
-"""Characters of a line of sentences."""
+"""Width of a line of sentences, characters."""
 
 _KINDS: Final = {
     "asymmetric": "An asymmetric top: its three principal moments differ.",
@@ -31,7 +31,7 @@ _AXIS_NAMES: Final = {
     "prolate": ("axis of symmetry", "equal", "equal"),
     "spherical": ("equal", "equal", "equal"),
 }
-"""The principal axes in words, in ascending order of their moments."""
+"""Principal axes in words, in ascending order of their moments."""
 _SEPARATRIX: Final = (
     "Exactly on the separatrix, between circling axis 1 and circling axis 3: the body rate tends to axis 2 "
     "(intermediate) and never returns. The least disturbance makes it a periodic motion."
@@ -41,7 +41,9 @@ _STEADY: Final = {
     "unstable": "It is unstable: the least disturbance grows until the body turns over, again and again.",
     "neutral": "It is neutral: a small disturbance makes another motion, which drifts away steadily if at all.",
 }
+_REST: Final = "The body is at rest, and stays so in any attitude."
 _MOMENTUM: Final = "kg m²/s"
+_IN_THE: Final = "angular momentum in the"
 _TIME: Final = "No torque does work on the body: the Lagrangian does not depend on time."
 _SPACE: Final = (
     "Space has no preferred direction: a motion turned as a whole, about any fixed axis, is again a motion. "
@@ -56,7 +58,7 @@ _NO_AXIS: Final = (
 
 
 def as_text(scenario: Scenario, description: Description, title: str = "") -> str:
-    """The description in lines for a terminal.
+    """Lines of the description for a terminal.
 
     Parameters
     ----------
@@ -90,7 +92,7 @@ def as_text(scenario: Scenario, description: Description, title: str = "") -> st
 
 
 def as_json(scenario: Scenario, description: Description) -> dict[str, object]:
-    """The description as JSON-serialisable data; a number that is not finite becomes null."""
+    """JSON-serialisable data of the description; a number that is not finite becomes null."""
     facts: dict[str, object] = asdict(description)
     facts["conserved"] = [fact._asdict() for fact in _conserved(description)]
     return {"parameters": scenario.parameters(), **{name: _plain(fact) for name, fact in facts.items()}}
@@ -104,81 +106,83 @@ def _plain(value: object) -> object:
     return [_plain(content) for content in value] if isinstance(value, tuple | list) else value
 
 
-def _body_lines(description: Description) -> Iterator[str]:
-    yield _KINDS[description.kind]
-    if description.flat:
-        yield _FLAT
-    yield from _columns(
-        (_axis_name(description.kind, i), f"{_number(axis.moment_kg_m2)} kg m²", f"along {_vector(axis.direction)}")
+def _body_lines(description: Description) -> list[str]:
+    kind = description.kind
+    axes = [
+        (_axis_name(kind, i), f"{_number(axis.moment_kg_m2)} kg m²", f"along {_vector(axis.direction)}")
         for i, axis in enumerate(description.axes)
-    )
+    ]
+    return [_KINDS[kind], *([_FLAT] if description.flat else []), *_columns(axes)]
 
 
-def _motion_lines(description: Description) -> Iterator[str]:
-    yield from _wrapped(_regime_sentences(description))
-    yield from _columns(_motion_rows(description))
+def _motion_lines(description: Description) -> list[str]:
+    return [*_wrapped(_regime_sentences(description)), *_columns(_motion_rows(description))]
 
 
 def _regime_sentences(description: Description) -> str:
-    """The regime of the motion, in sentences."""
-    if description.steady is not None:
-        return _steady_sentences(description, description.steady)
-    if description.regime == "rest":
-        return "The body is at rest, and stays so in any attitude."
-    if description.regime == "separatrix":
-        return _SEPARATRIX
-    axis = _axis_name(description.kind, _circled(description))
+    """Regime of the motion, in sentences."""
+    kind, steady = description.kind, description.steady
+    if steady is not None:
+        first, *others = steady.principal
+        axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(kind, first)
+        return f"A steady rotation about {axis}. {_STEADY[description.axes[first].spin.verdict]}"
+    axis = _axis_name(kind, _circled(description))
     path = "on a circle, at a constant rate" if "symmetry" in axis else "on a closed curve"
-    return f"In the body, the body rate and the momentum circle {axis}, {path}."
+    circling = f"In the body, the body rate and the momentum circle {axis}, {path}."
+    return {"rest": _REST, "separatrix": _SEPARATRIX}.get(description.regime, circling)
 
 
 def _circled(description: Description) -> int:
     return 0 if description.regime == "about_smallest" else 2
 
 
-def _steady_sentences(description: Description, steady: SteadyRotation) -> str:
-    first, *others = steady.principal
-    axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(description.kind, first)
-    return f"A steady rotation about {axis}. {_STEADY[description.axes[first].spin.verdict]}"
+def _motion_rows(description: Description) -> list[Row]:
+    """Quantities of the motion by name."""
+    steady, circulation = description.steady, description.circulation
+    return [
+        ("kinetic energy", f"{_number(description.kinetic_energy_j)} J"),
+        ("angular momentum", f"{_number(description.angular_momentum_kg_m2_s)} {_MOMENTUM}"),
+        ("  in the world frame", f"{_vector(description.world_momentum_kg_m2_s)} {_MOMENTUM}"),
+        *([] if steady is None else [("one turn", f"{_number(steady.turn_s)} s")]),
+        *([] if circulation is None else _circulation_rows(description, circulation)),
+    ]
 
 
-def _motion_rows(description: Description) -> Iterator[Row]:
-    """The quantities of the motion by name."""
-    yield "kinetic energy", f"{_number(description.kinetic_energy_j)} J"
-    yield "angular momentum", f"{_number(description.angular_momentum_kg_m2_s)} kg m²/s"
-    yield "  in the world frame", f"{_vector(description.world_momentum_kg_m2_s)} kg m²/s"
-    if description.steady is not None:
-        yield "one turn", f"{_number(description.steady.turn_s)} s"
-    circulation = description.circulation
-    if circulation is None:
-        return
-    yield "distance from the separatrix", f"1 - m = {_number(circulation.separatrix_distance)}"
-    if description.regime == "separatrix":
-        yield from _separatrix_rows(circulation)
-    else:
-        yield from _periodic_rows(circulation, f"axis {_circled(description) + 1}", description.symmetric_top)
+def _circulation_rows(description: Description, circulation: Circulation) -> list[Row]:
+    on_separatrix = description.regime == "separatrix"
+    axis = f"axis {_circled(description) + 1}"
+    return [
+        ("distance from the separatrix", f"1 - m = {_number(circulation.separatrix_distance)}"),
+        *(
+            _separatrix_rows(circulation)
+            if on_separatrix
+            else _periodic_rows(circulation, axis, description.symmetric_top)
+        ),
+    ]
 
 
-def _separatrix_rows(circulation: Circulation) -> Iterator[Row]:
-    yield "period of the body rate", "infinite"
-    yield "turn about the momentum", f"tends to {_number(circulation.precession_rate_rad_s)} rad/s"
+def _separatrix_rows(circulation: Circulation) -> list[Row]:
     first = math.inf if circulation.flips is None else circulation.flips.first_s
-    yield "Dzhanibekov flips", f"one, {_number(first)} s after the start" if math.isfinite(first) else "none any more"
+    return [
+        ("period of the body rate", "infinite"),
+        ("turn about the momentum", f"tends to {_number(circulation.precession_rate_rad_s)} rad/s"),
+        ("Dzhanibekov flips", f"one, {_number(first)} s after the start" if math.isfinite(first) else "none any more"),
+    ]
 
 
-def _periodic_rows(circulation: Circulation, axis: str, top: SymmetricTop | None) -> Iterator[Row]:
+def _periodic_rows(circulation: Circulation, axis: str, top: SymmetricTop | None) -> list[Row]:
     rate, angle = circulation.precession_rate_rad_s, circulation.advance_per_period_rad
-    yield "period of the body rate", f"{_number(circulation.period_s)} s"
-    if top is not None:
-        yield f"  circling {axis}", f"at {_number(top.body_precession_rate_rad_s)} rad/s"
-    yield "mean precession", f"{_number(rate)} rad/s: {axis} circles the momentum once in {_period(rate)}"
-    yield f"  tilt of {axis}", _tilt(circulation)
-    yield "  advance per period", f"{_number(angle)} rad, {_number(angle / (2.0 * math.pi))} turns about the momentum"
+    rows = [
+        ("period of the body rate", f"{_number(circulation.period_s)} s"),
+        ("mean precession", f"{_number(rate)} rad/s: {axis} circles the momentum once in {_period(rate)}"),
+        (f"  tilt of {axis}", _tilt(circulation)),
+        ("  advance per period", f"{_number(angle)} rad, {_number(angle / math.tau)} turns about the momentum"),
+    ]
     if top is not None:
         axial, momentum = _degrees(top.rate_to_axis_rad), _degrees(top.rate_to_momentum_rad)
-        yield "  tilt of the body rate", f"{axial} from {axis}, {momentum} from the momentum, always"
-    if circulation.flips is not None:
-        yield from _flip_rows(circulation.flips)
+        rows.insert(1, (f"  circling {axis}", f"at {_number(top.body_precession_rate_rad_s)} rad/s"))
+        rows.append(("  tilt of the body rate", f"{axial} from {axis}, {momentum} from the momentum, always"))
+    return rows + ([] if circulation.flips is None else _flip_rows(circulation.flips))
 
 
 def _tilt(circulation: Circulation) -> str:
@@ -187,33 +191,29 @@ def _tilt(circulation: Circulation) -> str:
     return f"{swing} (angle to the momentum)"
 
 
-def _flip_rows(flips: Flips) -> Iterator[Row]:
-    near = _degrees(flips.nearest_angle_rad)
-    yield (
-        "Dzhanibekov flips" if flips.sudden else "axis 2 turns over",
-        f"every {_number(flips.interval_s)} s, the first {_number(flips.first_s)} s after the start",
-    )
+def _flip_rows(flips: Flips) -> list[Row]:
+    times = f"every {_number(flips.interval_s)} s, the first {_number(flips.first_s)} s after the start"
+    near = f"the momentum comes within {_degrees(flips.nearest_angle_rad)} of axis 2"
     if flips.sudden:
-        yield "  between flips", f"the momentum comes within {near} of axis 2"
-    else:
-        yield "  not suddenly", f"the momentum comes within {near} of axis 2, and does not linger there"
+        return [("Dzhanibekov flips", times), ("  between flips", near)]
+    return [("axis 2 turns over", times), ("  not suddenly", f"{near}, and does not linger there")]
 
 
 def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
     for i, axis in enumerate(description.axes):
-        outcome = _neutral(description.kind) if axis.spin.verdict == "neutral" else _disturbed(axis.spin)
+        outcome = _disturbed(axis.spin, description.kind)
         yield f"axis {i + 1}", f"{_number(axis.spin.spin_rate_rad_s)} rad/s", axis.spin.verdict, outcome
 
 
-def _disturbed(spin: SpinStability) -> str:
-    if spin.verdict == "stable":
-        return f"a small disturbance circles the axis, once in {_period(spin.wobble_rate_rad_s)}"
+def _disturbed(spin: SpinStability, kind: str) -> str:
+    """What becomes of a spin that is disturbed."""
     tenfold = f"{_number(math.log(10.0) / spin.growth_rate_1_s)} s" if spin.growth_rate_1_s else "no finite time"
-    return f"a small disturbance grows as exp({_number(spin.growth_rate_1_s)} t), tenfold in {tenfold}"
-
-
-def _neutral(kind: str) -> str:
-    return "a disturbed spin is steady too" if kind == "spherical" else "a small disturbance makes it drift steadily"
+    drifts = "a disturbed spin is steady too" if kind == "spherical" else "a small disturbance makes it drift steadily"
+    return {
+        "stable": f"a small disturbance circles the axis, once in {_period(spin.wobble_rate_rad_s)}",
+        "unstable": f"a small disturbance grows as exp({_number(spin.growth_rate_1_s)} t), tenfold in {tenfold}",
+        "neutral": drifts,
+    }[spin.verdict]
 
 
 class Conserved(NamedTuple):
@@ -225,27 +225,22 @@ class Conserved(NamedTuple):
     why: str
 
 
-def _conserved(description: Description) -> tuple[Conserved, ...]:
-    """The quantities that the symmetries of the motion conserve."""
-    energy, momentum = description.kinetic_energy_j, description.world_momentum_kg_m2_s
-    return (
-        Conserved("kinetic energy", (energy,), "J", _TIME),
-        Conserved("angular momentum in the world, all components", momentum, _MOMENTUM, _SPACE),
-        *_in_the_body(description),
-    )
-
-
-def _in_the_body(description: Description) -> Iterator[Conserved]:
-    along = description.conserved_body_momenta
-    values = tuple(component.momentum_kg_m2_s for component in along)
-    if description.kind == "spherical":
-        yield Conserved("angular momentum in the body, all components", values, _MOMENTUM, _SPHERE)
-    elif along:
-        yield Conserved(f"angular momentum in the body along {_vector(along[0].direction)}", values, _MOMENTUM, _AXIS)
+def _conserved(description: Description) -> list[Conserved]:
+    """Quantities that the symmetries of the motion conserve."""
+    found = [
+        Conserved("kinetic energy", (description.kinetic_energy_j,), "J", _TIME),
+        Conserved(f"{_IN_THE} world, all components", description.world_momentum_kg_m2_s, _MOMENTUM, _SPACE),
+    ]
+    if along := description.conserved_body_momenta:
+        is_sphere = description.kind == "spherical"
+        which = "body, all components" if is_sphere else f"body along {_vector(along[0].direction)}"
+        values = tuple(component.momentum_kg_m2_s for component in along)
+        found.append(Conserved(f"{_IN_THE} {which}", values, _MOMENTUM, _SPHERE if is_sphere else _AXIS))
+    return found
 
 
 def _conservation_lines(description: Description) -> Iterator[str]:
-    """The conserved quantities, each with the reason below it."""
+    """Conserved quantities, each with the reason below it."""
     for quantity, values, unit, why in _conserved(description):
         yield f"{quantity}: {_number(values[0]) if len(values) == 1 else _vector(values)} {unit}"
         yield from _wrapped(why, indent="  ")
@@ -259,7 +254,7 @@ _OF_SENSOR: Final = {
     "attitude_sensor": ("attitude_sensor",),
     "sun_sensor": ("sun_",),
 }
-"""How the names of the parameters begin that are of one sensor alone; imu_frame is of two."""
+"""Beginnings of the names of the parameters that are of one sensor alone; imu_frame is of two."""
 
 
 def _sensor_rows(scenario: Scenario) -> Iterator[Row]:
@@ -289,7 +284,7 @@ def _degrees(angle_rad: float) -> str:
 
 def _period(rate_rad_s: float) -> str:
     """The time of one turn at an angular rate."""
-    return f"{_number(2.0 * math.pi / rate_rad_s)} s" if rate_rad_s else "no finite time"
+    return f"{_number(math.tau / rate_rad_s)} s" if rate_rad_s else "no finite time"
 
 
 def _vector(values: Sequence[float]) -> str:

@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from lie_rigid_body.simulation import Simulation
 
 COMPRESSIONS: Final = {"zstd": "zstd", "lz4": "lz4", "none": ""}
-"""Their names for users, and in MCAP files."""
+"""Compressions by their names for users, with their names in MCAP files."""
 BYTES_PER_SAMPLE: Final = {"zstd": 105, "lz4": 130, "none": 260}
-"""Bytes of a pose and a twist in a bag."""
+"""Number of bytes of a pose and a twist in a bag."""
 BYTES_PER_READING: Final = {"zstd": 145, "lz4": 160, "none": 750}
-"""Bytes of a reading in a bag: a little more than an IMU with noise takes, its bias included."""
+"""Number of bytes of a reading in a bag: a little more than an IMU with noise takes, its bias included."""
 LARGEST_CHUNK: Final = 16 * 1024**2
+"""Largest number of bytes of a chunk, uncompressed."""
 
 
 @console.run
@@ -95,7 +96,7 @@ def _chunk_size(text: str) -> int:
 
 
 def _readings(scenario: Scenario, duration: Fraction) -> int:
-    """The number of readings of all sensors in a time, s."""
+    """Number of readings of all sensors in a time, s."""
     from lie_rigid_body.simulation import SampleClock
 
     return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())

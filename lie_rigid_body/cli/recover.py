@@ -78,7 +78,7 @@ def _how_much(out: str, parts: Sequence[Recovery]) -> str:
 
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
-    """What was wrong with a file; empty if it was whole."""
+    """Sentence about what was wrong with a file; empty if it was whole."""
     found = []
     if recovery.broken_at is not None:
         gave = counted(recovery.of_the_last, "message")

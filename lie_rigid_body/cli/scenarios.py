@@ -32,7 +32,7 @@ def _entry(name: str, path: Path) -> dict[str, object]:
 
 
 def describe(path: Path) -> str:
-    """The first comment line of a parameter file."""
+    """Description of a scenario: the first comment line of its parameter file."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return next((line.lstrip("# ").rstrip() for line in lines if line.startswith("#")), "")
 

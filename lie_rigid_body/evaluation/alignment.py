@@ -29,20 +29,20 @@ LAG: Final = "lag"
 """Names of the constants that a fit may determine."""
 
 UP: Final = np.array([0.0, 0.0, 1.0])
-"""The world's z axis."""
+"""Vertical of the world, its z axis."""
 ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
-"""x and y change places and z its sign: half a turn about (1, 1, 0), its own inverse."""
+"""Quaternion that exchanges x and y and negates z: half a turn about (1, 1, 0), its own inverse."""
 FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])
 """Half a turn about the body's x axis, its own inverse."""
 
 KEPT_STATES: Final = 8
 MOST_KEPT_STAMPS: Final = 10_000
-"""Answers of the truth that a comparison keeps, 64 bytes a stamp, and the most stamps of one."""
+"""Largest number of answers of the truth that a comparison keeps, and of the stamps of one, at 64 bytes a stamp."""
 
 
 @dataclass(frozen=True)
 class Convention:
-    """How an estimate is written, if not as world-from-body, scalar last, world z up.
+    """Convention in which an estimate is written, if not as world-from-body, scalar last, world z up.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Convention:
 
 @dataclass(frozen=True)
 class Misalignment:
-    """A heading offset in rad, a mounting as a unit quaternion and a lag in s: what a fit determines."""
+    """Constants that a fit determines: a heading offset in rad, a mounting as a unit quaternion, a lag in s."""
 
     heading: float = 0.0
     mounting: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
@@ -102,32 +102,32 @@ class Misalignment:
 
     @property
     def mounting_angle(self) -> float:
-        """Of the mounting, from 0 to π, rad."""
+        """Angle of the mounting, from 0 to π, rad."""
         return float(angles(np.array(self.mounting)).total)
 
     def only(self, free: frozenset[str]) -> Misalignment:
-        """With some of the constants, the others being none."""
+        """Misalignment with some of the constants; the others are none."""
         kept = {HEADING: "heading", MOUNTING: "mounting", LAG: "lag_s"}
         return Misalignment(**{field: getattr(self, field) for name, field in kept.items() if name in free})
 
     def moved(self, step: Array) -> Misalignment:
-        """Changed by a step of heading, mounting (on its own axes) and lag, shape (5,)."""
+        """Misalignment after a step of heading, mounting (on its own axes) and lag, shape (5,)."""
         mounting = quaternion.normalize(quaternion.multiply(self.mounting, quaternion.exp(step[1:4])))
         x, y, z, w = mounting.tolist()
         return Misalignment(self.heading + float(step[0]), (x, y, z, w), self.lag_s + float(step[4]))
 
     def bounded(self, longest_lag_s: float) -> Misalignment:
-        """With the lag within a limit."""
+        """Misalignment with its lag within a limit."""
         return replace(self, lag_s=min(max(self.lag_s, -longest_lag_s), longest_lag_s))
 
     def predict(self, attitude_xyzw: Array) -> Array:
-        """The estimate of a true attitude of the time before the lag, shape (..., 4)."""
+        """Estimate that a true attitude of the time before the lag leads to, shape (..., 4)."""
         turned = quaternion.multiply(quaternion.exp(self.heading * UP), attitude_xyzw)
         return quaternion.multiply(turned, np.array(self.mounting))
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RunComparison:
     """Estimates, their stamps and the truth, with a limit to the lag.
 
     Attributes
@@ -147,17 +147,17 @@ class Comparison:
 
     __repr__ = short_repr
 
-    def part(self, chosen: slice | Integers) -> Comparison:
-        """Some of the samples."""
+    def part(self, chosen: slice | Integers) -> RunComparison:
+        """Comparison of some of the samples."""
         return replace(self, stamps_ns=self.stamps_ns[chosen], estimate_xyzw=self.estimate_xyzw[chosen])
 
-    def inner(self) -> Comparison:
-        """The samples that have a truth whatever the lag is, so that every lag is judged by the same ones."""
+    def inner(self) -> RunComparison:
+        """Comparison of the samples that have a truth whatever the lag is: every lag is judged by the same ones."""
         early, late = self.true_stamps(self.longest_lag_s), self.true_stamps(-self.longest_lag_s)
         return self.part(np.flatnonzero(self.truth.covers(early) & self.truth.covers(late)))
 
     def true_stamps(self, lag_s: float) -> Integers:
-        """The times before a lag."""
+        """Stamps moved back by a lag, ns: the true times of the estimates."""
         return self.stamps_ns - round(lag_s * 1e9)
 
     def true_states(self, lag_s: float) -> tuple[Array, Array]:
@@ -187,22 +187,22 @@ class Comparison:
 
 
 def columns(free: frozenset[str]) -> list[int]:
-    """Which of the five parameters (heading, mounting, lag) are free."""
+    """Indices of the free ones of the five parameters: heading, mounting (three), lag."""
     return [*([0] if HEADING in free else []), *([1, 2, 3] if MOUNTING in free else []), *([4] if LAG in free else [])]
 
 
 def fit(
-    comparison: Comparison,
+    comparison: RunComparison,
     free: frozenset[str],
     start: Misalignment,
     steps: int = 25,
     smallest_step: float = 1e-10,
 ) -> Misalignment:
-    """The misalignment of least robust cost near a start.
+    """Fit the misalignment of least robust cost near a start.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
     free : frozenset of str
         Which of `HEADING`, `MOUNTING` and `LAG` to fit; the others stay as in the start.
     start : Misalignment
@@ -239,7 +239,7 @@ def fit(
     return best
 
 
-def separable(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> bool:
+def separable(comparison: RunComparison, free: frozenset[str], misalignment: Misalignment) -> bool:
     """Whether the motion tells a lag from the other free parameters, and turns at all.
 
     The variance of a lag that is fitted alone grows by a factor when other parameters are fitted with it, the variance
@@ -254,7 +254,7 @@ def separable(comparison: Comparison, free: frozenset[str], misalignment: Misali
     return bool(alone <= LARGEST_INFLATION * (alone - shared))
 
 
-def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignment: Misalignment) -> float:
+def lag_standard_error(comparison: RunComparison, free: frozenset[str], misalignment: Misalignment) -> float:
     """Standard error of a fitted lag, s.
 
     The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
@@ -265,7 +265,7 @@ def lag_standard_error(comparison: Comparison, free: frozenset[str], misalignmen
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
     free : frozenset of str
         Which constants were fitted beside the lag.
     misalignment : Misalignment
@@ -316,5 +316,6 @@ def _weights(norms: Array) -> Array:
 
 
 LARGEST_INFLATION: Final = 10.0
+"""Largest variance inflation factor at which a lag counts as told apart from the other parameters."""
 SLOWEST_RATE: Final = 1e-6
-"""A body that turns more slowly, rad/s, tells nothing about time."""
+"""Least body rate that tells something about time, rad/s."""

@@ -13,7 +13,7 @@ from lie_rigid_body.wording import shown
 
 
 def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool = False) -> float:
-    """A finite number above 0.
+    """Read a finite number above 0.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool
 
 
 def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
-    """An array of real numbers as float64, of which nothing is dropped: no imaginary part, and no mask.
+    """Read an array of real numbers as float64, of which nothing is dropped: no imaginary part, and no mask.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
 
 
 def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array]:
-    """Estimates and true attitudes, divided by their norms, of shapes that go together.
+    """Read estimates and true attitudes of shapes that go together, and divide them by their norms.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array
 
 
 def angles(error_xyzw: Array) -> AttitudeError:
-    """The three angles of an error quaternion in the world frame, shape (..., 4)."""
+    """Error angles of an error quaternion in the world frame, shape (..., 4)."""
     # of each component its own array: arctan2 of a strided one, on NumPy 1.26 with AVX-512, has other last bits where
     # its result happens to lie behind it in memory
     x, y, z, w = np.ascontiguousarray(np.moveaxis(np.abs(error_xyzw), -1, 0))
@@ -112,7 +112,7 @@ def body_error(estimate_xyzw: Array, truth_xyzw: Array) -> Array:
 
 
 def numbers(name: str, value: ArrayLike, *size: int) -> Array:
-    """Finite numbers whose last axes have the given size, as float64.
+    """Read finite numbers whose last axes have the given size, as float64.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def numbers(name: str, value: ArrayLike, *size: int) -> Array:
 
 
 def unit(name: str, value: ArrayLike) -> Array:
-    """Quaternions divided by their norm.
+    """Read quaternions, and divide them by their norm.
 
     Raises
     ------
@@ -154,6 +154,7 @@ def unit(name: str, value: ArrayLike) -> Array:
 
 
 ROUND_OFF = 2e-15
-"""Of the components of a product of unit quaternions: z and w below it tell no heading, as their ratio is arbitrary."""
+"""Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is
+arbitrary."""
 SMALLEST_NORM = 1e-12
-"""A quaternion below this norm is taken for one that nobody has set."""
+"""Least norm of a quaternion; one of a smaller norm is taken for a quaternion that nobody has set."""

@@ -24,14 +24,14 @@ def sizes(vectors: Array) -> Array:
 
 
 def geodesic(start_xyzw: Array, end_xyzw: Array, fraction: Array) -> Array:
-    """The attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
+    """Attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
     return quaternion.multiply(
         start_xyzw, quaternion.exp(turns(start_xyzw, end_xyzw) * np.asarray(fraction)[..., np.newaxis])
     )
 
 
 def mean(attitude_xyzw: Array) -> Array:
-    """The attitude that is nearest to all of shape (..., N, 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
+    """Mean of attitudes of shape (..., N, 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
 
     F. L. Markley and others, Averaging Quaternions, J. Guidance, Control, and Dynamics 30 (2007) 1193, eq. 13.
     """
@@ -40,6 +40,6 @@ def mean(attitude_xyzw: Array) -> Array:
 
 
 def from_mean(attitude_xyzw: Array) -> float:
-    """Median angle from the mean of attitudes, shape (N, 4), rad: what one leaves that does not follow the body."""
+    """Median angle between attitudes, shape (N, 4), and their mean, rad: the error of an estimate that stands still."""
     cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))
     return float(np.median(2.0 * np.arccos(np.minimum(cosine, 1.0))))

@@ -14,12 +14,12 @@ from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.wording import short_repr
 
 RARE: Final = 0.01
-"""An estimate that the bound allows is as near to the truth as this one with at most this probability: a remark."""
+"""Probability below which an estimate is remarked as nearer to the truth than the noise allows."""
 
 
 @dataclass(frozen=True)
 class BestPossible:
-    """The bounds at the samples of a score.
+    """Bounds of the total error at the samples of a score.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class BestPossible:
 
     @classmethod
     def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:
-        """The bound at stamps, ns, for an estimate whose total error is so many degrees rms."""
+        """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
         since = stamps_ns - bound.stamps_ns[0]
         times = bound.stamps_ns - bound.stamps_ns[0]
         filtered, smoothed = (
@@ -53,16 +53,16 @@ class BestPossible:
 
     @property
     def filtered(self) -> Statistics | None:
-        """Of a filter, which has the readings up to each sample, degrees; None if the attitude is not told."""
+        """Statistics of the best filter, by the readings up to each sample, degrees; None where no attitude is told."""
         return None if self.unobserved else Statistics.of(self.filtered_deg)
 
     @property
     def smoothed(self) -> Statistics | None:
-        """Of a smoother, which has all readings, degrees; None if the attitude is not told."""
+        """Statistics of the best smoother, by all readings, degrees; None where the attitude is not told."""
         return None if self.unobserved else Statistics.of(self.smoothed_deg)
 
     def to_json(self) -> dict[str, object]:
-        """The statistics by name, what is not observed, and whether the estimate is nearer than noise allows."""
+        """JSON-serialisable data: statistics, what is not observed, whether an estimate is nearer than noise allows."""
         filtered, smoothed = self.filtered, self.smoothed
         return {
             "filtered_deg": filtered.to_json() if filtered else None,

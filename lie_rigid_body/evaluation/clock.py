@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.evaluation.alignment import LAG, Comparison, Misalignment, fit, lag_standard_error
+from lie_rigid_body.evaluation.alignment import LAG, Misalignment, RunComparison, fit, lag_standard_error
 from lie_rigid_body.evaluation.attitudes import from_mean, sizes
 from lie_rigid_body.evaluation.estimate import FARTHEST_NS
 from lie_rigid_body.evaluation.explanation import NEGLIGIBLE
@@ -27,50 +27,52 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.wording import short_repr
 
 LARGEST_LEFT: Final = float(np.radians(5.0))
-"""What leaves a larger median, rad, is not the clock."""
+"""Largest median angle that is left by a clock that is named, rad."""
 LARGEST_SHARE: Final = 0.25
-"""Nor what leaves a larger share of the error, or of what an attitude leaves that does not follow the body."""
+"""Largest median angle that is left by a clock that is named, as a share of the error and of `from_mean`."""
 AS_GOOD: Final = 1.25
-"""Nor another rate, where the errors of a gyro leave no more than so many times as much."""
+"""Ratio of the median angles left by errors of a gyro and by another rate, up to which the gyro is taken."""
 LEAST_COVERED: Final = 0.25
-"""Nor what leaves a smaller share of the samples within the truth's times; with another rate `MOSTLY_COVERED`."""
+"""Least share of the samples that a clock of rate 1 puts within the truth's times."""
 MOSTLY_COVERED: Final = 0.9
+"""Least share of the samples that a clock of another rate puts within the truth's times."""
 MOST_STRAY: Final = 0.05
 """Largest share of the samples at either end that may be stamped far from all others, and are then left out."""
 UNEVEN: Final = 3.0
-"""Largest ratio of the median in a quarter of the run, from the second on, to that of all."""
+"""Largest ratio of the median angle in a quarter of the run, from the second on, to that of the whole run."""
 
 TABLE_TURN: Final = 0.1
 """Turn of the body between points of the table of the truth, rad."""
 GRID_STEP: Final = 2.0
-"""Points of the table between points of a grid."""
+"""Distance between neighbouring points of a grid, in points of the table."""
 MOST_POINTS: Final = 20_000
-"""Points of the table of the truth; of a longer run its begin tells the clock."""
+"""Largest number of points of the table of the truth; of a longer run the first part tells the clock."""
 MOST_CLOCKS: Final = 50_000
-"""A grid with more points is not looked at."""
+"""Largest number of points of a grid; a larger grid is not searched."""
 LEAST_TURN: Final = 0.1
-"""A body that turns by less in all, rad, tells no clock."""
+"""Least turn of the body in the whole run that tells a clock, rad."""
 MOST_REFINED: Final = 5
 """Largest number of points of a grid that are refined."""
 GRID_SAMPLES: Final = 80
-"""Samples by which a point of a grid is judged."""
+"""Number of samples by which a point of a grid is judged."""
 FIT_SAMPLES: Final = 200
 """Largest number of samples by which a clock is refined."""
 ROUNDS: Final = 12
-"""Largest number of times that it is."""
+"""Largest number of rounds of a refinement."""
 SPIN: Final = 0.98
-"""Square of the mean of a body's axes of rotation from which on it turns about one axis."""
+"""Squared length of the mean axis of rotation above which a body counts as turning about one axis."""
 FAR: Final = 1.5
-"""Ratio of two rates above which they are far from each other, farther than errors of a gyro make them."""
+"""Ratio of two clock rates above which no error of a gyro feigns it."""
 MOSTLY_SPANNED: Final = 0.8
+"""Least share of the truth's times that samples span which are said to fill them."""
 ONLY_LAG: Final = frozenset({LAG})
 FINE: Final = 1e-8
-"""A lag below this, s, needs no further round."""
+"""Lag below which a refinement ends, s."""
 
 
 @dataclass(frozen=True)
-class Clock:
-    """The clock of an estimate, beside that of the truth.
+class StampClock:
+    """Clock of an estimate's stamps, relative to that of the truth.
 
     Attributes
     ----------
@@ -91,35 +93,35 @@ class Clock:
     __repr__ = short_repr
 
     def true_stamps(self, stamps_ns: Integers) -> Integers:
-        """The true times of stamps, ns."""
+        """True times of stamps, ns."""
         since = self.rate * (stamps_ns - self.anchor_ns) - 1e9 * self.lag_s
         return np.asarray(self.anchor_ns + np.clip(np.round(since), -FARTHEST_NS, FARTHEST_NS).astype(np.int64))
 
     @property
     def cost(self) -> float:
-        """As that of an `Explanation`: one cause, less simple than a heading; another rate, beside a lag, is two."""
+        """Cost as `Explanation.cost`: one cause, less simple than a heading; another rate beside a lag is two."""
         return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(self.median))
 
-    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> Clock:
-        """With lags, s, at two true times, s after the anchor, taken away."""
+    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> StampClock:
+        """Clock without the lags, s, that it has at two true times, s after the anchor."""
         (t, lag), (later, other) = early, late
         drift = (other - lag) / (later - t) if later != t else 0.0
-        return Clock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
+        return StampClock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
 
 
-def other_clock(comparison: Comparison, error: float) -> Clock | None:
-    """The clock by which an estimate follows the truth, if it is another one.
+def other_clock(comparison: RunComparison, error: float) -> StampClock | None:
+    """Search for another clock by which an estimate follows the truth.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples, also those outside of the truth's times.
     error : float
         Median error by the stamps as they are, rad.
 
     Returns
     -------
-    Clock or None
+    StampClock or None
     """
     table, comparison = _Table.of(comparison.truth), _without_strays(comparison)
     if table is None or len(comparison.stamps_ns) < FEWEST_SAMPLES:
@@ -135,16 +137,16 @@ def other_clock(comparison: Comparison, error: float) -> Clock | None:
     return best
 
 
-def _without_strays(comparison: Comparison) -> Comparison:
-    """Without the few samples that are farther from all others than these span, as by one wrong stamp."""
+def _without_strays(comparison: RunComparison) -> RunComparison:
+    """Comparison without the few samples that are farther from all others than these span, as by one wrong stamp."""
     stamps, few = comparison.stamps_ns, round(MOST_STRAY * len(comparison.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
     span = last - first
     return comparison.part(np.flatnonzero((stamps >= first - span) & (stamps <= last + span)))
 
 
-def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
-    """Whether the errors of a gyro explain as much as another rate, and that does not fill the truth's times."""
+def _is_of_a_gyro(clock: StampClock, comparison: RunComparison) -> bool:
+    """Whether errors of a gyro explain as much as another clock rate that does not fill the truth's times."""
     known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
     if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES or _spans(clock, by_clock(comparison, clock)):
         return False
@@ -152,21 +154,21 @@ def _is_of_a_gyro(clock: Clock, comparison: Comparison) -> bool:
 
 
 def _lowest(costs: Array) -> list[int]:
-    """The lowest of the minima, which are as low as the grid can tell."""
+    """Indices of the minima that are as low as the grid can tell, the lowest first."""
     padded = np.concatenate([[np.inf], costs, [np.inf]])
     minima = np.flatnonzero(np.isfinite(costs) & (costs <= padded[:-2]) & (costs <= padded[2:]))
     near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + TABLE_TURN / 2.0]
     return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
 
 
-def by_clock(comparison: Comparison, clock: Clock) -> Comparison:
-    """The samples that are within the truth's times by a clock, at their true times."""
+def by_clock(comparison: RunComparison, clock: StampClock) -> RunComparison:
+    """Comparison of the samples that a clock puts within the truth's times, at their true times."""
     true = clock.true_stamps(comparison.stamps_ns)
     return replace(comparison, stamps_ns=true).part(np.flatnonzero(comparison.truth.covers(true)))
 
 
-def clock_lag(comparison: Comparison, clock: Clock) -> tuple[float, float] | tuple[None, None]:
-    """The lag by a clock and its standard error, s; by another rate there is none."""
+def clock_lag(comparison: RunComparison, clock: StampClock) -> tuple[float, float] | tuple[None, None]:
+    """Lag of a clock and its standard error, s; none of a clock of another rate."""
     if clock.rate != 1.0:
         return None, None
     true = by_clock(comparison, clock)
@@ -175,39 +177,39 @@ def clock_lag(comparison: Comparison, clock: Clock) -> tuple[float, float] | tup
 
 
 @dataclass(frozen=True)
-class _Grid:
-    """Clocks with an anchor in common."""
+class _ClockGrid:
+    """Grid of clocks with one anchor."""
 
     anchor_ns: int
     rates: Array
     lags_s: Array
 
-    def clock(self, k: int) -> Clock:
-        return Clock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
+    def clock(self, k: int) -> StampClock:
+        return StampClock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
 
     @property
     def least_covered(self) -> float:
         return LEAST_COVERED if np.all(self.rates == 1.0) else MOSTLY_COVERED
 
 
-def _grids(comparison: Comparison, table: _Table) -> Iterator[_Grid]:
-    """All lags, and all rates by which the last sample is within the truth's times."""
+def _grids(comparison: RunComparison, table: _Table) -> Iterator[_ClockGrid]:
+    """Grids of all lags, and of all rates by which the last sample is within the truth's times."""
     truth, step = comparison.truth, GRID_STEP * table.step_ns
     first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
     begin, end = ceil((first - table.last_ns) / step), ceil((last - truth.first_ns) / step)
     if end - begin <= MOST_CLOCKS:
         lags = np.arange(begin, end, dtype=np.float64) * step / 1e9
-        yield _Grid(first, np.ones(len(lags)), lags)
+        yield _ClockGrid(first, np.ones(len(lags)), lags)
     for anchor in {first, truth.first_ns, 0}:
         count = int((truth.last_ns - anchor) / step) + 1
         if truth.first_ns <= anchor < last and 0 < count <= MOST_CLOCKS:
             rates = np.arange(1, count + 1) * step / (last - anchor)
-            yield _Grid(anchor, rates, np.zeros(count))
+            yield _ClockGrid(anchor, rates, np.zeros(count))
 
 
 @dataclass(frozen=True)
 class _Table:
-    """The truth at even times, the share that they are of all, and where it is known."""
+    """Table of the truth at even times, the share of the run that they span, and where the truth is known."""
 
     first_ns: int
     step_ns: float
@@ -217,7 +219,7 @@ class _Table:
 
     @classmethod
     def of(cls, truth: Truth) -> _Table | None:
-        """As fine as the motion asks for; None if the body hardly turns."""
+        """Tabulate the truth as finely as the motion asks for; None if the body hardly turns."""
         some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
         some = some[truth.covers(some)]
         rate = truth.states(some)[1] if some.size else np.zeros((1, 3))
@@ -234,7 +236,7 @@ class _Table:
     def last_ns(self) -> int:
         return self.first_ns + round(self.step_ns * (len(self.known) - 1))
 
-    def costs(self, grid: _Grid, comparison: Comparison) -> Array:
+    def costs(self, grid: _ClockGrid, comparison: RunComparison) -> Array:
         """Mean sine of half of the angles by each clock; infinite where it leaves too few samples within the table."""
         stamps, estimate = comparison.stamps_ns, comparison.estimate_xyzw
         fewest = max(FEWEST_SAMPLES, grid.least_covered * self.share * len(stamps))
@@ -256,8 +258,8 @@ class _Table:
         return np.concatenate(found)
 
 
-def _refined(clock: Clock, comparison: Comparison, step_s: float) -> Clock:
-    """With the lag, and if it is another the rate, by which the estimate follows the truth best."""
+def _refined(clock: StampClock, comparison: RunComparison, step_s: float) -> StampClock:
+    """Refine the lag of a clock, and its rate if that is not 1, until the estimate follows the truth best."""
     for _ in range(ROUNDS):
         true = by_clock(comparison, clock)
         if len(true.stamps_ns) < FEWEST_SAMPLES:
@@ -272,12 +274,12 @@ def _refined(clock: Clock, comparison: Comparison, step_s: float) -> Clock:
     return clock
 
 
-def _lag(comparison: Comparison) -> float:
+def _lag(comparison: RunComparison) -> float:
     return fit(comparison, ONLY_LAG, Misalignment(), steps=3, smallest_step=FINE).lag_s
 
 
-def _left(clock: Clock, comparison: Comparison) -> float:
-    """The median angle by a clock, rad; infinite if the estimate does not follow the body all along by it."""
+def _left(clock: StampClock, comparison: RunComparison) -> float:
+    """Median angle that a clock leaves, rad; infinite if the estimate does not follow the body all along by it."""
     true = by_clock(comparison, clock)
     share = LEAST_COVERED if clock.rate == 1.0 else MOSTLY_COVERED
     if len(true.stamps_ns) < max(FEWEST_SAMPLES, share * len(comparison.stamps_ns)):
@@ -290,10 +292,10 @@ def _left(clock: Clock, comparison: Comparison) -> float:
     return np.inf if uneven or unlike or feigned else left
 
 
-def _as_stamped(clock: Clock, comparison: Comparison) -> float:
-    """The median angle, rad, by the stamps as they are, of the samples that a clock has a truth for; some have none.
+def _as_stamped(clock: StampClock, comparison: RunComparison) -> float:
+    """Median angle by the stamps as they are, rad, of the samples that a clock puts within the truth's times.
 
-    Else a lag would be told by which what errs has no truth.
+    Only these are compared: else a lag would win by leaving the samples that err without a truth.
     """
     compared = comparison.truth.covers(clock.true_stamps(comparison.stamps_ns))
     angles = comparison.part(np.flatnonzero(compared)).angles(Misalignment())
@@ -306,13 +308,13 @@ def _is_spin(rate: Array) -> bool:
     return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
 
 
-def _is_within_half_a_turn(clock: Clock, rate: Array) -> bool:
+def _is_within_half_a_turn(clock: StampClock, rate: Array) -> bool:
     """Whether a lag is so short that the attitude is not that of a turn earlier or later as well."""
     return abs(clock.lag_s) * float(sizes(rate).max()) < np.pi
 
 
-def _spans(clock: Clock, true: Comparison) -> bool:
-    """Whether by a clock of a far other rate an estimate fills the truth's times, as no error of a gyro makes it."""
+def _spans(clock: StampClock, true: RunComparison) -> bool:
+    """Whether a clock of a far other rate makes an estimate fill the truth's times, as no error of a gyro does."""
     truth = true.truth
     span = float(true.stamps_ns[-1] - true.stamps_ns[0])
     return max(clock.rate, 1.0 / clock.rate) > FAR and span > MOSTLY_SPANNED * (truth.last_ns - truth.first_ns)

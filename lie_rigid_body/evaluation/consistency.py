@@ -21,21 +21,21 @@ from lie_rigid_body.evaluation.attitude_error import body_error, numbers, pairs,
 from lie_rigid_body.wording import short_repr, shown
 
 AXES: Final = {"world": "body", "body": "world"}
-"""Axes that a covariance may be about, and the others."""
+"""Names of the axes that a covariance may be about, each with the name of the others."""
 TELLING: Final = np.log(1.5)
-"""Logarithm of the factor by which the mean NEES has to be off before other axes are asked."""
+"""Logarithm of the ratio of mean and expected NEES above which the other axes are tried."""
 BETTER: Final = 0.25
-"""Share of that logarithm that the other axes may leave, to be named: errors of a filter are correlated in time."""
+"""Largest share of that logarithm that the other axes may leave to be named: errors are correlated in time."""
 
 SMALLEST_VARIANCE: Final = 1e-200
-"""Smaller ones, in the squared unit of the errors, are none: a NEES by them overflows."""
+"""Least variance, in the squared unit of the errors; a NEES by a smaller one overflows."""
 ASYMMETRY: Final = 1e-6
-"""Largest difference of a covariance from its transpose, beside the standard deviations, that is round-off."""
+"""Largest difference between a covariance and its transpose, relative to the standard deviations, that is round-off."""
 
 
 @dataclass(frozen=True)
 class Consistency:
-    """The NEES of a run against its χ² bounds.
+    """NEES of a run with its χ² bounds.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Consistency:
         return "overconfident" if self.mean > high else "conservative" if self.mean < low else "consistent"
 
     def to_json(self) -> dict[str, float | str | list[float]]:
-        """Mean, bounds, share inside, verdict and remark by name."""
+        """JSON-serialisable data: mean, bounds, share inside, verdict and remark."""
         return {
             "mean": self.mean,
             "expected": float(self.dimension),
@@ -88,7 +88,7 @@ class Consistency:
 
 
 def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) -> Consistency:
-    """The NEES of errors whose covariances an estimator gave.
+    """Compute the NEES of errors whose covariances an estimator gave.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def attitude_nees(
     axes: str = "world",
     probability: float = 0.95,
 ) -> Consistency:
-    """The NEES of attitude estimates.
+    """Compute the NEES of attitude estimates.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def _require_probability(probability: object) -> None:
 
 
 def covariance_fault(covariance: Array) -> str:
-    """Why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
+    """Reason why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
 
     Those that are all unknown, −1 or all 0, have no fault: they are not given.
     """
@@ -217,7 +217,7 @@ def is_given(covariance: Array) -> bool:
 
 
 def rotation_block(covariance: ArrayLike) -> Array:
-    """The 3 × 3 covariance of the rotation, of a covariance of a rotation or of a pose."""
+    """Covariance of the rotation, 3 × 3, in a covariance of a rotation or of a pose."""
     P = real_numbers("covariance", covariance, "(..., 3, 3)")
     P = P[..., 3:, 3:] if P.shape[-2:] == (6, 6) else P
     P = numbers("covariance", P, 3, 3)

@@ -19,7 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.alignment import LAG, MOUNTING, Comparison, Convention, Misalignment, fit
+from lie_rigid_body.evaluation.alignment import LAG, MOUNTING, Convention, Misalignment, RunComparison, fit
 from lie_rigid_body.evaluation.attitudes import from_mean
 from lie_rigid_body.evaluation.estimate import period_ns
 from lie_rigid_body.evaluation.explanation import (
@@ -37,36 +37,36 @@ from lie_rigid_body.evaluation.statistics import FEWEST_SAMPLES, later_quarters,
 from lie_rigid_body.wording import short_repr
 
 LARGEST_LEFT: Final = float(np.radians(20.0))
-"""A convention or a constant rotation that leaves a larger median, rad, is not the cause; a lag may leave more.
+"""Largest median angle that a convention or a constant rotation may leave to be named, rad; a lag may leave more.
 
-Of n causes together, this over n³: many fit something else to some degrees."""
+For n causes together it is divided by n³: many constants fit anything to some degrees."""
 
 SHARE_OF_EACH: Final = 0.25
-"""Several causes that leave a larger share of the median than this to the power of their number are not the cause."""
+"""Largest share of the median error that each of several causes may leave: n causes leave its n-th power."""
 
 CONVENTIONS_LEFT: Final = float(np.radians(10.0))
-"""The same for several conventions without constants: as much as errors of MEMS sensors leave of a filter, rad."""
+"""Largest median angle that several conventions without constants may leave, rad, as MEMS sensors make it."""
 CONVENTIONS_SHARE: Final = 0.125
-"""They leave no larger share of the median error; other conventions leave at least twice as much."""
+"""Largest share of the median error that several conventions without constants may leave."""
 BY_EACH_CONSTANT: Final = 4.0
-"""What leaves so many times less by each constant that it fits, or more, is taken instead of such conventions."""
+"""Ratio of medians, for each fitted constant, from which on an explanation with constants beats such conventions."""
 
 OF_SENSORS: Final = float(np.radians(1.0))
-"""Smaller medians, rad, errors of sensors make as well, which are nearer to a constant turn than to a lag."""
+"""Median angle that errors of sensors make, rad; they are nearer to a constant turn than to a lag."""
 LAG_FACTOR: Final = 3.0
-"""Ratio of two medians, up to which a lag is told beside a cause of so small ones, which a late stamp may feign."""
+"""Ratio of two medians up to which a lag is told as an alternative to a cause of small errors."""
 
 UNLIKE: Final = 0.5
-"""Nor is what leaves a larger share of the median that an attitude leaves which does not follow the body."""
+"""Largest median angle that a named cause may leave, as a share of `from_mean` of the truth."""
 
 UNLIKE_MOUNTED: Final = 0.25
-"""The same for causes with a mounting, whose three constants fit any attitudes that change little."""
+"""Share as `UNLIKE` for causes with a mounting, whose three constants fit any attitudes that change little."""
 
 MOST_CAUSES: Final = 3
-"""More causes than these fit too much to tell whether an estimate follows the body."""
+"""Largest number of causes that tell whether an estimate follows the body; more fit anything."""
 
 LEAST_SAMPLES_LATE: Final = 0.5
-"""Lags below this many samples are named only where they are most of the error."""
+"""Least lag, in samples, that is named where other errors are larger."""
 
 FIT_SAMPLES: Final = 400
 """Largest number of samples that explanations are fitted to."""
@@ -74,7 +74,7 @@ FIT_SAMPLES: Final = 400
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The best explanation, the others that were tried, and the lag.
+    """Best explanation of an error, the others that were tried, and the lag.
 
     Attributes
     ----------
@@ -113,12 +113,12 @@ class Diagnosis:
         return tuple(found)
 
 
-def diagnose(comparison: Comparison, nearer: tuple[Explanation, ...] = ()) -> Diagnosis:
-    """Explain what an estimate is off by.
+def diagnose(comparison: RunComparison, nearer: tuple[Explanation, ...] = ()) -> Diagnosis:
+    """Find the causes of an estimate's errors.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of samples whose true time, shifted by the longest lag either way, is within the truth's times.
     nearer : tuple of Explanation
         What was tried with a shorter longest lag: far lags are held against these as well.
@@ -143,8 +143,8 @@ def diagnose(comparison: Comparison, nearer: tuple[Explanation, ...] = ()) -> Di
     return Diagnosis(best, tried, lag_s, standard_error_s, at_limit)
 
 
-def follows(comparison: Comparison, diagnosis: Diagnosis) -> bool:
-    """Whether a few causes explain nearly all of what an estimate is off by, be they sure enough to be named or not.
+def follows(comparison: RunComparison, diagnosis: Diagnosis) -> bool:
+    """Whether a few causes explain nearly all of the error, be they sure enough to be named or not.
 
     A gyro on other axes, or of another unit, leaves attitudes that nothing constant explains.
     """
@@ -154,8 +154,8 @@ def follows(comparison: Comparison, diagnosis: Diagnosis) -> bool:
     return any(e.median <= most for e in diagnosis.tried if 0 < len(e.causes) <= MOST_CAUSES)
 
 
-def _with_lag(comparison: Comparison, best: Explanation, lag_s: float) -> Explanation:
-    """An explanation with a lag beside it that is sure, if that explains anything."""
+def _with_lag(comparison: RunComparison, best: Explanation, lag_s: float) -> Explanation:
+    """Explanation with a sure lag beside its causes, if that explains anything."""
     if LAG in best.free:
         return best
     found = explain(comparison, best.convention, best.free | {LAG}, replace(best.misalignment, lag_s=lag_s))
@@ -163,9 +163,9 @@ def _with_lag(comparison: Comparison, best: Explanation, lag_s: float) -> Explan
 
 
 def _named(
-    comparison: Comparison, tried: tuple[Explanation, ...], limit_s: float, nearer: tuple[Explanation, ...]
+    comparison: RunComparison, tried: tuple[Explanation, ...], limit_s: float, nearer: tuple[Explanation, ...]
 ) -> Explanation:
-    """The first of those tried, the simplest last, whose constants are constant and that leaves little enough."""
+    """First of the explanations tried, by cost, whose constants are constant and that leaves little enough."""
     unconstant: list[Explanation] = []
     beyond = abs(tried[0].misalignment.lag_s) >= limit_s
     plain = next(e for e in tried if not e.causes)
@@ -181,8 +181,8 @@ def _named(
     return plain
 
 
-def _conventions(comparison: Comparison, error: float, named: Explanation) -> Explanation:
-    """Several conventions that alone explain nearly all, instead of what is named, or that."""
+def _conventions(comparison: RunComparison, error: float, named: Explanation) -> Explanation:
+    """Explanation by several conventions alone, where they explain nearly all; else the one that is named."""
     if error <= CONVENTIONS_LEFT or len(comparison.stamps_ns) < FEWEST_SAMPLES:
         return named
     late = np.concatenate(later_quarters(len(comparison.stamps_ns)))
@@ -201,7 +201,7 @@ def _conventions(comparison: Comparison, error: float, named: Explanation) -> Ex
 
 
 def _explains(explanation: Explanation, error: float, turned: float) -> bool:
-    """Whether little is left of an error, and of what the body turns."""
+    """Whether an explanation leaves little of an error, and little beside the turn of the body."""
     share = UNLIKE_MOUNTED if MOUNTING in explanation.free else UNLIKE
     causes = len(explanation.causes)
     largest = np.inf if set(explanation.causes) <= {LAG} else LARGEST_LEFT / max(causes, 1) ** 3
@@ -214,7 +214,7 @@ def _is_no_better(explanation: Explanation, other: Explanation) -> bool:
     return TIE_FACTOR * explanation.median >= other.median and not explanation.is_part_of(other)
 
 
-def _is_constant(comparison: Comparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
+def _is_constant(comparison: RunComparison, explanation: Explanation, tried: tuple[Explanation, ...]) -> bool:
     """Whether constants fitted to three quarters of a run halve the median of the fourth, each of them and in each.
 
     A far lag must also be the best in each.

@@ -16,14 +16,14 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 GAP: Final = 2.5
-"""Neighbouring stamps farther apart than this many median periods are a gap: two samples or more are missing."""
+"""Least distance of neighbouring stamps that is a gap, in median periods: two samples or more are missing."""
 _GAP_OF_EVEN: Final = 1.5
-"""The same of an estimate with even stamps, where one sample that is missing stands out."""
+"""Least distance that is a gap where stamps are even, so that one missing sample stands out, in median periods."""
 _EVEN, _MOST_UNEVEN = 0.1, 0.1
-"""Stamps are even if all periods but so great a share are the median one to within so great a share of it."""
+"""Tolerances of even stamps: relative difference of a period from the median, share of periods that differ more."""
 
 FARTHEST_NS: Final = 2**31 * 10**9
-"""The farthest stamp from 0 that a message can have, ns; differences of such stamps do not overflow."""
+"""Largest stamp that a message can have, ns; differences of such stamps do not overflow."""
 
 NOT_UNIT: Final = 0.002
 """Largest | |q|² − 1 | that is taken for unit norm: what remains of one written with three decimals. tf2 takes 0.01."""
@@ -31,7 +31,7 @@ NOT_UNIT: Final = 0.002
 
 @dataclass(frozen=True)
 class Remark:
-    """What is wrong about an estimate, whatever convention its attitudes are in.
+    """Remark on an estimate that holds whatever convention its attitudes are in.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Estimate:
 
     @classmethod
     def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> Estimate:
-        """From what a filter gave.
+        """Read an estimate as a filter gave it.
 
         Of samples with the same stamp the first is kept, and they are remarked.
 
@@ -95,7 +95,7 @@ class Estimate:
 
 
 def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
-    """Stamps as int64, never decreasing, at least one.
+    """Read stamps as int64, never decreasing, at least one.
 
     Raises
     ------

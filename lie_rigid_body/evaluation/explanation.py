@@ -13,32 +13,40 @@ from lie_rigid_body.evaluation.alignment import (
     HEADING,
     LAG,
     MOUNTING,
-    Comparison,
     Convention,
     Misalignment,
+    RunComparison,
     columns,
     fit,
 )
-from lie_rigid_body.evaluation.search import CONVENTIONS, FINE_SAMPLES, MOST_FINE_LAGS, MOST_LAGS, Grid, spread, written
+from lie_rigid_body.evaluation.search import (
+    CONVENTIONS,
+    FINE_SAMPLES,
+    MOST_FINE_LAGS,
+    MOST_LAGS,
+    StartGrid,
+    spread,
+    written,
+)
 from lie_rigid_body.wording import short_repr
 
 NEGLIGIBLE: Final = float(np.radians(1e-3))
-"""Medians below this, rad, count as this, and need no explanation."""
+"""Least median angle that needs an explanation, rad; smaller ones count as this."""
 
 FEWEST_FITTED: Final = 12
-"""Smallest number of samples that constants are fitted to, and a lag is told from."""
+"""Least number of samples that constants are fitted to, and that tell a lag."""
 
 PRUNING_MARGIN: Final = 0.25
 """Margin above the grid's lowest cost, a mean sine of half angles, beyond which a convention is not fitted."""
 
 TIE_FACTOR: Final = 1.25
-"""Ratio of two medians, up to which their explanations are as good as each other."""
+"""Ratio of two medians up to which their explanations count as equally good."""
 
 SAME_LAG: Final = 0.1
-"""Lags that differ by a smaller share of what those of the grid do are one."""
+"""Least difference of two lags, as a share of the grid's spacing; nearer lags count as one."""
 
 CONSTANT_SUBSETS: Final = tuple(frozenset(c) for k in range(4) for c in combinations((HEADING, MOUNTING, LAG), k))
-"""The sets of constants that may be fitted, from none to all."""
+"""Sets of constants that may be fitted, from none to all."""
 ALL_CONSTANTS: Final = CONSTANT_SUBSETS[-1]
 
 
@@ -65,7 +73,7 @@ class Explanation:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """The names of its causes, in the order in which they are undone."""
+        """Names of the causes, in the order in which they are undone."""
         of_convention = {
             "scalar_first": self.convention.scalar_first,
             "inverted": self.convention.inverted,
@@ -89,17 +97,17 @@ class Explanation:
 
     @property
     def is_canonical(self) -> bool:
-        """Whether its mounting is the smaller one of the two that a body forward-right-down, or not, goes with."""
+        """Whether the mounting is the smaller of two that do as well, with a forward-right-down body and without."""
         x, _, _, w = self.misalignment.mounting
         return not self.convention.ned_world or abs(x) <= abs(w)
 
     def is_part_of(self, other: Explanation) -> bool:
-        """Whether each of its causes is one of another's, with the same body axes."""
+        """Whether each cause is one of another explanation's, with the same body axes."""
         same_body = self.convention.frd_body == other.convention.frd_body or not self.convention.ned_world
         return same_body and set(self.causes) <= set(other.causes)
 
     def without(self, cause: str) -> tuple[frozenset[str], Convention]:
-        """Free constants and convention of the same causes but one."""
+        """Free constants and convention that are left when one cause is taken away."""
         return self.free - {cause}, Convention(
             self.convention.scalar_first and cause != "scalar_first",
             self.convention.inverted and cause != "inverted",
@@ -109,13 +117,13 @@ class Explanation:
         )
 
 
-def explanations(comparison: Comparison, plain: Explanation) -> Iterator[Explanation]:
-    """The explanations that may be the best, or as good."""
-    grid = Grid.of(comparison)
+def explanations(comparison: RunComparison, plain: Explanation) -> Iterator[Explanation]:
+    """Explanations that may be the best, or as good."""
+    grid = StartGrid.of(comparison)
     points = {convention: grid.best(convention, ALL_CONSTANTS) for convention in CONVENTIONS}
     limit = min(cost for cost, _ in points.values()) + PRUNING_MARGIN
     near = [convention for convention in CONVENTIONS if points[convention][0] <= limit]
-    fine = grid if len(grid.lags_s) < MOST_LAGS else Grid.of(comparison, MOST_FINE_LAGS, FINE_SAMPLES)
+    fine = grid if len(grid.lags_s) < MOST_LAGS else StartGrid.of(comparison, MOST_FINE_LAGS, FINE_SAMPLES)
     full = [explain(comparison, convention, ALL_CONSTANTS, points[convention][1]) for convention in near]
     lowest = min([plain, *full], key=lambda e: e.cost).cost
     full = [
@@ -142,9 +150,13 @@ def _may_win(most: Explanation, free: frozenset[str], lowest: float) -> bool:
 
 
 def _nearest(
-    comparison: Comparison, grid: Grid, convention: Convention, free: frozenset[str], *further: Misalignment
+    comparison: RunComparison,
+    grid: StartGrid,
+    convention: Convention,
+    free: frozenset[str],
+    *further: Misalignment,
 ) -> Explanation:
-    """The explanation of the least lag, of those by some causes that leave about the least.
+    """Explanation of the least lag among those by the same causes that leave about the least.
 
     A motion that nearly repeats, as that of a top does, has many lags about as good, each with constants of its own:
     fits begin at all of them that the grid tells, and at further ones, with few samples and few steps.
@@ -164,13 +176,15 @@ def _nearest(
     return other if other.median <= TIE_FACTOR * found.median else found
 
 
-def explain(comparison: Comparison, convention: Convention, free: frozenset[str], start: Misalignment) -> Explanation:
-    """A combination of causes fitted to a run."""
+def explain(
+    comparison: RunComparison, convention: Convention, free: frozenset[str], start: Misalignment
+) -> Explanation:
+    """Fit a combination of causes to a run."""
     found = fit(written(comparison, convention), free, start, steps=12, smallest_step=1e-7)
     return Explanation(convention, free, found, median_left(comparison, convention, found))
 
 
-def median_left(comparison: Comparison, convention: Convention, misalignment: Misalignment) -> float:
+def median_left(comparison: RunComparison, convention: Convention, misalignment: Misalignment) -> float:
     """Median of the angles that are left, rad, at least `NEGLIGIBLE`; infinite if the truth is known at no sample."""
     left = written(comparison, convention).angles(misalignment)
     return max(float(np.median(left)), NEGLIGIBLE) if left.size else np.inf

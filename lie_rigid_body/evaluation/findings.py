@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Comparison, Misalignment, fit
-from lie_rigid_body.evaluation.clock import Clock, by_clock
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Misalignment, RunComparison, fit
+from lie_rigid_body.evaluation.clock import StampClock, by_clock
 from lie_rigid_body.evaluation.diagnosis import Diagnosis
 from lie_rigid_body.evaluation.estimate import period_ns
 from lie_rigid_body.evaluation.explanation import Explanation
@@ -24,15 +24,15 @@ FITTED = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
 
 SAME_AXES_DEG = 5.0
-"""A mounting so near to axes that change places and signs is told in those words."""
+"""Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
 
 OF_SENSORS: Final = float(np.radians(20.0))
-"""Errors of the sensors, which keep to the body as a mounting does, hardly turn its axes by more, rad."""
+"""Largest turn of the body's axes that errors of the sensors feign, rad: they keep to the body as a mounting does."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong about an estimate.
+    """Mistake in an estimate, with what to do.
 
     Attributes
     ----------
@@ -52,16 +52,16 @@ class Finding:
     __repr__ = short_repr
 
     def to_json(self) -> dict[str, str | float]:
-        """The three entries by name."""
+        """JSON-serialisable data: code, message and what is left."""
         return asdict(self)
 
 
-def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
-    """The causes of a diagnosis as findings, in the order in which they are undone.
+def findings(comparison: RunComparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
+    """Put the causes of a diagnosis into words, in the order in which they are undone.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples.
     diagnosis : Diagnosis
 
@@ -82,14 +82,14 @@ def findings(comparison: Comparison, diagnosis: Diagnosis) -> tuple[Finding, ...
     return tuple(found) if rms(before) <= rms(given) else ()
 
 
-def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
-    """Another clock as a finding.
+def clock_finding(comparison: RunComparison, clock: StampClock) -> Finding:
+    """Put another clock into words.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of all samples, also those outside of the truth's times.
-    clock : Clock
+    clock : StampClock
     """
     before = np.degrees(comparison.angles(Misalignment()))
     after = np.degrees(by_clock(comparison, clock).angles(Misalignment()))
@@ -100,7 +100,7 @@ def clock_finding(comparison: Comparison, clock: Clock) -> Finding:
     return Finding(code, f"{sentence} ({gain(before, after)}).", rms(after))
 
 
-def _rate(clock: Clock) -> str:
+def _rate(clock: StampClock) -> str:
     times = f"{max(clock.rate, 1.0 / clock.rate):.5g} times as {'slow' if clock.rate > 1.0 else 'fast'}"
     return (
         f"The clock of the estimate's stamps runs {times} as that of the truth: stamp it with the time of the readings "
@@ -109,7 +109,7 @@ def _rate(clock: Clock) -> str:
 
 
 def gain(before: Array, after: Array) -> str:
-    """What undoing a cause does to the errors, degrees; alone it need not help."""
+    """Sentence about the errors before and after a cause is undone, degrees; alone it need not help."""
     if np.median(after) >= np.median(before):
         return "helps only together with what follows"
     return (
@@ -119,7 +119,7 @@ def gain(before: Array, after: Array) -> str:
 
 
 def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
-    """Each cause with the explanation by it and those before it."""
+    """Causes in their order, each with the explanation by it and those before it."""
     causes = best.causes
     for k, cause in enumerate(causes, 1):
         partial = best
@@ -129,7 +129,7 @@ def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
         yield cause, partial
 
 
-def _fitted(comparison: Comparison, explanation: Explanation) -> Misalignment:
+def _fitted(comparison: RunComparison, explanation: Explanation) -> Misalignment:
     """All constants of an explanation, fitted together to up to `FITTED` samples."""
     ours = written(comparison, explanation.convention)
     few = ours.inner()
@@ -142,7 +142,7 @@ def _code(cause: str, fitted: Misalignment) -> str:
     return cause
 
 
-def _sentence(cause: str, comparison: Comparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
+def _sentence(cause: str, comparison: RunComparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
     if cause == "scalar_first":
         return "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"
     if cause == "inverted":
@@ -184,14 +184,14 @@ def _mounting(fitted: Misalignment) -> str:
 
 
 def angle_and_axis(rotation: Array) -> str:
-    """A rotation, shape (4,), in words."""
+    """Angle and axis of a rotation, shape (4,), in words."""
     vector = quaternion.log(rotation)
     angle = float(np.sqrt(vector @ vector))
     return f"{np.degrees(angle):.4g}° about ({components(vector / angle if angle else vector, 3)})"
 
 
 def _places(mounting: Array) -> str:
-    """The body axes of an estimate by those of the body, where they are the same but for places and signs."""
+    """Body axes of an estimate named by those of the body, where they only change places and signs; else empty."""
     axes = quaternion.rotate(mounting, np.eye(3))  # row by row, on the axes of the body
     nearest = np.round(axes)
     left = float(np.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0))))
@@ -202,7 +202,7 @@ def _places(mounting: Array) -> str:
     return f"; its x, y, z are {name} of the body{meaning}" + (f", but for {left:.2g}°" if left >= 0.01 else "")
 
 
-def _lag(comparison: Comparison, lag_s: float) -> str:
+def _lag(comparison: RunComparison, lag_s: float) -> str:
     period = period_ns(comparison.stamps_ns) / 1e9
     late = lag_s > 0.0
     remedy = (

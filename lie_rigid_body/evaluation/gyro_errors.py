@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import Comparison
+from lie_rigid_body.evaluation.alignment import RunComparison
 from lie_rigid_body.evaluation.attitude_error import world_error
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.search import spread
@@ -21,15 +21,15 @@ from lie_rigid_body.lie import quaternion
 SAMPLES: Final = 2000
 """Largest number of samples that errors are fitted to."""
 ROUNDS: Final = 6
-"""Steps of Gauss–Newton."""
+"""Number of steps of Gauss–Newton."""
 
 
-def left_by_gyro_errors(comparison: Comparison) -> float:
+def left_by_gyro_errors(comparison: RunComparison) -> float:
     """Median angle that the best constant errors of a gyro leave, rad.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : RunComparison
         Of samples within the truth's times.
     """
     few = comparison.part(spread(len(comparison.stamps_ns), SAMPLES))
@@ -48,7 +48,7 @@ def left_by_gyro_errors(comparison: Comparison) -> float:
 
 
 def _derivative(predicted: Array, read: Array) -> Array:
-    """Of the attitudes, on the world's axes, by the first and by the errors row by row, shape (3 N, 15)."""
+    """Derivative of the attitudes, on the world's axes, by the first one and the errors row by row, shape (3 N, 15)."""
     axes = quaternion.rotate(predicted[:-1, np.newaxis], np.eye(3))  # rows: the body's axes in the world
     steps = np.einsum("nij,nk->njik", axes, read).reshape(len(read), 3, 12)
     turned = np.concatenate([np.zeros((1, 3, 12)), np.cumsum(steps, axis=0)])
@@ -57,7 +57,7 @@ def _derivative(predicted: Array, read: Array) -> Array:
 
 
 def _products(start: Array, turns: Array) -> Array:
-    """The start and its products with the first turns, shape (N + 1, 4), each round twice as many factors."""
+    """Products of the start with the first turns, shape (N + 1, 4); each round doubles the number of factors."""
     found, factors = np.concatenate([start[np.newaxis], turns]), 1
     while factors < len(found):
         found[factors:] = quaternion.multiply(found[:-factors], found[factors:])

@@ -31,7 +31,7 @@ Steps: TypeAlias = Callable[[Integers], tuple[Array, Array, Array]]
 
 
 def padded(count: int) -> int:
-    """How many samples blocks of equal length have, for so many: the number to which the steps are asked for."""
+    """Number of samples in blocks of equal length that hold so many: the steps are asked for as many."""
     length = _length(count)
     return length * -(-count // length)
 
@@ -60,7 +60,7 @@ def covariances(steps: Steps, count: int, first: Array) -> tuple[Array, Array, A
 
 
 def _length(count: int) -> int:
-    """Loops over the blocks and over the samples of one are as long as each other."""
+    """Length of a block: loops over the blocks and over the samples of one are as long as each other."""
     return max(1, math.isqrt(count))
 
 
@@ -78,7 +78,7 @@ def _blocks(steps: Steps, numbers: Integers, n: int) -> tuple[Array, Array, Arra
 
 
 def _before(A: Array, D: Array, J: Array, first: Array) -> Array:
-    """The covariance before each block."""
+    """Covariance before each block."""
     rows, found = _rows(J), [first]
     for b in range(len(A) - 1):
         found.append(D[b] + A[b] @ _updated(found[-1], rows[b]) @ A[b].T)
@@ -86,7 +86,7 @@ def _before(A: Array, D: Array, J: Array, first: Array) -> Array:
 
 
 def _after(A: Array, D: Array, J: Array) -> Array:
-    """The information of the readings after each block on the state at its end."""
+    """Information of the readings after each block on the state at its end."""
     rows, found = _rows(D), [np.zeros_like(D[0])]
     for b in range(len(A) - 1, 0, -1):
         found.append(J[b] + A[b].T @ _updated(found[-1], rows[b]) @ A[b])
@@ -113,18 +113,18 @@ def _smoothed(steps: Steps, numbers: Integers, filtered: Array, later: Array) ->
 
 
 def _joined(covariance: Array, information: Array) -> Array:
-    """(P⁻¹ + J)⁻¹, also where P has no inverse."""
+    """Covariance (P⁻¹ + J)⁻¹, also where P has no inverse."""
     found = np.linalg.solve(np.eye(covariance.shape[-1]) + covariance @ information, covariance)
     return np.asarray(0.5 * (found + _transposed(found)))
 
 
 def _updated(covariance: Array, H: Array) -> Array:
-    """The covariance after readings."""
+    """Covariance after readings."""
     return _joseph(covariance, H, _gain(covariance, H, H)[0])
 
 
 def _gain(covariance: Array, H: Array, told: Array) -> tuple[Array, Array]:
-    """The gain P Hᵀ S⁻¹ with the covariance S of the innovation, and S⁻¹ times what the readings tell."""
+    """Gain P Hᵀ S⁻¹ with the covariance S of the innovation, and S⁻¹ times what the readings tell."""
     seen = H @ covariance
     S = seen @ _transposed(H) + np.eye(H.shape[-2])
     both = np.linalg.solve(S, np.concatenate([seen, told], axis=-1))
@@ -138,7 +138,7 @@ def _joseph(covariance: Array, H: Array, gain: Array) -> Array:
 
 
 def _rows(information: Array) -> Array:
-    """H of readings that tell the same: HᵀH is the information."""
+    """Rows H of readings that tell the same as an information HᵀH."""
     size = np.sqrt(np.diagonal(information, axis1=-2, axis2=-1).clip(np.finfo(float).tiny))[..., np.newaxis]
     values, vectors = np.linalg.eigh(information / (size * _transposed(size)))  # of one size, whatever the units
     return np.asarray(np.sqrt(values.clip(0.0))[..., np.newaxis] * _transposed(vectors) * _transposed(size))

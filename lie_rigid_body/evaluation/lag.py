@@ -11,9 +11,9 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.alignment import (
     LAG,
-    Comparison,
     Convention,
     Misalignment,
+    RunComparison,
     fit,
     lag_standard_error,
     separable,
@@ -34,38 +34,39 @@ LAG_SAMPLES: Final = 20_000
 """Largest number of samples that the lag is fitted to."""
 
 AT_LIMIT: Final = 0.999
-"""Share of the longest lag from which on a fitted lag counts as at the limit."""
+"""Share of the longest lag above which a fitted lag counts as at the limit."""
 
 SIGNIFICANT: Final = 3.0
-"""A lag is told from none if it is so many standard errors."""
+"""Least lag, in standard errors, that is told from none."""
 
 SURE: Final = 8.0
-"""A lag of so many standard errors is told, and named, also where other errors are larger."""
+"""Least lag, in standard errors, that is told and named also where other errors are larger."""
 
 UNSTEADY: Final = 0.25
-"""Share by which the lags of the halves of a run may differ from that of all.
+"""Largest relative difference between the lag of each half of a run and that of the whole.
 
-One that grows from none in proportion to time, as a drift feigns it, differs by half: this is in the middle."""
+A lag that grows in proportion to time, as a drift feigns it, differs by half: this is in the middle."""
 
 LOST: Final = float(np.radians(20.0))
-"""Median angle that is left, rad, from which on an estimate follows the truth too little to tell a lag."""
+"""Median angle that is left above which an estimate follows the truth too little to tell a lag, rad."""
 
 FAR: Final = 1.0 - float(np.log2(TIE_FACTOR))
-"""What a far lag costs beside being a cause: one alone is not named if a near one with a mounting leaves clearly less.
+"""Further cost of a far lag: alone it is not named if a near lag with a mounting leaves clearly less.
 
-Where they leave the same it is, as an even top makes a far lag a near one with a mounting."""
+Where both leave the same the far lag is named: an even top makes of it a near lag with a mounting."""
 
 MOST_OTHER_LAGS: Final = 1000
 """Largest number of other lags, either way, that a far one is held against."""
 
 
-def told_lag(comparison: Comparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
-    """The lag and its standard error, s, beside heading and mounting where the motion tells them apart.
+def told_lag(comparison: RunComparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
+    """Tell the lag and its standard error, s, beside heading and mounting where the motion tells them apart.
 
-    Else beside what was found. It is told if it is named as a cause; or if it is about the same in each half of the
-    run, and is sure, eight times its standard error, or halves the error and is three times that; or if it is none of
-    these, and this is small beside a lag that would turn the body by the error that is left. Between them is what slow
-    errors may feign. One that is not named is not told either if it leaves `LOST`.
+    Where it does not, the lag is fitted beside what was found. A lag is told in three cases: it is named as a cause; it
+    is about the same in each half of the run and is sure, eight times its standard error, or halves the error and is
+    three times that; or it is none of these, and its standard error is small beside a lag that would turn the body by
+    the error that is left. Between them is what slow errors may feign. A lag that is not named is not told either where
+    the error that is left is above `LOST`.
     """
     ours = written(comparison, explanation.convention)
     ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
@@ -77,8 +78,8 @@ def told_lag(comparison: Comparison, explanation: Explanation) -> tuple[float, f
     return None, None
 
 
-def _is_the_same_in_halves(comparison: Comparison, fitted: Misalignment) -> bool:
-    """Whether each half of a run alone tells about the same lag, as it hardly does of what drifts feign."""
+def _is_the_same_in_halves(comparison: RunComparison, fitted: Misalignment) -> bool:
+    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
     for half in np.array_split(np.arange(len(comparison.stamps_ns)), 2):
         alone = fit(comparison.part(half), ALL_CONSTANTS, fitted)
         if abs(alone.lag_s - fitted.lag_s) > UNSTEADY * abs(fitted.lag_s):
@@ -86,13 +87,13 @@ def _is_the_same_in_halves(comparison: Comparison, fitted: Misalignment) -> bool
     return True
 
 
-def is_far(comparison: Comparison, misalignment: Misalignment) -> bool:
+def is_far(comparison: RunComparison, misalignment: Misalignment) -> bool:
     """Whether the body turns by more than half a turn in a lag."""
     return abs(misalignment.lag_s) * comparison.fastest() > np.pi
 
 
-def is_nearest(comparison: Comparison, explanation: Explanation, tried: Iterable[Explanation]) -> bool:
-    """Whether a lag is not far, or none of those tried without a far one costs hardly more.
+def is_nearest(comparison: RunComparison, explanation: Explanation, tried: Iterable[Explanation]) -> bool:
+    """Whether a lag is near, or every explanation tried without a far lag costs clearly more.
 
     One of the causes of the latter would take the place of the far lag.
     """
@@ -102,8 +103,8 @@ def is_nearest(comparison: Comparison, explanation: Explanation, tried: Iterable
     return explanation.cost + FAR < min(near, default=np.inf)
 
 
-def is_for_all_quarters(comparison: Comparison, explanation: Explanation) -> bool:
-    """Whether no other lag halves what a far one leaves of a quarter of the run, from the second on.
+def is_for_all_quarters(comparison: RunComparison, explanation: Explanation) -> bool:
+    """Whether no other lag leaves half of what a far lag leaves in any quarter of the run, from the second on.
 
     Of a motion that nearly repeats there are many far ones that fit better than none beside errors that drift, each for
     a while. Others are looked for within a quarter of the run.
@@ -120,8 +121,8 @@ def is_for_all_quarters(comparison: Comparison, explanation: Explanation) -> boo
     return all(medians[0] <= 2.0 * max(medians.min(), NEGLIGIBLE) for medians in quarters)
 
 
-def _medians(comparison: Comparison, misalignment: Misalignment, lags_s: list[float]) -> Array:
-    """Medians of the angles that each of some lags leaves, rad; infinite where it has a truth for less than half."""
+def _medians(comparison: RunComparison, misalignment: Misalignment, lags_s: list[float]) -> Array:
+    """Medians of the angles that some lags leave, rad; infinite where less than half of the samples have a truth."""
     stamps = np.stack([comparison.true_stamps(lag_s) for lag_s in lags_s])
     known = comparison.truth.covers(stamps)
     truth = comparison.truth.at(np.clip(stamps, comparison.truth.first_ns, comparison.truth.last_ns))
@@ -130,7 +131,7 @@ def _medians(comparison: Comparison, misalignment: Misalignment, lags_s: list[fl
 
 
 def _told(
-    comparison: Comparison, free: frozenset[str], explanation: Explanation
+    comparison: RunComparison, free: frozenset[str], explanation: Explanation
 ) -> tuple[float, float] | tuple[None, None]:
     fitted = fit(comparison, free, explanation.misalignment)
     without = fit(comparison, free - {LAG}, replace(fitted, lag_s=0.0))

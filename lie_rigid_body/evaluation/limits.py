@@ -19,8 +19,8 @@ ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
 """Units of a limit, in degrees and in seconds."""
 LEAST_SHARE: Final = 0.5
-"""Share of the estimates given, and of the time they are due, that limits hold for: of less a score says little."""
-NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
+"""Least share of the given estimates, and of the time in which they are due, that must be compared to keep a limit."""
+_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Limits:
 
     @classmethod
     def parse(cls, max_rms: str | None = None, max_after: str | tuple[str, ...] = ()) -> Limits:
-        """From text: ``max_rms="1deg"``, ``max_after="10s:2deg"`` or several of them.
+        """Read limits from texts: ``max_rms="1deg"``, ``max_after="10s:2deg"`` or several of them.
 
         Raises
         ------
@@ -73,7 +73,7 @@ class Limits:
         return cls(None if max_rms is None else angle_deg(max_rms), tuple(_after(pair) for pair in pairs))
 
     def broken(self, t_s: Array, total_deg: Array) -> tuple[str, ...]:
-        """One sentence for each limit that a run breaks.
+        """Sentences about the limits that a run breaks, one for each.
 
         Parameters
         ----------
@@ -90,7 +90,7 @@ class Limits:
         return self.broken_by(rms(total_deg), worst, float(t_s[-1]))
 
     def broken_by(self, rms_deg: float, worst: Sequence[tuple[float, float] | None], end_s: float) -> tuple[str, ...]:
-        """One sentence for each limit that is broken by the facts of a run.
+        """Sentences about the limits that the facts of a run break, one for each.
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ class Limits:
         return tuple(sentences)
 
     def too_little(self, compared: int, given: int, span_s: float, due_s: float) -> tuple[str, ...]:
-        """One sentence for each way in which too little was compared to keep any limit; none without a limit.
+        """Sentences about what was too little to keep any limit: estimates, and time; none without a limit.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class Limits:
 
 
 def angle_deg(text: str) -> float:
-    """Degrees of a text like ``1deg``, ``0.02rad`` or ``5 mrad``, above 0."""
+    """Read an angle, degrees, from a text like ``1deg``, ``0.02rad`` or ``5 mrad``, above 0."""
     angle = _quantity(text, ANGLES, "an angle such as 1deg")
     if angle == 0.0:
         raise InputError(f"{text!r} is a limit that every error breaks: give an angle above 0, such as 1deg")
@@ -149,7 +149,7 @@ def angle_deg(text: str) -> float:
 
 
 def time_s(text: str) -> float:
-    """Seconds of a text like ``10s``, ``500ms`` or ``1min``."""
+    """Read a time, s, from a text like ``10s``, ``500ms`` or ``1min``."""
     return _quantity(text, TIMES, "a time such as 10s")
 
 
@@ -161,7 +161,7 @@ def _after(text: str) -> tuple[float, float]:
 
 
 def _quantity(text: str, units: dict[str, float], wanted: str) -> float:
-    match = NUMBER.fullmatch(text) if isinstance(text, str) else None
+    match = _NUMBER.fullmatch(text) if isinstance(text, str) else None
     if not match or match[2] not in units:
         raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
     value = float(match[1]) * units[match[2]]

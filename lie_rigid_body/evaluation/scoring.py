@@ -1,8 +1,7 @@
-"""The score of an attitude estimate."""
+"""The scoring of an attitude estimate: compared with the truth at its stamps, and diagnosed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -10,143 +9,33 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, Comparison
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, RunComparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
-from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.attitude_error import attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
-from lie_rigid_body.evaluation.clock import Clock, clock_lag, other_clock
-from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees
+from lie_rigid_body.evaluation.clock import StampClock, clock_lag, other_clock
+from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose, follows
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.explanation import TIE_FACTOR, Explanation
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.lag import told_lag
 from lie_rigid_body.evaluation.limits import Limits
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.evaluation.turning import mixed, stuck, turning
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.evaluation.world import world_turned
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.wording import shown
 
 LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
 ABSENT: Final = 0.05
-"""A filter may begin late or end early by this share of the truth's times before it is remarked."""
+"""Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 
-LARGEST_SETTLED_DEG: Final = 20.0
-"""An estimate that errs by more, degrees, has not converged, unless a larger limit is given."""
 UNLIKE_DEG: Final = 5.0
-"""Error without a known cause, degrees, above which an estimate is asked whether it turns as the body does."""
-
-
-@dataclass(frozen=True)
-class Score:
-    """What an estimate is worth.
-
-    Attributes
-    ----------
-    stamps_ns : ndarray of int64, shape (N,)
-        Of the estimates that were compared.
-    error : AttitudeError
-        Their errors, rad, shape (N,) each.
-    total_deg, heading_deg, inclination_deg : Statistics
-        Of these errors, degrees.
-    time_to_converge_s : float or None
-        From the first sample until the total error stays below `converged_deg`; None if it never does.
-    converged_deg : float
-        As given, or one and a half times the largest total error in the second half of the run, at most
-        `LARGEST_SETTLED_DEG`.
-    lag_s : float or None
-        Positive if the estimate is late. None if the motion does not tell it.
-    lag_standard_error_s : float or None
-    findings : tuple of Finding
-    broken : tuple of str
-        One sentence for each limit that is broken.
-    outside : int
-        Estimates that were left out because the truth is not known at their stamps.
-    truth_uncertainty_deg : float
-        Bound of the error of the truth by interpolation, degrees.
-    consistency : Consistency or None
-        Where a covariance was given.
-    gyro_bias_rad_s : Statistics or None
-        Of the error of an estimated gyro bias, where one was given.
-    best : BestPossible or None
-        What the sensors' noise leaves at best, where it is known.
-    limits : Limits
-        Those that it was held against.
-    """
-
-    stamps_ns: Integers
-    error: AttitudeError
-    total_deg: Statistics
-    heading_deg: Statistics
-    inclination_deg: Statistics
-    time_to_converge_s: float | None
-    converged_deg: float
-    lag_s: float | None
-    lag_standard_error_s: float | None
-    findings: tuple[Finding, ...]
-    broken: tuple[str, ...]
-    outside: int
-    truth_uncertainty_deg: float
-    consistency: Consistency | None = None
-    gyro_bias_rad_s: Statistics | None = None
-    best: BestPossible | None = None
-    limits: Limits = field(default_factory=Limits)
-
-    __repr__ = short_repr
-
-    def __str__(self) -> str:
-        """The table and the findings, as ``evaluate`` prints them, in several lines."""
-        from lie_rigid_body.evaluation import summary
-
-        verdict = (line for sentence in summary.verdict(self) for line in summary.wrapped(sentence))
-        return "\n".join([*summary.table(self), "", *summary.findings(self), *verdict])
-
-    @property
-    def samples(self) -> int:
-        """How many estimates were compared."""
-        return len(self.stamps_ns)
-
-    @property
-    def t_s(self) -> Array:
-        """Times of the samples since the first, s, shape (N,)."""
-        return seconds(self.stamps_ns)
-
-    @property
-    def passed(self) -> bool:
-        """Whether no limit is broken."""
-        return not self.broken
-
-    def to_json(self, *, series: bool = False) -> dict[str, object]:
-        """The score as numbers, texts, lists and dictionaries; with its series if they are wanted."""
-        content: dict[str, object] = {
-            "samples": self.samples,
-            "outside": self.outside,
-            "total_deg": self.total_deg.to_json(),
-            "heading_deg": self.heading_deg.to_json(),
-            "inclination_deg": self.inclination_deg.to_json(),
-            "time_to_converge_s": self.time_to_converge_s,
-            "converged_deg": self.converged_deg,
-            "lag_s": self.lag_s,
-            "lag_standard_error_s": self.lag_standard_error_s,
-            "truth_uncertainty_deg": self.truth_uncertainty_deg,
-            "nees": self.consistency.to_json() if self.consistency else None,
-            "gyro_bias_rad_s": self.gyro_bias_rad_s.to_json() if self.gyro_bias_rad_s else None,
-            "unavoidable": self.best.to_json() if self.best else None,
-            "findings": [finding.to_json() for finding in self.findings],
-            "broken": list(self.broken),
-            "passed": self.passed,
-        }
-        return content | ({"series": self.series()} if series else {})
-
-    def series(self) -> dict[str, list[float] | list[int]]:
-        """Stamps, ns, and error angles, degrees, of every sample; NEES and bound where they are known."""
-        angles = {f"{name}_deg": np.degrees(angle).tolist() for name, angle in self.error._asdict().items()}
-        nees = {"nees": self.consistency.nees.tolist()} if self.consistency else {}
-        best = {"unavoidable_deg": self.best.filtered_deg.tolist()} if self.best and not self.best.unobserved else {}
-        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees, **best}
+"""Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
 
 def evaluate(
@@ -254,11 +143,6 @@ def evaluate(
     )
 
 
-def seconds(stamps_ns: Integers) -> Array:
-    """Time since the first stamp, s."""
-    return np.asarray((stamps_ns - stamps_ns[0]) / 1e9)
-
-
 def _diagnosis(
     estimate: Estimate,
     whole: Estimate,
@@ -267,7 +151,7 @@ def _diagnosis(
     longest_lag_s: float | None,
     total_deg: Statistics,
 ) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
-    """The lag with its standard error, s, what is found, and what is wrong about the turns where nothing else is.
+    """Find the lag with its standard error, s, the mistakes, and what is wrong about the turns where nothing else is.
 
     `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
@@ -287,7 +171,7 @@ def _diagnosis(
             comparison, diagnosis = wider, other
     world = world_turned(*turned[1:]) if unlike else None
     if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
-        everything = Comparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
+        everything = RunComparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
         clock = other_clock(everything, float(np.radians(total_deg.median)))
         if (
             clock is not None
@@ -305,11 +189,11 @@ def _diagnosis(
 
 
 def _is_simple(diagnosis: Diagnosis) -> bool:
-    """Whether one cause was found that no other clock feigns."""
+    """Whether a single cause was found that no other clock feigns."""
     return len(diagnosis.explanation.causes) == 1 and not diagnosis.explanation.free - {HEADING}
 
 
-def _is_better(clock: Clock, diagnosis: Diagnosis) -> bool:
+def _is_better(clock: StampClock, diagnosis: Diagnosis) -> bool:
     """Whether another clock explains more than a diagnosis, and a far lag more than twice what a near one alone does.
 
     A motion that nearly repeats has many lags about as good. Beside further constants, as a mounting has three, a near
@@ -322,15 +206,15 @@ def _is_better(clock: Clock, diagnosis: Diagnosis) -> bool:
 
 def _within(
     estimate: Estimate, truth: Truth, longest_lag_s: float, nearer: tuple[Explanation, ...] = ()
-) -> tuple[Comparison, Diagnosis | None]:
-    """The comparison with a limit to the lag, and its diagnosis if there are samples for one."""
-    comparison = Comparison(estimate.stamps_ns, estimate.attitude_xyzw, truth, longest_lag_s)
+) -> tuple[RunComparison, Diagnosis | None]:
+    """Comparison with a limit to the lag, and its diagnosis if there are samples for one."""
+    comparison = RunComparison(estimate.stamps_ns, estimate.attitude_xyzw, truth, longest_lag_s)
     inner = comparison.inner()
     return comparison, diagnose(inner, nearer) if len(inner.stamps_ns) else None
 
 
 def _apart(stamps: Integers, given: int, truth: Truth) -> str:
-    """That no stamp of so many estimates, some of which may be of one stamp, is within the truth."""
+    """Error message that no stamp of so many estimates is within the truth; some may share one stamp."""
     ahead = (int(stamps[0]) - truth.first_ns) / 1e9
     span = f"within the truth, from {truth.first_ns / 1e9:.12g} s to {truth.last_ns / 1e9:.12g} s"
     if len(stamps) < min(given, 2):
@@ -345,7 +229,7 @@ def _apart(stamps: Integers, given: int, truth: Truth) -> str:
 
 
 def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
-    """What of the truth's times an estimate leaves out at either end, and what of it lies beyond them."""
+    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds."""
     remarks = []
     duration, least = truth.last_ns - truth.first_ns, GAP * period_ns(stamps)
     absent = int(stamps[0]) - truth.first_ns, truth.last_ns - int(stamps[-1])
@@ -373,7 +257,7 @@ def _interpolation(uncertainty: float, total: Statistics) -> tuple[Remark, ...]:
 
 
 def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Array:
-    """The covariances of the samples that were compared."""
+    """Covariances of the samples that were compared."""
     if covariance.ndim != 3:
         return covariance
     stamps = np.asarray(stamps_ns)

@@ -1,4 +1,4 @@
-"""Where a fit begins: the best of a grid of conventions, headings and lags."""
+"""Grid of conventions, headings and lags, the best points of which are where fits begin."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, UP, Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.attitudes import mean
 from lie_rigid_body.lie import quaternion
 
@@ -19,9 +19,9 @@ CONVENTIONS: Final = tuple(
     Convention(scalar_first=first, inverted=inverse, **world)
     for first, inverse, world in product((False, True), (False, True), WORLDS)
 )
-"""Every convention that an estimate is tried in; the first is that of this package."""
+"""Conventions in which an estimate is read; the first is that of this package."""
 ALONE: Final = (*CONVENTIONS, *(Convention(True, True, **world, conjugated_last=True) for world in WORLDS))
-"""Those that are tried without constants, where they must explain nearly all."""
+"""Conventions that are tried without constants, where they must explain nearly all."""
 
 HEADINGS: Final = np.linspace(-np.pi, np.pi, 18, endpoint=False)
 """Heading offsets of the grid, rad."""
@@ -30,21 +30,21 @@ LAG_TURN: Final = 0.5
 MOST_LAGS: Final = 61
 """Largest number of lags on the grid that tells which conventions to fit."""
 MOST_FINE_LAGS: Final = 181
-"""The same of the grid that tells where to begin the fits of a convention: ±1 s of a body with 45 rad/s."""
+"""Largest number of lags on the grid that tells where fits begin: ±1 s of a body with 45 rad/s."""
 MOST_STARTS: Final = 32
 """Largest number of starts of one fit."""
 MARGIN: Final = LAG_TURN / 4.0
-"""Margin above the lowest cost, a mean sine of half angles, beyond which no fit begins: by half a step of the lag."""
+"""Margin of cost, a mean sine of half angles, above the lowest within which fits begin: half a step of the lag."""
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
-"""The quaternion of no rotation, scalar last."""
+"""Quaternion of no rotation, scalar last."""
 GRID_SAMPLES: Final = 120
 """Largest number of samples by which a point of the grid is judged."""
 FINE_SAMPLES: Final = 60
-"""The same of the grid with more lags, and of the first steps from its points."""
+"""Largest number of samples by which the grid with more lags, and the first steps from its points, are judged."""
 
 
 @dataclass(frozen=True)
-class Grid:
+class StartGrid:
     """Some samples of an estimate with the truth at each lag of a grid.
 
     Attributes
@@ -61,15 +61,15 @@ class Grid:
     truth_xyzw: Array
 
     @classmethod
-    def of(cls, comparison: Comparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> Grid:
-        """For the lags that a comparison allows, no farther apart than the motion asks for, but for the most."""
+    def of(cls, comparison: RunComparison, most_lags: int = MOST_LAGS, most_samples: int = GRID_SAMPLES) -> StartGrid:
+        """Make the grid of the lags that a comparison allows, as dense as the motion asks for, at most so many."""
         few = comparison.part(spread(len(comparison.stamps_ns), most_samples))
         half = min(max(int(np.ceil(few.longest_lag_s * few.fastest() / LAG_TURN)), 1), most_lags // 2)
         lags = np.linspace(-few.longest_lag_s, few.longest_lag_s, 2 * half + 1)
         return cls(few.estimate_xyzw, lags, few.truth.at(np.stack([few.true_stamps(lag) for lag in lags])))
 
     def best(self, convention: Convention, free: frozenset[str]) -> tuple[float, Misalignment]:
-        """The best point of the grid for a convention and some free constants.
+        """Best point of the grid for a convention and some free constants.
 
         Parameters
         ----------
@@ -87,14 +87,14 @@ class Grid:
         return float(cost[i]), points(i)
 
     def starts(self, convention: Convention, free: frozenset[str]) -> list[Misalignment]:
-        """Where the cost by the lag is least nearby and hardly above the lowest of all, the lowest first."""
+        """Points at the minima of the cost over the lag that are hardly above the lowest, the lowest first."""
         cost, points = self._by_lag(convention, free)
         around = np.concatenate([[np.inf], cost, [np.inf]])
         lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + MARGIN))
         return [points(int(i)) for i in lowest[np.argsort(cost[lowest], kind="stable")][:MOST_STARTS]]
 
     def _by_lag(self, convention: Convention, free: frozenset[str]) -> tuple[Array, Callable[[int], Misalignment]]:
-        """The least cost at each lag, shape (L,) or (1,), and the point of the grid where it is.
+        """Least cost at each lag, shape (L,) or (1,), and the point of the grid where it is.
 
         The mounting is not on the grid: for each heading and lag the best one is the mean of what is left.
         """
@@ -118,10 +118,10 @@ class Grid:
 
 
 def spread(count: int, most: int) -> Integers:
-    """At most so many indices, evenly spread over all."""
+    """Indices of at most so many samples, evenly spread over all."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def written(comparison: Comparison, convention: Convention) -> Comparison:
-    """The comparison with its estimates taken to be written in another convention."""
+def written(comparison: RunComparison, convention: Convention) -> RunComparison:
+    """Comparison with its estimates read in another convention."""
     return replace(comparison, estimate_xyzw=convention.undo(comparison.estimate_xyzw))

@@ -14,7 +14,7 @@ from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.wording import short_repr
 
 FEWEST_SAMPLES: Final = 20
-"""Smallest number of samples whose quarters tell anything."""
+"""Least number of samples whose quarters tell anything."""
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,12 @@ class Statistics:
 
     @classmethod
     def of(cls, errors: Array) -> Statistics:
-        """Of errors in order of time, shape (N,) with N ≥ 1, all finite."""
+        """Compute the statistics of errors in order of time, shape (N,) with N ≥ 1, all finite."""
         median, p95 = np.percentile(errors, [50.0, 95.0])
         return cls(rms(errors), float(median), float(p95), float(errors.max()), float(errors[-1]))
 
     def to_json(self) -> dict[str, float]:
-        """The five numbers by name."""
+        """JSON-serialisable data: the five numbers."""
         return asdict(self)
 
 
@@ -53,12 +53,12 @@ def rms(errors: Array) -> float:
 
 
 def later_quarters(count: int) -> list[Integers]:
-    """Which of so many samples are in each quarter of a run but the first, in which a filter may converge."""
+    """Indices of so many samples in each quarter of a run but the first, in which a filter may converge."""
     return np.array_split(np.arange(count), 4)[1:]
 
 
 def worst_quarter(errors: Array) -> float:
-    """The largest median of a quarter of a run, of those but the first."""
+    """Largest median of an error in a quarter of a run, the first left out."""
     return max(float(np.median(errors[quarter])) for quarter in later_quarters(len(errors)))
 
 
@@ -89,7 +89,7 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
 
 
 def settling_limit(t_s: Array, errors: Array) -> float:
-    """The default limit of `time_to_converge`: one and a half times the largest error of the second half of the run.
+    """Default limit of `time_to_converge`: one and a half times the largest error of the second half of the run.
 
     Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later.
 
@@ -127,4 +127,4 @@ def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
 
 
 SMALLEST_LIMIT = 1e-3
-"""Degrees; an error below it is no matter of convergence."""
+"""Least default limit of convergence, degrees."""

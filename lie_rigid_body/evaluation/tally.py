@@ -9,7 +9,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitude_error import AttitudeError
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.scoring import Score
+from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.evaluation.statistics import Statistics
 
 
@@ -45,20 +45,20 @@ class Tally:
 
     @property
     def rms_deg(self) -> Array:
-        """Of the total, heading and inclination error, degrees, shape (3,)."""
+        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
         return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
 
     @property
     def largest_deg(self) -> Array:
-        """Of the same, degrees, shape (3,)."""
+        """Largest total, heading and inclination error, degrees, shape (3,)."""
         return self._largest
 
     def broken(self) -> tuple[str, ...]:
-        """One sentence for each limit that the samples so far break."""
+        """Sentences about the limits that the samples so far break, one for each."""
         return self.limits.broken_by(float(self.rms_deg[0]), self._worst, (self._last_ns - self._first_ns) / 1e9)
 
     def exact(self, score: Score, given: int, due_ns: int) -> Score:
-        """A score of some of the samples, with what is known of all: RMS, largest error, limits.
+        """Replace RMS, largest error and limits in a score of some of the samples by those of all.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ def _with(statistics: Statistics, rms: float, largest: float) -> Statistics:
 
 
 def _worse(before: tuple[float, float] | None, t_s: Array, total_deg: Array) -> tuple[float, float] | None:
-    """The larger of an error and the largest of some; one below 0 does not count."""
+    """Time and size of the larger of an earlier error and the largest of some; sizes below 0 do not count."""
     k = int(np.argmax(total_deg))
     if total_deg[k] < 0.0 or (before is not None and before[1] >= total_deg[k]):
         return before

@@ -17,7 +17,7 @@ from lie_rigid_body.wording import shown
 
 
 class Truth(ABC):
-    """The true attitude between two times.
+    """True attitude as a function of time.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Truth(ABC):
         """Unit quaternions world-from-body, scalar last, shape (..., 4), at stamps of any shape within its times."""
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
-        """Bound of the truth's own error at some stamps, rad: that of interpolation; 0 if there is none."""
+        """Bound of the error of the truth itself at some stamps, rad, by interpolation; 0 if it is exact."""
         return 0.0
 
     def covers(self, stamps_ns: Integers) -> Booleans:
@@ -43,7 +43,7 @@ class Truth(ABC):
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.
 
-        Of stamps outside of its times, which a fit of a lag may come by, those of the first or the last.
+        Stamps outside of the truth's times, which a fit of a lag may try, have the state of the first or the last time.
         """
         stamps = np.clip(stamps_ns, self.first_ns, self.last_ns)
         before = np.maximum(stamps - DIFFERENCE_NS, self.first_ns)
@@ -75,7 +75,7 @@ class ExactTruth(Truth):
         self._attitude = attitude_xyzw
 
     def at(self, stamps_ns: Integers) -> Array:
-        """The function's values, asked once and in order of time."""
+        """Values of the function, asked once and in order of time."""
         stamps, place = np.unique(stamps_ns, return_inverse=True)
         return np.asarray(self._attitude(stamps)[place.reshape(np.shape(stamps_ns))])
 
@@ -123,11 +123,11 @@ class SampledTruth(Truth):
         return np.asarray(inside & (joined | np.isin(stamps_ns, self._stamps)))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
-        """`uncertainty`, or 0 if every stamp is a sample's own."""
+        """Bound `uncertainty`, or 0 if every stamp is a sample's own."""
         return 0.0 if np.isin(stamps_ns, self._stamps).all() else self.uncertainty
 
     def at(self, stamps_ns: Integers) -> Array:
-        """The samples, and the geodesics between them."""
+        """Attitudes at the samples, and on the geodesics between them."""
         if len(self._stamps) < 2:
             return np.broadcast_to(self._attitude[0], (*np.shape(stamps_ns), 4))
         i = self._interval(stamps_ns)
@@ -156,4 +156,4 @@ def _time(value: object) -> int:
 
 
 DIFFERENCE_NS = 100_000
-"""Half the time between the attitudes of the central difference, ns."""
+"""Half of the time between the attitudes of the central difference, ns."""

@@ -23,23 +23,23 @@ STEPS: Final = 400
 """Largest number of steps that are compared."""
 FEWEST_STEPS: Final = 20
 LEAST_TURN: Final = 0.5
-"""A body that turns by less in all, rad, tells nothing."""
+"""Least turn of the body in the whole run that tells anything, rad."""
 STUCK: Final = 0.01
 """Share of the body's turn below which an estimate does not turn."""
 LONG: Final = 0.1
-"""Share of the run in which it does not, if it does in others."""
+"""Least share of the run in which an estimate is stuck to be told so, where it turns in others."""
 JUMP: Final = 3.0
-"""A step so many times as large as the body's is a jump, as are those between two attitudes beside their own."""
+"""Least ratio of a step to that of the body, and to those within each of two attitudes, that is a jump."""
 LEAST_MIXED: Final = 0.02
-"""Share of the steps that are jumps from one attitude to another, at least."""
+"""Least share of the steps that are jumps from one attitude to another."""
 MOST_SORTED: Final = 4000
-"""Samples that are told apart by the attitude that they are of."""
+"""Largest number of samples that are sorted by the attitude that they belong to."""
 LARGEST_MISS: Final = 0.2
 """Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
 SMALLEST_MISS: Final = 1e-3
-"""A smaller one counts as this."""
+"""Least root mean square by which the turns count as missed, in median turns."""
 CLEARLY: Final = 2.0
-"""What misses the turns by this many times as much as another is not what is wrong."""
+"""Ratio of two misses above which the larger one is not the mistake."""
 
 DEGREE: Final = 180.0 / np.pi
 SCALES: Final = {
@@ -49,21 +49,21 @@ SCALES: Final = {
     2.0: "the rate of a quaternion is ½ q ω, or its time step is twice that of the gyro",
     0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
 }
-"""How many times as fast as the body an estimate may turn, and what is the matter then."""
+"""Ratios of the turns of an estimate to those of the body, each with its cause."""
 BY_A_CLOCK: Final = (2.0, 0.5)
-"""Those that another clock of a body that turns evenly makes as well."""
+"""Ratios of turns that another clock of an evenly turning body makes as well."""
 WRITTEN: Final = tuple(convention for convention in CONVENTIONS if not convention.ned_world)
 """Conventions that change the turns; another world changes none, other body axes are a mounting."""
 OTHERWISE_WRITTEN: Final = tuple(convention for convention in ALONE if convention.scalar_first or convention.inverted)
-"""Those that may feign other turns without a mounting."""
+"""Conventions that may feign other turns without a mounting."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
-"""Axes that change places and signs, the first of which is none: shape (48, 3, 3)."""
+"""Matrices that change places and signs of axes, the first of which changes none: shape (48, 3, 3)."""
 
 
 def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """That an estimate does not turn, in all or for long, if the body does; shapes as those of `turning`."""
+    """Remark that an estimate does not turn, in all or for long, while the body does; arguments as in `turning`."""
     whole = _whole(stamps_ns)
     ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
     turned, turn, when = float(ours.sum()), float(true.sum()), "in all"
@@ -90,7 +90,7 @@ def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[
 
 
 def mixed(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """That the samples of an estimate are of two attitudes in turns; shapes as those of `turning`.
+    """Remark that the samples of an estimate belong to two attitudes in turns; arguments as in `turning`.
 
     Each sample is of that attitude, of the two that came last, which is nearer.
     """
@@ -118,7 +118,7 @@ def mixed(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[
 
 
 def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, surely: bool = False) -> tuple[Remark, ...]:
-    """What is wrong about the turns of an estimate.
+    """Remark on turns of an estimate that are not those of the body.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def named(axes: Array) -> str:
 
 
 def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
-    """That an estimate turns about the body's axes, at any other rate, from turns of shape (n, 3)."""
+    """Remark that an estimate turns about the body's axes at any other rate, by turns of shape (n, 3)."""
     scale = float(np.sum(ours * true) / np.sum(true**2))
     if not max(scale, 1.0 / max(scale, 1e-300)) > FAR or _missed(ours, scale * true) > LARGEST_MISS:
         return ()
@@ -184,12 +184,12 @@ def _steps(attitude_xyzw: Array, first: Integers) -> Array:
 
 
 def _whole(stamps_ns: Integers) -> Integers:
-    """First samples of the steps that are no gaps."""
+    """Indices of the first samples of the steps that are no gaps."""
     return np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
 
 
 def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers, *, mounted: bool) -> float:
-    """The least that a convention, alone or with the mounting that suits it best, misses the turns by."""
+    """Least miss of the turns by a convention, alone or with the mounting that suits it best."""
     true, least = _steps(true_xyzw, few), np.inf
     for convention in WRITTEN if mounted else OTHERWISE_WRITTEN:
         ours = _steps(convention.undo(estimate_xyzw), few)

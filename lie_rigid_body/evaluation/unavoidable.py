@@ -38,7 +38,7 @@ from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.wording import components, short_repr, shown
 
 LARGEST_DEVIATION: Final = 1e50
-"""Squares and their ratios stay finite."""
+"""Largest standard deviation: squares and their ratios stay finite."""
 
 
 def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
@@ -55,7 +55,7 @@ def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
 
 @dataclass(frozen=True)
 class BiasNoise:
-    """How a bias begins and wanders, on each axis.
+    """Noise of a bias on each axis: how it begins and wanders.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class AttitudeReadings:
         self.whitening()
 
     def whitening(self) -> Array:
-        """What makes the error of a reading one of unit variance on each axis, shape (3, 3)."""
+        """Matrix that makes the error of a reading one of unit variance on each axis, shape (3, 3)."""
         covariance = numbers("covariance", self.covariance, 3, 3)
         if covariance.ndim > 2:
             raise InputError(f"covariance: shape {covariance.shape} is not (3, 3): give one for all readings")
@@ -162,7 +162,7 @@ class UnavoidableError:
 
     @staticmethod
     def rms(covariance: Array) -> float:
-        """The root of the mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
+        """Root mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
         return float(np.sqrt(np.mean(mean_square(covariance))))
 
 
@@ -255,7 +255,7 @@ def _readings(given: ArrayLike | None, count: int) -> Array:
 
 
 def _unobserved(world_covariance: Array) -> str:
-    """The directions of the world about which an error of half a radian or more would not be seen."""
+    """Name of the directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
     if np.count_nonzero(variances > UNSEEN) > 1:
         return "the attitude"
@@ -304,12 +304,12 @@ class _System:
         self._attitudes = [(self._count(each), each.whitening()) for each in attitudes]
 
     def _count(self, readings: VectorReadings | AttitudeReadings) -> Array:
-        """How many readings count at each sample: the one before them, or with them. Those before the first do not."""
+        """Number of readings that count at each sample: those from it on until the next; none before the first."""
         at = np.searchsorted(self._stamps, read_stamps("readings", readings.stamps_ns), side="right") - 1
         return np.pad(np.bincount(at[at >= 0], minlength=len(self._stamps)).astype(np.float64), self._padding)
 
     def _vector(self, sensor: VectorReadings, place: int | None, truth: Array) -> tuple[Array, Array, int | None]:
-        """Of readings at each sample: what a turn does to them, over their noise, one over it, and their bias."""
+        """Readings at each sample: derivative by a turn over the noise, one over the noise, and place of the bias."""
         count, unit = self._count(sensor), float(np.linalg.norm(sensor.vector))
         if place is not None and count.any():
             steps = count.copy()
@@ -320,7 +320,7 @@ class _System:
         return weight[:, np.newaxis] * body, weight, place
 
     def steps(self, k: Integers) -> tuple[Array, Array, Array]:
-        """For samples by number: the transition to them, the covariance of what it adds, what their readings tell."""
+        """Steps to samples by number: the transition, the covariance that it adds, and what the readings tell."""
         transition = np.tile(np.eye(self.size), (len(k), 1, 1))
         transition[:, :3, :3] = self._back[k]
         added = np.zeros(transition.shape)
@@ -338,7 +338,7 @@ class _System:
         return transition, added, self._seen(k)
 
     def _seen(self, k: Integers) -> Array:
-        """What the readings of samples tell, of unit variance each: three rows of each sensor."""
+        """Rows of the readings at samples, of unit variance each: three for each sensor."""
         seen = np.zeros((len(k), len(self._vectors) + len(self._attitudes), 3, self.size))
         for i, (body, weight, place) in enumerate(self._vectors):
             seen[:, i, :, :3] = -hat(body[k])
@@ -349,7 +349,7 @@ class _System:
         return seen.reshape(len(k), -1, self.size)
 
     def covariances(self, initial: float) -> tuple[Array, Array, Array]:
-        """Of the error state at each sample: before its readings, from those up to it, and from all."""
+        """Covariances of the error state at each sample: before its readings, from those up to it, and from all."""
         deviations = np.full(self.size, initial)
         for place, deviation in self._turn_on:
             deviations[place : place + 3] = deviation
@@ -361,4 +361,4 @@ AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 UNSEEN: Final = 0.25
 """Variance about an axis from which on nothing is known of it, rad²."""
 VERTICAL: Final = 0.999
-"""Cosine between an axis and the vertical from which on it is called that."""
+"""Cosine between an axis and the vertical above which the axis is called vertical."""

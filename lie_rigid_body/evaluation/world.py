@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import LAG, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import LAG, Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.attitude_error import angles
 from lie_rigid_body.evaluation.attitudes import angles_between, from_mean, mean
 from lie_rigid_body.evaluation.diagnosis import Diagnosis
@@ -24,19 +24,18 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 LARGEST_LEFT: Final = float(np.radians(5.0))
-"""A turn that leaves a larger median, rad, in any quarter of the run but the first is not the cause."""
+"""Largest median angle that a turn may leave in any quarter of the run but the first, rad."""
 LARGEST_SHARE: Final = 0.25
-"""Nor one that leaves more of the error there, or of what an attitude leaves that does not follow the body."""
+"""Largest median angle that a turn may leave there, as a share of the error and of `from_mean`."""
 LEAST_TILT: Final = float(np.radians(10.0))
-"""Smaller ones of the vertical, rad, are errors of sensors; a turn about the vertical is a heading offset."""
+"""Least tilt of the vertical by a turn, rad: sensors err by less, and a turn about the vertical is a heading offset."""
 
 NAMED_TURNS: Final = {"ned_world", "heading_offset"}
-"""Causes that turn the world, in the words of people who have them."""
+"""Causes that turn the world as well, and are named so."""
 LAG_AS_GOOD: Final = 4.0
-"""A near lag, which of a body that spins is nearly a turn of the world, is told if it leaves less than so many times as
-much as the turn."""
+"""Ratio of the median angles left by a near lag and by a turn, up to which the lag is told: of a spin both fit."""
 NEAR_SAMPLES: Final = 3.0
-"""Lags of at most so many samples are near: a filter errs by one or two."""
+"""Largest near lag, samples: a filter errs by one or two."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +58,13 @@ class TurnedWorld:
 
     @property
     def cost(self) -> float:
-        """As that of an `Explanation`: one cause, the least simple one."""
+        """Cost as `Explanation.cost`: one cause, the least simple one."""
         return 1.0 + float(np.log2(TIE_FACTOR * max(np.median(self.after), NEGLIGIBLE)))
 
     def is_better_than(self, diagnosis: Diagnosis, period_s: float) -> bool:
-        """Whether it costs less than what is named, which with what sensors add to it is no such turn itself.
+        """Whether the turn costs less than what a diagnosis names, and that is not such a turn itself.
 
-        `period_s` is the time between two estimates.
+        `period_s` is the time between two estimates, s.
         """
         named = diagnosis.explanation
         with_others = [e for e in (named, *diagnosis.tried) if set(named.causes) <= set(e.causes)]
@@ -73,21 +72,21 @@ class TurnedWorld:
         return self.cost < named.cost and not is_turn
 
     def _may_be(self, explanation: Explanation, period_s: float) -> bool:
-        """Whether what turns the world leaves little; with a lag, which turns that of a spin, beside this one too."""
+        """Whether causes that turn the world leave little; with a lag, little beside this turn too."""
         before, after = float(np.median(self.before)), float(np.median(self.after))
         most = min(LARGEST_SHARE * before, LAG_AS_GOOD * after) if LAG in explanation.free else np.inf
         is_far = abs(explanation.misalignment.lag_s) > NEAR_SAMPLES * period_s
         return _turns_the_world(explanation) and explanation.median < min(LEAST_TILT, most) and not is_far
 
-    def beside(self, comparison: Comparison) -> tuple[Comparison, Explanation]:
-        """A comparison with the world turned back, and that nothing else explains what is left."""
+    def beside(self, comparison: RunComparison) -> tuple[RunComparison, Explanation]:
+        """Comparison with the world turned back, and the explanation by no cause of what is left."""
         back = quaternion.multiply(quaternion.conjugate(self.turn_xyzw), comparison.estimate_xyzw)
         rest, none = replace(comparison, estimate_xyzw=back).inner(), (Convention(), Misalignment())
         return rest, Explanation(none[0], frozenset(), none[1], median_left(rest, *none))
 
     @property
     def finding(self) -> Finding:
-        """The turn in words."""
+        """Finding of the turn, in words."""
         before, after = np.degrees(self.before), np.degrees(self.after)
         message = (
             f"The world of the estimate is turned by {angle_and_axis(self.turn_xyzw)} of the world: see whether "
@@ -98,12 +97,12 @@ class TurnedWorld:
 
 
 def _turns_the_world(explanation: Explanation) -> bool:
-    """Whether the causes are some that do, a lag of a body that spins among them."""
+    """Whether all causes turn the world, as a lag of a body that spins does."""
     return set(explanation.causes) <= NAMED_TURNS | {LAG}
 
 
 def world_turned(estimate_xyzw: Array, true_xyzw: Array) -> TurnedWorld | None:
-    """By what the world of an estimate is turned, if that explains nearly all; shapes (N, 4), in the order of time."""
+    """Find the turn of an estimate's world, if it explains nearly all; shapes (N, 4), in the order of time."""
     if len(estimate_xyzw) < FEWEST_SAMPLES:
         return None
     errors = quaternion.multiply(estimate_xyzw, quaternion.conjugate(true_xyzw))

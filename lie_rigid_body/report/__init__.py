@@ -1,7 +1,13 @@
-"""A score as users see it: the options that ask for it, the table, the JSON, the picture and the page.
+"""What was recorded, certified and scored as users see it: tables, JSON, pictures and pages.
 
-`write_plot` and `write_report` draw a score. `request` holds what the command line asks for, of an estimate in a bag or
-on a topic, and answers with the score.
+- `recording_picture`: the picture of a recording, by Matplotlib;
+- `motion_figures`, `body_figure`, `residual_figures`: the figures of pages, by plotly.js;
+- `recorded_motion`, `plotly_parts`: the geometry and the parts that these share;
+- `certificate_text`, `certificate_page`: a certificate;
+- `overview`, `overview_page`: the verdicts on many bags;
+- `score_text`, `score_picture`, `score_page`: a score, which `write_plot` and `write_report` draw;
+- `request`: what the command line asks for, of an estimate in a bag or on a topic;
+- `html_page`: the frame of a page.
 """
 
 from lie_rigid_body.report.drawing import write_plot, write_report

@@ -31,7 +31,7 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
         If the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.figure import png
+    from lie_rigid_body.report.score_picture import png
 
     require_suffix("path", str(path), ".png")
     write_file(path, png(title, score), overwrite=overwrite)
@@ -43,7 +43,7 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.page import page
+    from lie_rigid_body.report.score_page import page
 
     require_suffix("path", str(path), ".html")
     write_file(path, page(title, None, score), overwrite=overwrite)

@@ -101,7 +101,7 @@ def require_room(path: str, inputs: Iterable[str | Path], *, overwrite: bool) ->
 
 
 def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
-    """The page.
+    """Make a page.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _sha256(script: str) -> str:
 
 
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
-    """A figure by plotly.js.
+    """Make a figure that plotly.js draws.
 
     Parameters
     ----------
@@ -184,17 +184,17 @@ def grid(figures: Iterable[str], *, wide: bool = False) -> str:
 
 
 def badge(sentence: str, *, passed: bool) -> str:
-    """A verdict in colour."""
+    """Verdict in colour."""
     return f'<p><span class="badge {"passed" if passed else "broken"}">{escape(sentence)}</span></p>'
 
 
 def paragraph(text: str) -> str:
-    """A paragraph of plain text."""
+    """Paragraph of plain text."""
     return f"<p>{escape(text)}</p>"
 
 
 def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """A table of plain text; each row comes with whether it passed."""
+    """Table of plain text; each row comes with whether it passed."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
     lines = [
         f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
@@ -204,7 +204,7 @@ def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -
 
 
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
-    """A list of HTML under a heading, or a sentence if there is none, or nothing."""
+    """List of HTML under a heading; if there is no item, a sentence or nothing."""
     entries = "".join(f"<li>{item}</li>" for item in items)
     if entries:
         return f"<h2>{heading}</h2><ul>{entries}</ul>"
@@ -212,7 +212,7 @@ def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
 
 
 def scenario(segment: Segment) -> str:
-    """The scenario of a segment, which is shown on request."""
+    """Scenario of a segment, which is shown on request."""
     return details(f"Scenario from {segment.start_ns} ns on", segment.to_json())
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
-"""Options of a bag, and the topic that one would remap without a bag."""
+"""Options that go with a bag, each with the topic that one remaps without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
 _EPILOG: Final = """
 Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctrl-C, SIGTERM or --duration, and then
@@ -144,22 +144,20 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         The exit status.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import text
+    from lie_rigid_body.report import score_page, score_picture, score_text
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
-    if given.plot is not None:
-        from lie_rigid_body.report.figure import png
-
-        write_file(given.plot, png(title, score), overwrite=given.force)
-    if given.report is not None:
-        from lie_rigid_body.report.page import page
-
-        write_file(given.report, page(title, read, score), overwrite=given.force)
-    files = [path for path in (given.plot, given.report) if path is not None]
+    makes = {
+        given.plot: lambda: score_picture.png(title, score),
+        given.report: lambda: score_page.page(title, read, score),
+    }
+    files = [path for path in makes if path is not None]
+    for path in files:
+        write_file(path, makes[path](), overwrite=given.force)
     if given.json:
-        content = text.as_json(source or None, read, score, series=given.series)
+        content = score_text.as_json(source or None, read, score, series=given.series)
         said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        said = "\n".join([text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
+        said = "\n".join([score_text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
     console.say(said, done=", ".join(f"{path} is written" for path in files))
     return console.SUCCESS if score.passed else console.BROKEN

@@ -6,7 +6,7 @@
 - `truth`: the attitude between the samples of a run, from its scenario;
 - `unavoidable`: the error that the noise of its sensors leaves to any filter;
 - `recorded_estimate`: an estimate and its truth in a bag;
-- `live_estimate`: the same from topics, of what is in `heard_truth` and `kept_estimate`.
+- `live_estimate`: the same from topics, of what is in `heard` and `kept_estimate`.
 """
 
 from lie_rigid_body.runs.ensemble import simulate

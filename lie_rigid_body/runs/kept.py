@@ -11,13 +11,15 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.estimate import in_order
 
 MOST_KEPT: Final = 100_000
-"""Samples of the estimate, and of the poses, that are kept, a quarter of an hour at 100 Hz. Of more every second is
-kept, then every fourth, and so on. To score them takes about 3 s; launch kills what does not end within 10 s."""
+"""Largest number of samples of the estimate, and of the poses, that are kept: a quarter of an hour at 100 Hz.
+
+Of more every second is kept, then every fourth, and so on. Their score takes about 3 s; launch kills what does not end
+within 10 s."""
 MOST_BLOCKS: Final = 2000
-"""Pieces of what is kept, before they are joined."""
+"""Largest number of pieces of what is kept, before they are joined."""
 
 Rows = tuple[Integers, Array]
-"""Stamps, ns, and a row of numbers for each."""
+"""Stamps, ns, shape (N,), and a row of numbers for each, shape (N, M)."""
 
 
 class Kept:
@@ -26,7 +28,7 @@ class Kept:
     Attributes
     ----------
     count, disordered : int
-        Rows that came, and those that were left out because they were stamped before an earlier one.
+        Number of rows that came, and of those that were left out because they were stamped before an earlier one.
     first_ns, last_ns : int
         Stamps of the first row and of the last; 0 if there is none.
     stride : int

@@ -10,9 +10,68 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.parameters import NS, exact_duration
-from lie_rigid_body.runs.heard_truth import MOST_WAITING, HeardTruth
+from lie_rigid_body.runs.heard import MOST_WAITING, HeardTruth
 from lie_rigid_body.runs.kept import Kept, Rows, joined
 from lie_rigid_body.runs.recorded_estimate import LENIENCE_NS, disorder, left_ahead, passed_by
+
+
+class Duration:
+    """Time, by stamps, in which attitudes count: from the first one on, for as long as was asked for.
+
+    Parameters
+    ----------
+    length_s : float or None
+        None for attitudes that count whenever they are stamped.
+
+    Raises
+    ------
+    InputError
+        If it is not a time.
+
+    Attributes
+    ----------
+    first_ns : int or None
+        Stamp of the first attitude.
+    complete : bool
+        Whether an attitude came that is stamped at the end, or later.
+    """
+
+    def __init__(self, length_s: float | None) -> None:
+        self._length_ns = None if length_s is None else round(exact_duration(length_s, "duration", "60.0") * NS)
+        self.first_ns: int | None = None
+        self.complete = self._has_begun = False
+
+    @property
+    def due_ns(self) -> int | None:
+        """Stamp of the end, ns; None without a length, or before the first attitude."""
+        return None if self._length_ns is None or self.first_ns is None else self.first_ns + self._length_ns
+
+    def begin(self, stamps: Integers, truth_ns: int) -> None:
+        """Begin with the first stamp that is not long before the truth; until that comes, with the first of all."""
+        known = stamps[stamps >= truth_ns - LENIENCE_NS]
+        if len(stamps) and not self._has_begun and (len(known) or self.first_ns is None):
+            self.first_ns, self._has_begun = int((known if len(known) else stamps)[0]), len(known) > 0
+
+    def holds(self, stamps: Integers) -> Booleans:
+        """Which stamps are not behind the end."""
+        if self.due_ns is None:
+            return np.ones(len(stamps), dtype=np.bool_)
+        self.complete |= bool(np.any(stamps >= self.due_ns))
+        return np.asarray(stamps <= self.due_ns)
+
+    def pass_by(self, waiting: Integers, last_ns: int) -> None:
+        """Let time pass by stamps ahead of the truth, as of another clock or of a truth that has ended; no leap counts.
+
+        Parameters
+        ----------
+        waiting : ndarray of int64, shape (N,)
+        last_ns : int
+            Stamp of the last attitude that counts.
+        """
+        if self._length_ns is not None:
+            steps = np.clip(np.diff(waiting, prepend=last_ns), 0, LENIENCE_NS)
+            first_ns = last_ns if self.first_ns is None else self.first_ns
+            self.complete |= last_ns + int(steps.sum()) - first_ns >= self._length_ns
 
 
 class KeptEstimate:
@@ -25,56 +84,41 @@ class KeptEstimate:
     ----------
     truth : HeardTruth
     most : int
-        Attitudes that are kept.
+        Largest number of attitudes that are kept.
     duration_s : float or None
-        Those that are stamped longer after the first are left out, whenever they come.
-
-    Raises
-    ------
-    InputError
-        If the duration is not a time.
+        Length of the `Duration`, s.
 
     Attributes
     ----------
     kept : Kept
         Attitudes, and the covariances where there are any.
-    complete : bool
-        Whether one came that is stamped by the duration after the first, or later.
+    duration : Duration
     unusable : int
-        How many were left out because they are not finite, or zero.
-    first_ns : int or None
-        Stamp of the first.
+        Number of attitudes that were left out because they are not finite, or zero.
     """
 
     def __init__(self, truth: HeardTruth, most: int, duration_s: float | None) -> None:
-        self._truth, self.kept = truth, Kept(most)
-        self._duration_ns = None if duration_s is None else round(exact_duration(duration_s, "duration", "60.0") * NS)
-        self.complete = self._has_begun = False
+        self._truth, self.kept, self.duration = truth, Kept(most), Duration(duration_s)
         self.unusable = self._first_unusable_ns = 0
-        self.first_ns: int | None = None
         self._ahead: Rows | None = None
         self._astray_s = np.empty(0)
 
     @property
     def last_ns(self) -> int | None:
-        """Stamp of the last that can be used, ns, also of one that waits; None if there is none."""
+        """Stamp of the last attitude that can be used, ns, also of one that waits; None if there is none."""
         if self._ahead is not None:
             return int(self._ahead[0][-1])
         return self.kept.last_ns if self.kept.count else None
 
     @property
     def span_s(self) -> float:
-        """Time from the first to the last, by their stamps, s."""
-        return 0.0 if self.first_ns is None else (self.kept.last_ns - self.first_ns) / NS
-
-    @property
-    def due_ns(self) -> int | None:
-        """Stamp at which the duration is over, ns; None without one, or before the first."""
-        return None if self._duration_ns is None or self.first_ns is None else self.first_ns + self._duration_ns
+        """Time from the first attitude to the last, by their stamps, s."""
+        first_ns = self.duration.first_ns
+        return 0.0 if first_ns is None else (self.kept.last_ns - first_ns) / NS
 
     @property
     def left_out(self) -> int:
-        """How many were left out because of their stamps."""
+        """Number of attitudes that were left out because of their stamps."""
         return self.kept.disordered + len(self._astray_s)
 
     def add(self, rows: Rows | None) -> Rows | None:
@@ -89,7 +133,7 @@ class KeptEstimate:
             self._ahead = None
 
     def fault(self) -> str:
-        """What is wrong about those that cannot be used, in a sentence without a full stop; empty if nothing."""
+        """Sentence about the attitudes that cannot be used, without a full stop; empty if there are none."""
         if not self.unusable:
             return ""
         return (
@@ -98,7 +142,7 @@ class KeptEstimate:
         )
 
     def notes(self) -> Iterator[str]:
-        """What a reader of the score should know of those that were left out, one sentence each."""
+        """Sentences for the reader of the score about the attitudes that were left out."""
         count = self.kept.count + self.left_out
         yield from left_ahead(self._astray_s, count)
         if self.kept.disordered:
@@ -107,7 +151,7 @@ class KeptEstimate:
             yield f"{self.fault()}."
 
     def _timely(self, stamps: Integers, numbers: Array) -> Rows:
-        """Those that do not wait, without those that are stamped ahead of the poses, and of later ones, by mistake."""
+        """Rows that do not wait, but for those that are stamped ahead of the poses, and of later ones, by mistake."""
         last_ns = self._truth.last_pose_ns
         if last_ns is None:
             return stamps, numbers
@@ -118,46 +162,20 @@ class KeptEstimate:
         if np.count_nonzero(waits) > MOST_WAITING:  # that is no wrong stamp, but another clock
             ahead, waits = astray, np.zeros_like(ahead)
         self._ahead = (stamps[waits], numbers[waits]) if waits.any() else None
-        self._complete_by(stamps[waits])
+        if self._ahead is not None:
+            self.duration.pass_by(stamps[waits], self.kept.last_ns if self.kept.count else int(stamps[waits][0]))
         return stamps[~ahead], numbers[~ahead]
-
-    def _complete_by(self, ahead: Integers) -> None:
-        """Stamps of another clock, or of a time when the truth has ended, complete a duration too, but no leap does."""
-        if self._duration_ns is None or not len(ahead):
-            return
-        last_ns = self.kept.last_ns if self.kept.count else int(ahead[0])
-        first_ns = last_ns if self.first_ns is None else self.first_ns
-        steps = np.clip(np.diff(ahead, prepend=last_ns), 0, LENIENCE_NS)
-        self.complete = self.complete or last_ns + int(steps.sum()) - first_ns >= self._duration_ns
 
     def _take(self, stamps: Integers, numbers: Array) -> Rows | None:
         usable = _usable(numbers[:, :4])
-        self._begin(stamps[usable])
-        inside = self._within_duration(stamps)
-        self._count_unusable(stamps[inside & ~usable])
+        self.duration.begin(stamps[usable], self._truth.begin_ns)
+        inside = self.duration.holds(stamps)
+        unusable = stamps[inside & ~usable]
+        if len(unusable):
+            self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(unusable[0])
+            self.unusable += len(unusable)
         rows = self.kept.add(stamps[inside & usable], numbers[inside & usable])
         return rows if len(rows[0]) else None
-
-    def _begin(self, stamps: Integers) -> None:
-        """Know the first: that which is not stamped long before the truth, as soon as there is one."""
-        known = stamps[stamps >= self._truth.begin_ns - LENIENCE_NS]
-        if len(known) and not self._has_begun:
-            self.first_ns, self._has_begun = int(known[0]), True
-        elif self.first_ns is None and len(stamps):
-            self.first_ns = int(stamps[0])
-
-    def _within_duration(self, stamps: Integers) -> Booleans:
-        """Which stamps are no later after the first than the duration."""
-        due_ns = self.due_ns
-        if due_ns is None:
-            return np.ones(len(stamps), dtype=np.bool_)
-        self.complete = self.complete or bool(np.any(stamps >= due_ns))
-        return np.asarray(stamps <= due_ns)
-
-    def _count_unusable(self, stamps: Integers) -> None:
-        if len(stamps):
-            self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(stamps[0])
-            self.unusable += len(stamps)
 
 
 def _usable(attitude_xyzw: Array) -> Booleans:

@@ -16,7 +16,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import carry_out
-from lie_rigid_body.cli import campaign as campaign_verb
+from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.wording import LONGEST_LINE
@@ -28,7 +28,7 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Of a million too, as where the disk is full: here of what no run can be, found as late as that."""
-    monkeypatch.setattr(campaign_verb, "MOST_TRIED", 0)
+    monkeypatch.setattr(campaign_runs, "MOST_TRIED", 0)
     path = written(tmp_path, "runs: 1000000\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}")
     given = [str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
     assert main(given) == 2
@@ -49,7 +49,7 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
         (out / "bags" / "000002.mcap").mkdir()
         with pytest.raises(BagError) as failed:
             carry_out(campaign, 2, str(out))
-        line = str(campaign_verb._failure(campaign, journal, {2: failed.value}))
+        line = str(campaign_runs._failure(campaign, journal, {2: failed.value}))
     assert "000002.mcap is a folder" in line
     assert line.endswith(RESUMED)
     assert len(line) <= LONGEST_LINE

@@ -27,12 +27,12 @@ from forging import copy
 from mcap.writer import CompressionType
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.cli.certificate_text import as_json, as_table
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.report.certificate_text import as_json, as_table
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 

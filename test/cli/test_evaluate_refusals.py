@@ -51,17 +51,6 @@ def test_two_bodies_are_refused(own, stamps, noisy, tmp_path, capsys):
     assert "several topics .../pose: /a/pose, /b/pose" in refused(capsys, own, "--estimate", "/pose", "--truth", two)
 
 
-def test_topics_without_an_attitude_are_refused(own, bag, tmp_path, capsys):
-    assert "topics of types with attitudes are /pose, /imu/data_raw, /imu/bias" in refused(
-        capsys, own, "--estimate", "/imu/data"
-    )
-    assert "has no orientation" in refused(capsys, own, "--estimate", "/imu/data_raw")
-    assert "is of TwistStamped: give PoseStamped, " in refused(capsys, own, "--estimate", "/twist")
-    assert "does not exist" in refused(capsys, tmp_path / "no.mcap", "--estimate", "/pose")
-    assert "does not exist" in refused(capsys, bag, "--estimate", "/pose", "--truth", tmp_path / "no.mcap")
-    assert "the following arguments are required: --estimate" in refused(capsys, bag)
-
-
 def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
     for kind in (TF, ODOMETRY):
         good = write(tmp_path / "good.mcap", kind, HOW[kind], "/estimate", stamps[:1], noisy[:1])

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import os
 import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 from lie_rigid_body.cli.record import main as record
 
 PROGRAM = """
-import os, sys
+import json, os, signal, sys
 from importlib import import_module
+from pathlib import Path
 from lie_rigid_body.__main__ import main
 
 def send_itself(number, place):
@@ -34,20 +39,27 @@ def send_itself(number, place):
 
     setattr(holder, name, struck)
 
-*blows, verb = sys.argv[1].split(";")
-for blow in blows:
-    send_itself(*blow.split(" "))
-sys.exit(main(verb.split()))
+handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+for told in sys.argv[1:]:
+    for number, handler in handlers.items():  # as in a process that begins
+        signal.signal(number, handler)
+    *blows, verb = told.split(";")
+    for blow in blows:
+        send_itself(*blow.split(" "))
+    status = main(verb.split())
+    print(chr(0), json.dumps([status, sorted(map(str, Path(".").rglob("*")))]), chr(0), sep="", end="", flush=True)
+    print(chr(0), end="", file=sys.stderr, flush=True)
 """
 CHUNK = "recording.mcap_file:McapFile.add_chunk"
 READ = "recording.bag_files:BagFiles.read"
 WRITTEN = "recording.output_file:OutputFile.commit"
 DISCARDED = "recording.output_file:OutputFile.discard"
+PLOT = "plot bag.mcap -o new.png"
 RECOVER = "recover bag.mcap -o new.mcap"
 VERBS = {
     "check bag.mcap": READ,
     "check bag.mcap --report new.html": WRITTEN,
-    "plot bag.mcap -o new.png": WRITTEN,
+    PLOT: WRITTEN,
     "evaluate bag.mcap --estimate /pose": READ,
     "evaluate bag.mcap --estimate /pose --plot new.png": WRITTEN,
     "evaluate bag.mcap --estimate /pose --report new.html": WRITTEN,
@@ -69,58 +81,66 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(folder: Path, verb: str, *blows: tuple[int, str], program: str = PROGRAM) -> subprocess.CompletedProcess[str]:
-    if "--report" in verb and not find_spec("plotly"):
-        pytest.skip("plotly is not installed")
-    told = ";".join([*(f"{int(number)} {place}" for number, place in blows), verb])
-    command = [sys.executable, "-c", program, told]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+class Ended(NamedTuple):
+    """How a verb ended: its exit status, what it printed, and the files that are there."""
+
+    status: int
+    out: str
+    err: str
+    files: list[str]
 
 
-def names(folder: Path) -> set[str]:
-    return {str(path.relative_to(folder)) for path in folder.rglob("*")}
+def run(folder: Path, *verbs: tuple[str, Sequence[tuple[int, str]]], program: str = PROGRAM) -> list[Ended]:
+    """Run verbs one after another in one process, each with signals and the calls at which they come."""
+    told = [";".join([*(f"{int(number)} {place}" for number, place in blows), verb]) for verb, blows in verbs]
+    environment = os.environ | {"MPLBACKEND": "no_such_window"}  # as Jupyter names one: a picture needs none
+    command = [sys.executable, "-c", program, *told]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    said, complained = done.stdout.split("\0"), done.stderr.split("\0")
+    assert (done.returncode, len(complained)) == (0, len(verbs) + 1), done.stderr
+    ends = [json.loads(end) for end in said[1::2]]
+    texts = zip(ends, said[::2], complained, strict=False)
+    return [Ended(status, out, err, files) for (status, files), out, err in texts]
 
 
-@pytest.mark.parametrize(
-    ("verb", "number"),
-    [*((verb, signal.SIGTERM) for verb in VERBS), (RECOVER, signal.SIGINT), (RECOVER, signal.SIGHUP)],
-)
-def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path, verb: str, number: int) -> None:
+def names(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path) -> None:
     before = names(folder)
-    ended = run(folder, verb, (number, VERBS[verb]))
-    assert (ended.returncode, ended.stderr) == (130, f"lie-rigid-body {verb.split()[0]}: error: interrupted\n")
-    assert ended.stdout.startswith(f"at {VERBS[verb]} ")
-    assert (" new" in ended.stdout) == (VERBS[verb] in {WRITTEN, CHUNK})
-    assert names(folder) == before
+    verbs = [verb for verb in VERBS if "--report" not in verb or find_spec("plotly")]
+    struck = [*((verb, signal.SIGTERM) for verb in verbs), (RECOVER, signal.SIGINT), (RECOVER, signal.SIGHUP)]
+    found = run(folder, *((verb, [(number, VERBS[verb])]) for verb, number in struck))
+    for (verb, _), ended in zip(struck, found, strict=True):
+        assert (verb, ended.status, ended.err.count("\n"), ended.files) == (verb, 130, 1, before)
+        assert ended.err.startswith(f"lie-rigid-body {verb.split()[0]}: ")
+        assert ended.out.startswith(f"at {VERBS[verb]} ")
+        assert (" new" in ended.out) == (VERBS[verb] in {WRITTEN, CHUNK})
 
 
-@pytest.mark.parametrize("verb", ["plot bag.mcap -o new.png --force", f"{RECOVER} --force"])
-def test_an_older_file_outlives_an_interruption(folder: Path, verb: str) -> None:
-    old = folder / verb.split()[3]
-    old.write_text("old")
+def test_an_older_file_outlives_an_interruption(folder: Path) -> None:
+    for old in ("new.png", "new.mcap"):
+        (folder / old).write_text("old")
     before = names(folder)
-    ended = run(folder, verb, (signal.SIGTERM, WRITTEN))
-    assert (ended.returncode, ended.stderr.count("\n")) == (130, 1)
-    assert ".part" in ended.stdout
-    assert names(folder) == before
-    assert old.read_text() == "old"
+    for ended in run(folder, *((f"{verb} --force", [(signal.SIGTERM, WRITTEN)]) for verb in (PLOT, RECOVER))):
+        assert (ended.status, ended.err.count("\n"), ended.files) == (130, 1, before)
+        assert ".part" in ended.out
+    assert {(folder / old).read_text() for old in ("new.png", "new.mcap")} == {"old"}
 
 
-@pytest.mark.parametrize(
-    ("first", "second"),
-    [(signal.SIGTERM, signal.SIGTERM), (signal.SIGHUP, signal.SIGTERM), (signal.SIGTERM, signal.SIGINT)],
-)
-def test_a_second_request_does_not_tear_the_cleaning_up(folder: Path, first: int, second: int) -> None:
+def test_a_second_request_does_not_tear_the_cleaning_up(folder: Path) -> None:
     """As ``timeout`` sends to the process, and to its group, and a terminal that closes does."""
     before = names(folder)
-    ended = run(folder, RECOVER, (first, WRITTEN), (second, DISCARDED))
-    assert (ended.returncode, ended.stderr) == (130, "lie-rigid-body recover: error: interrupted\n")
-    assert f"at {DISCARDED} bag.mcap new.mcap" in ended.stdout
-    assert names(folder) == before
+    term, hup, interrupt = signal.SIGTERM, signal.SIGHUP, signal.SIGINT
+    pairs = [(term, term), (hup, term), (term, interrupt)]
+    for ended in run(folder, *((RECOVER, [(first, WRITTEN), (second, DISCARDED)]) for first, second in pairs)):
+        assert (ended.status, ended.err.count("\n"), ended.files) == (130, 1, before)
+        assert f"at {DISCARDED} bag.mcap new.mcap" in ended.out
 
 
 def test_a_terminal_that_closes_ends_nothing_under_nohup(folder: Path) -> None:
     program = f"import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n{PROGRAM}"
-    ended = run(folder, "plot bag.mcap -o new.png", (signal.SIGHUP, WRITTEN), program=program)
-    assert (ended.returncode, ended.stderr) == (0, "")
-    assert (folder / "new.png").exists()
+    drawn, checked = run(folder, (PLOT, [(signal.SIGHUP, WRITTEN)]), ("check bag.mcap", []), program=program)
+    assert (drawn.status, drawn.err, "new.png" in drawn.files) == (0, "", True)
+    assert (checked.status, checked.err) == (0, "")

@@ -38,10 +38,7 @@ def proved(capsys, arguments: list[str]) -> tuple[int, dict]:
 def test_a_good_bag_is_proved(tmp_path, capsys, motion):
     good = recorded(tmp_path / "good.mcap", f"motion:={motion}", "inertia:=[1.0, 0.1, 0.2, 2.0, 0.3, 2.5]")
     assert main([good, "--prove", "20"]) == 0
-    out = capsys.readouterr().out
-    assert "CERTIFIED" in out
-    assert "proved: within " in out
-    assert max(map(len, out.splitlines()[1:])) <= 80
+    assert max(map(len, capsys.readouterr().out.splitlines()[1:])) <= 80
     status, content = proved(capsys, [good, "--prove", "20"])
     assert status == 0
     assert content["passed"] is True
@@ -62,9 +59,6 @@ def test_the_worst_sample_is_among_them(bag, capsys):
 @needs_flint
 def test_a_bag_beyond_its_limit_is_proved_to_be(tmp_path, capsys):
     poor = recorded(tmp_path / "poor.mcap", "method:=rkmk1")
-    assert main([poor, "--prove", "3"]) == 1
-    out = " ".join(capsys.readouterr().out.split())
-    assert "proved: 2 of 3 samples are beyond their limit; the attitude is at least" in out
     status, content = proved(capsys, [poor, "--prove", "3"])
     assert status == 1
     assert content["passed"] is False
@@ -87,15 +81,6 @@ def test_more_samples_than_there_are_prove_all(bag, capsys):
 def test_without_the_option_nothing_is_proved(bag, capsys):
     assert main([bag, "--json"]) == 0
     assert "proved" not in json.loads(capsys.readouterr().out)
-
-
-@pytest.mark.parametrize("number", ["0", "-1", "10001", "many"])
-def test_a_number_out_of_range_is_refused(bag, capsys, number):
-    assert main([bag, f"--prove={number}"]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert number in err
 
 
 def test_without_python_flint_one_line_says_what_to_install(bag):

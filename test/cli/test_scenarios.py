@@ -40,14 +40,6 @@ def test_programs_get_every_parameter(capsys: pytest.CaptureFixture[str]) -> Non
         Scenario.from_parameters(entry)
 
 
-def test_it_takes_no_other_argument(capsys: pytest.CaptureFixture[str]) -> None:
-    assert scenarios.main(["all"]) == 2
-    assert capsys.readouterr().err == (
-        "lie-rigid-body scenarios: error: unrecognized arguments: all; "
-        "'lie-rigid-body scenarios --help' explains the arguments\n"
-    )
-
-
 def test_it_is_called_otherwise_where_ros_installed_it(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

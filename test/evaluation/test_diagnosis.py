@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.alignment import KEPT_STATES, Comparison, Convention
+from lie_rigid_body.evaluation.alignment import KEPT_STATES, Convention, RunComparison
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0
@@ -53,7 +53,6 @@ def test_a_fault_is_named_with_what_is_left(motion, fault):
     score = evaluate(STAMPS, FAULTS[fault](noisy(motion)), truth_of(motion))
     assert codes(score) == [fault]
     assert score.findings[0].rms_deg_after == pytest.approx(NOISE_DEG * np.sqrt(3), rel=0.05)
-    assert f"(median error {score.total_deg.median:.3g}° before" in score.findings[0].message
 
 
 @two_motions
@@ -104,9 +103,6 @@ def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     assert codes(score) == ["lagging" if lag_s > 0 else "leading"]
     # of N samples with noise of 0.15 lag on each axis; at most √10 times more by what is fitted beside it
     assert score.lag_s == pytest.approx(lag_s, abs=4 * np.sqrt(10) * 0.15 * abs(lag_s) / np.sqrt(len(STAMPS)))
-    assert score.lag_s is not None
-    late, size = ("late", "ahead")[lag_s < 0], abs(score.lag_s)
-    assert f"is {late} by {size:.4g} s, {size / 0.02:.3g} of its samples" in score.findings[0].message
 
 
 @pytest.mark.parametrize("samples_late", [1, pytest.param(-1, marks=pytest.mark.slow)])
@@ -149,7 +145,7 @@ def test_the_truth_of_the_same_times_is_asked_for_once():
         asked.append(t_ns)
         return MOTIONS["dzhanibekov"].at(t_ns).attitude_xyzw
 
-    whole = Comparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
+    whole = RunComparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
     parts = [whole.part(slice(100, 110)), whole.part(np.arange(100, 110))]
     first, again = (part.true_states(0.1) for part in parts)
     assert len(asked) == 1

@@ -8,7 +8,7 @@ from motions import MOTIONS, STAMPS, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, evaluate
-from lie_rigid_body.evaluation.alignment import LAG, Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import LAG, Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.explanation import Explanation
 from lie_rigid_body.evaluation.lag import is_for_all_quarters, told_lag
 from lie_rigid_body.lie import quaternion
@@ -21,11 +21,11 @@ REPEAT_S = 2.64
 TOP = ClosedForm(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))
 
 
-def late(motion: ClosedForm, lag_s: np.ndarray | float) -> Comparison:
+def late(motion: ClosedForm, lag_s: np.ndarray | float) -> RunComparison:
     stamps = INNER - np.round(np.asarray(lag_s) * 1e9).astype(np.int64)
     estimate = quaternion.multiply(motion.at(stamps).attitude_xyzw, turns(0.5, 3, len(INNER)))
     truth = ExactTruth(lambda t_ns: motion.at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
-    return Comparison(INNER, estimate, truth, 1.0)
+    return RunComparison(INNER, estimate, truth, 1.0)
 
 
 def explained(lag_s: float = 0.0) -> Explanation:

@@ -12,7 +12,7 @@ from motions import MOTIONS, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.alignment import Comparison, Convention, Misalignment
+from lie_rigid_body.evaluation.alignment import Convention, Misalignment, RunComparison
 from lie_rigid_body.evaluation.clock import other_clock
 from lie_rigid_body.evaluation.explanation import ALL_CONSTANTS, Explanation
 from lie_rigid_body.evaluation.findings import Finding
@@ -105,7 +105,7 @@ def test_one_wrong_stamp_hides_no_clock(place, stamp):
     estimate, truth = of_ten("slow_tumble")
     stamps = TEN + 5_000_000_000
     stamps[place] = stamp
-    clock = other_clock(Comparison(stamps, estimate, truth, 0.0), 1.5)
+    clock = other_clock(RunComparison(stamps, estimate, truth, 0.0), 1.5)
     assert clock is not None
     assert clock.rate == 1.0
     assert clock.lag_s == pytest.approx(5.0, abs=0.02)
@@ -115,7 +115,7 @@ def test_many_wrong_stamps_ask_for_no_more_memory():
     estimate, truth = of_ten("slow_tumble")
     stamps = np.concatenate([TEN[:70] - 10**16, TEN[70:]])
     tracemalloc.start()
-    other_clock(Comparison(stamps, estimate, truth, 0.0), 1.5)
+    other_clock(RunComparison(stamps, estimate, truth, 0.0), 1.5)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 20e6
@@ -130,7 +130,7 @@ def test_a_truth_is_asked_within_its_times_only():
         return sampled.at(t_ns)
 
     truth = ExactTruth(attitude, sampled.first_ns, sampled.last_ns)
-    assert other_clock(Comparison(TEN // 2, estimate, truth, 0.0), 1.5) is not None
+    assert other_clock(RunComparison(TEN // 2, estimate, truth, 0.0), 1.5) is not None
     assert truth.first_ns <= min(asked) <= max(asked) <= truth.last_ns
 
 

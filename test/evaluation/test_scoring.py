@@ -15,12 +15,11 @@ from lie_rigid_body.evaluation.alignment import (
     HEADING,
     LAG,
     MOUNTING,
-    Comparison,
     Misalignment,
+    RunComparison,
     fit,
     lag_standard_error,
 )
-from lie_rigid_body.evaluation.summary import table
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"
@@ -69,7 +68,7 @@ def test_the_standard_error_of_the_lag_is_its_spread(memory):
     off, claimed = [], []
     for seed in range(24):
         estimate = quaternion.multiply(true, correlated(seed, memory))
-        comparison = Comparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
+        comparison = RunComparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
         fitted = fit(comparison, free, Misalignment(), smallest_step=1e-6)
         off.append(fitted.lag_s - 0.03)
         claimed.append(lag_standard_error(comparison, free, fitted))
@@ -108,8 +107,6 @@ def test_a_truth_that_is_too_coarse_is_named():
     motion = "fast_tumble"
     score = evaluate(STAMPS, attitude(motion), SampledTruth(STAMPS[::20], attitude(motion)[::20]))
     assert codes(score)[0] == "gaps"
-    assert "give the truth at a higher rate" in score.findings[0].message
-    assert any(line.startswith("truth         uncertain by up to") for line in table(score))
 
 
 def test_samples_outside_the_truth_are_counted_and_a_late_begin_is_named():
@@ -117,11 +114,10 @@ def test_samples_outside_the_truth_are_counted_and_a_late_begin_is_named():
     score = evaluate(STAMPS[600:], NOISY[600:], truth)
     assert (score.samples, score.outside) == (600, 301)
     late, outside = score.findings
-    assert late.message == "The estimate begins 12 s after the truth: that part of the run is not in the score."
-    assert outside.message.startswith("301 of 901 estimates lie where the truth is not known")
+    assert late.code == outside.code == "gaps"
     assert late.rms_deg_after == score.total_deg.rms
     early = evaluate(STAMPS[:900], NOISY[:900], truth_of(MOTION))
-    assert early.findings[0].message.startswith("The estimate ends 12.02 s before the truth")
+    assert codes(early) == ["gaps"]
 
 
 def test_gaps_doubles_and_norms_are_named_and_the_rest_is_scored():

@@ -106,7 +106,6 @@ def test_the_attitudes_of_two_bodies_in_turns_are_told_as_such(every):
     estimate[1::every] = other[1::every]
     [finding] = evaluate(STAMPS, estimate, truth_of("slow_tumble")).findings
     assert finding.code == "mixed"
-    assert "its samples are of two attitudes in turns" in finding.message
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -145,7 +144,6 @@ def test_a_body_of_other_axes_is_told_by_their_names():
     estimate = quaternion.multiply(mounted, turns(0.5, 1, len(few)))
     [finding] = evaluate(few, estimate, truth_of("slow_tumble")).findings
     assert finding.code == "body_mounting"
-    assert "; its x, y, z are x, -y, -z of the body, forward-right-down where the truth's" in finding.message
     for axes in AXES[np.linalg.det(AXES) > 0.0][1:]:
         slightly = quaternion.multiply(quaternion.from_matrix(axes.T), quaternion.exp([0.0, 0.0, np.radians(1.0)]))
         told = _places(slightly)

@@ -291,10 +291,10 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     estimates = [payload for topic, payload in heard if topic == "/estimate"]
     live.hear_estimates(estimates[:40])
     live.judge()
-    complete = [live.estimate.complete]
+    complete = [live.complete]
     live.hear_estimates(estimates[40:])
     live.judge()
-    assert [*complete, live.estimate.complete] == [False, True]
+    assert [*complete, live.complete] == [False, True]
     score = live.score()[1]
     assert (score.t_s[-1], score.samples, live.estimate.unusable) == (2.0, 51, 1)
 
@@ -323,7 +323,7 @@ def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, st
         live.truth.hear_poses("/pose", POSE_STAMPED, poses[i : i + 1])
         live.hear_estimates([message])
         live.judge()
-        complete.append(live.estimate.complete)
+        complete.append(live.complete)
     assert complete.index(True) == 125 + (at == 0)
     read, score = live.score()
     assert live.tally.count == 126 - (at > 0)
@@ -345,7 +345,7 @@ def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
     ahead = stamps + 10**18
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
     live = followed(bag, POSE_STAMPED, duration_s=5.0)
-    assert live.estimate.complete
+    assert live.complete
     with pytest.raises(InputError, match="none of its 126 stamps is within the truth"):
         live.score()
 

@@ -11,7 +11,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.report import figure, write_plot, write_report
+from lie_rigid_body.report import score_picture, write_plot, write_report
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 
 GIVEN: dict[str, Any] = {
@@ -168,16 +168,16 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
     assert "best by noise" in page
 
 
-@pytest.mark.parametrize("points", [10_000, 7], ids=["all", "thinned"])
-def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, points):
+@pytest.mark.parametrize("columns", [10_000, 4], ids=["all", "thinned"])
+def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, columns):
     drawn = []
     monkeypatch.setattr("matplotlib.axes.Axes.plot", lambda axes, t, y, **_: drawn.append((t, y)))
     monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda axes, **_: None)
-    monkeypatch.setattr("lie_rigid_body.report.figure._MOST_POINTS", points)
+    monkeypatch.setattr("lie_rigid_body.report.score_picture._COLUMNS", columns)
     t_ns = run.imu.t_ns
     kept = (t_ns < t_ns[0] + 2_000_000_000) | (t_ns > t_ns[0] + 3_000_000_000)
     score = run.score(run.attitude().at(t_ns[kept]), t_ns[kept])
-    figure.png("a gap", score)
+    score_picture.png("a gap", score)
     for t, error in drawn:
         [gap] = np.flatnonzero(np.isnan(t))
         assert t[gap - 1] < 2.0

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from lie_rigid_body.evaluation import Score, summary
-from lie_rigid_body.report import html_page, text
-from lie_rigid_body.report.figure import svg
+from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, numbers, verdict
+from lie_rigid_body.report import html_page, score_text
+from lie_rigid_body.report.score_picture import svg
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
 def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
-    """The page.
+    """Make the page.
 
     Parameters
     ----------
@@ -27,8 +28,8 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         HTML.
     """
     parts = [
-        *(html_page.badge(sentence, passed=score.passed) for sentence in summary.verdict(score)),
-        html_page.paragraph(f"{text.extent(read, score)}."),
+        *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
+        html_page.paragraph(f"{score_text.extent(read, score)}."),
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
@@ -40,6 +41,6 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
 
 
 def _table(score: Score) -> Iterator[str]:
-    rows = [((name, *summary.numbers(statistics)), True) for name, statistics in summary.angles(score)]
-    yield html_page.table(("error, deg", *summary.HEADINGS), rows)
-    yield html_page.table(("", ""), [((name, value), True) for name, value in summary.facts(score)])
+    rows = [((name, *numbers(statistics)), True) for name, statistics in angles(score)]
+    yield html_page.table(("error, deg", *HEADINGS), rows)
+    yield html_page.table(("", ""), [((name, value), True) for name, value in facts(score)])

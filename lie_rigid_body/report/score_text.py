@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.summary import findings, table, verdict, wrapped
+from lie_rigid_body.evaluation.score import findings, table, verdict, wrapped
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import printable
 
 
 def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
-    """The score in lines for a terminal, without a final newline."""
+    """Lines of a score for a terminal, without a final newline."""
     lines = [printable(title), *wrapped(extent(read, score)), ""]
     lines += [*table(score), ""]
     for note in read.notes:
@@ -20,7 +20,7 @@ def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
 
 
 def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
-    """The score as JSON-serialisable data, with where it is from."""
+    """JSON-serialisable data of a score, with its source."""
     return {
         "bag": bag,
         "topic": read.track.topic,
@@ -32,7 +32,7 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
 
 
 def extent(read: RecordedEstimate | None, score: Score) -> str:
-    """What was compared with what, in a sentence; of arrays there is nothing to read."""
+    """Sentence that says what was compared with what; without an estimate that was read for one in arrays."""
     kind = "attitudes" if read is None else read.track.message_type.replace("/msg/", "/")
     source = "" if read is None else f" ({read.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds

@@ -19,15 +19,16 @@ from test_check import write_bag
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.segments import thinned_segments
-from lie_rigid_body.cli import body_figure, motion_figures
 from lie_rigid_body.cli.check import main
-from lie_rigid_body.cli.overview_page import MOST_LINES, Line, certificates_page, page
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import body_figure, html_page, motion_figures
+from lie_rigid_body.report.overview import Verdict
+from lie_rigid_body.report.overview_page import MOST_LINES, Line, page, verdicts_page
+from lie_rigid_body.report.recorded_motion import extremes, path
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -234,13 +235,13 @@ def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
 def test_polhode_and_herpolhode_lie_where_they_must(piece: Any) -> None:
     body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
     drawn: Any = motion_figures.polhode(piece)
-    path = next(trace for trace in drawn["data"] if trace.get("name") == "polhode")
-    energy = 0.5 * sum(body.principal_moments[i] * path[name] ** 2 for i, name in enumerate("xyz"))
+    curve = next(trace for trace in drawn["data"] if trace.get("name") == "polhode")
+    energy = 0.5 * sum(body.principal_moments[i] * curve[name] ** 2 for i, name in enumerate("xyz"))
     np.testing.assert_allclose(energy, body.kinetic_energy(start), rtol=1e-4)
     drawn = motion_figures.herpolhode(piece)
     # ω · L = 2 H fixes the part along the momentum, so |ω| gives the distance from it
     along = 2.0 * body.kinetic_energy(start) / np.linalg.norm(body.angular_momentum(start))
-    rates = np.linalg.norm(motion_figures.curve(piece).body_rate, axis=1)
+    rates = np.linalg.norm(path(piece, 3000).body_rate, axis=1)
     np.testing.assert_allclose(
         np.hypot(drawn["data"][0]["x"], drawn["data"][0]["y"]), np.sqrt(rates**2 - along**2), atol=1e-4
     )
@@ -248,19 +249,21 @@ def test_polhode_and_herpolhode_lie_where_they_must(piece: Any) -> None:
 
 def test_a_long_curve_keeps_its_peaks() -> None:
     t, values = np.linspace(0.0, 7.0, 30_011), np.random.default_rng(0).normal(size=30_011)
-    kept = motion_figures.extremes(t, values)
+    kept = extremes(t, values)
     assert len(kept) <= 2002
     assert {int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
     for part in range(0, 30_011, 500):
         near = kept[(kept >= part) & (kept < part + 500)]
         assert values[near].max() == values[part : part + 500].max() or part == 30_000
-    few = motion_figures.extremes(t[:5], values[:5])
+    few = extremes(t[:5], values[:5])
     assert few.tolist() == list(range(5))
 
 
 def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -> None:
     poor = certify(read_bag(write_bag(tmp_path / "poor.mcap", 50, method="rkmk1")))
-    text = certificates_page("Bags", [(bag.name, certify(read_bag(bag))), ("<b>poor", poor)]).decode()
+    text = verdicts_page(
+        "Bags", [Verdict(bag.name, None, certify(read_bag(bag))), Verdict("<b>poor", None, poor)]
+    ).decode()
     assert "1 of 2 bags CERTIFIED" in text
     assert "<b>poor" not in text
     drawn = figures(text)["closed form [rad]"]["data"]
@@ -273,7 +276,10 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     law, used, attitude = cells.split("</td><td>")
     assert law.split(" [")[0] in {broken.name for broken in poor.laws if not broken.holds}
     assert (float(used) > 1.0, attitude) == (True, "")
-    assert "0 of 2 bodies CERTIFIED" in certificates_page("Bodies", [("/a", poor)], ["/b"], what="bodies").decode()
+    assert (
+        "0 of 2 bodies CERTIFIED"
+        in verdicts_page("Bodies", [Verdict("x", "/a", poor), Verdict("x", "/b", None, "no pose")]).decode()
+    )
 
 
 @pytest.mark.parametrize("number", [123.0, np.inf])
@@ -312,3 +318,20 @@ def test_check_of_several_bags_writes_their_page(bag: Path, tmp_path: Path, caps
     assert "Not judged" in text
     assert "&lt;i&gt;no.mcap" in text
     assert "<i>no.mcap" not in text
+
+
+@pytest.mark.parametrize(
+    ("residuals", "worst"),
+    [
+        ({}, ("", "")),
+        ({"a": (1e-9, 1e-8), "b": (3e-9, 1e-8)}, ("b", "0.3")),
+        ({"a": (3e-8, 1e-8), "b": (np.nan, 1e-8)}, ("b", "nan")),
+        ({"a": (3e-8, 1e-8), "b": (1.0, 0.0)}, ("b", "1 of 0")),
+        ({"a": (0.0, 0.0), "b": (1e-9, 1e-8)}, ("b", "0.1")),
+    ],
+)
+def test_the_worst_law_of_a_line_went_farthest(
+    residuals: dict[str, tuple[float, float]], worst: tuple[str, str]
+) -> None:
+    for ordered in (residuals, dict(reversed(residuals.items()))):
+        assert Line(("run 1",), False, 1e-15, ordered).worst == worst

@@ -11,19 +11,23 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.certificate.residuals_over_time import LawOverTime, ResidualsOverTime
-from lie_rigid_body.cli.plotly_layout import COLOURS, GREY, RED, axis, layout, logarithmic
 from lie_rigid_body.report.html_page import figure
+from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic, mark, over_time
+from lie_rigid_body.report.recorded_motion import COLOURS, GREY, RED
 
 _BINS: Final = 30
+_LEAST_SPAN: Final = 0.3
+"""Least span of a distribution, decades."""
 _ABOVE: Final = 10.0
-"""How many times as high as all that is finite the residuals are drawn that are not."""
+"""Height at which residuals are drawn that are not finite, as a multiple of all that is."""
 _COMPONENTS: Final = ("x", "y", "z")
+_LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
 
 
-def over_time(
+def figures_over_time(
     certificate: Certificate, residuals: ResidualsOverTime, origin_ns: int, shapes: Sequence[dict[str, Any]]
 ) -> Iterator[str]:
-    """The largest residuals of each law over time, beside their limits.
+    """Draw the largest residuals of each law over time, beside their limits.
 
     Parameters
     ----------
@@ -43,63 +47,49 @@ def over_time(
     watched = [law for law in certificate.laws if law.name in residuals.laws]
     for name, laws in itertools.groupby(watched, lambda law: _family(law.name)):
         own = [(law, residuals.laws[law.name]) for law in laws]
-        traces = list(_over_time(own, origin_ns))
-        if traces:
+        if traces := list(_traces(own, origin_ns)):
             unit = own[0][0].unit
-            ends = [t for trace in traces for t in (trace["x"][0], trace["x"][-1])]
+            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
+            ends = [float(trace["x"][-1]) for trace in traces]
             values = np.concatenate([trace["y"] for trace in traces])
-            axes = {
-                "xaxis": axis("time [s]", range=[0.0, max(ends)]),
-                "yaxis": logarithmic(_label(unit), values),
-            }
+            axes = {"xaxis": axis("time [s]", range=[0.0, max(ends)]), "yaxis": logarithmic(label, values)}
             look = layout(**axes, shapes=list(shapes), showlegend=len(own) > 1)
             yield figure(name, {"data": traces, "layout": look})
 
 
 def _family(name: str) -> str:
-    """The name of a law without the component that it is of."""
+    """Name of a law without the component that it is of."""
     head, _, last = name.rpartition(" ")
     return head if last in _COMPONENTS else name
 
 
-def _label(unit: str) -> str:
-    return {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
-
-
-def _over_time(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
-    limits: tuple[Array, Array] | None = None
+def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
+    limits: dict[str, Any] | None = None
     for i, (worst, law) in enumerate(laws):
         t, residuals, limit, broken = law.series(origin_ns)
         if not (residuals > 0.0).any():
             continue
         if (limit > 0.0).any():
-            limits = t, np.where(limit > 0.0, limit, np.nan)
+            limits = over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT)
         finite = residuals[np.isfinite(residuals)]
         top = _ABOVE * max(float(finite.max(initial=0.0)), float(limit.max())) or 1.0
         drawn = np.where(np.isfinite(residuals), np.where(residuals > 0.0, residuals, np.nan), top)
-        colour = COLOURS[i] if len(laws) > 1 else COLOURS[2]
-        yield _dots(t, drawn, worst.name.rpartition(" ")[2] if len(laws) > 1 else "largest residual", colour)
+        name, colour = (
+            (worst.name.rpartition(" ")[2], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
+        )
+        yield over_time(t, drawn, name, colour)
         if broken.any():
-            yield {**_dots(t[broken], drawn[broken], "broken", RED), "mode": "markers", "showlegend": False}
+            yield over_time(t[broken], drawn[broken], "broken", RED, mode="markers", showlegend=False)
         if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
-            at = np.array([(worst.stamp_ns - origin_ns) * 1e-9]), np.array([worst.worst])
-            marker = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
-            text = f"worst: number {worst.sample}"
-            yield {**_dots(*at, text, colour), "mode": "markers", "marker": marker, "showlegend": False}
+            at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
+            circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
+            yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
     if limits is not None:
-        line = {"color": GREY, "dash": "dash", "width": 1.4}
-        yield {**_dots(*limits, "limit", GREY), "mode": "lines", "line": line}
-
-
-def _dots(t: Array, values: Array, name: str, colour: str) -> dict[str, Any]:
-    few = {"mode": "lines+markers"} if len(t) <= 50 else {"mode": "lines"}
-    look = {"marker": {"color": colour, "size": 5}, "line": {"color": colour, "width": 1.2}}
-    x, y = (np.array([float(f"{v:.6g}") for v in values]) for values in (t, values))
-    return {"type": "scatter", "x": x, "y": y, "name": name, "cliponaxis": False, **few, **look}
+        yield limits
 
 
 def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: str) -> Iterator[str]:
-    """How often each size of the worst residual occurs among many bags, beside the limits.
+    """Draw how often each size of the worst residual occurs among many bags, beside the limits.
 
     Parameters
     ----------
@@ -117,20 +107,23 @@ def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: 
         residuals, limits = np.array(pairs, dtype=np.float64).T
         shown = np.isfinite(residuals) & (residuals > 0.0)
         if shown.any() and limits.max() > 0.0:
-            content, caption = _distribution(residuals, limits, shown, whose), _left_out(residuals, whose)
+            content, caption = (
+                _distribution(residuals[shown], limits[shown], limits, whose),
+                _left_out(residuals, whose),
+            )
             yield figure(name, content, caption)
 
 
-def _distribution(residuals: Array, limits: Array, shown: Any, whose: str) -> dict[str, Any]:
-    exponents = np.log10(residuals[shown])
+def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
+    """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
+    exponents = np.log10(residuals)
     low, high = float(exponents.min()), float(exponents.max())
-    if high - low < 0.3:
-        low, high = 0.5 * (low + high) - 0.15, 0.5 * (low + high) + 0.15
-    edges = 10.0 ** np.linspace(low - 1e-9, high + 1e-9, _BINS + 1)
-    kept = ~(residuals > limits)
-    traces = []
-    for which, label, colour in ((kept, "within the limit", COLOURS[2]), (~kept, "beyond the limit", RED)):
-        counts, _ = np.histogram(residuals[shown & which], edges)
+    widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
+    edges = np.logspace(low - widen, high + widen, _BINS + 1)
+    traces: list[dict[str, Any]] = []
+    beyond = residuals > own
+    for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
+        counts, _ = np.histogram(residuals[which], edges)
         if counts.any():
             look = {"type": "bar", "marker": {"color": colour}, "name": label}
             traces.append({**look, "x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts})
@@ -140,12 +133,12 @@ def _distribution(residuals: Array, limits: Array, shown: Any, whose: str) -> di
 
 
 def _limits(limits: Array, height: int) -> dict[str, Any]:
-    """A line at the limit, or a band from the smallest to the largest."""
+    """Line at the limit, or band from the smallest to the largest."""
     low, high = float(limits.min()), float(limits.max())
-    look = {"type": "scatter", "mode": "lines", "name": "limit", "line": {"color": GREY, "dash": "dash", "width": 1.4}}
+    corners = np.array([(low, 0), (low, height), (high, height), (high, 0)], dtype=np.float64)
     if low == high:
-        return {**look, "x": [low, low], "y": [0, height]}
-    return {**look, "x": [low, low, high, high], "y": [0, height, height, 0], "fill": "toself", "name": "limits"}
+        return {**line(corners[:2], "limit", GREY, 1.4), **_LIMIT}
+    return {**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"}
 
 
 def _left_out(residuals: Array, whose: str) -> str:

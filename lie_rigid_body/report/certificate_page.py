@@ -7,14 +7,14 @@ from html import escape
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
+from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.certificate.segments import RecordedSegment
-from lie_rigid_body.cli import body_figure, certificate_text, motion_figures, residual_figures
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import body_figure, certificate_text, html_page, motion_figures, residual_figures
 from lie_rigid_body.report.html_page import figure, grid
 
 MOST_TABLES: Final = 30
-"""Segments whose laws are listed: the first ones, those that break a law before the others."""
+"""Largest number of segments whose laws are listed: the first ones, those that break a law before the others."""
 
 
 def page(
@@ -22,9 +22,9 @@ def page(
     certificate: Certificate,
     residuals: ResidualsOverTime,
     pieces: Sequence[RecordedSegment],
-    proved: Sequence[str] = (),
+    proof: Proof | None = None,
 ) -> bytes:
-    """The page.
+    """Make the page.
 
     Parameters
     ----------
@@ -32,11 +32,10 @@ def page(
         Name of the bag, as the user gave it.
     certificate : Certificate
     residuals : ResidualsOverTime
-        What it was told while the certificate was made.
+        Told while the certificate was made.
     pieces : sequence of RecordedSegment
         The bag's samples, thinned, or none.
-    proved : sequence of str, optional
-        What was proved beside it, in sentences.
+    proof : Proof, optional
 
     Returns
     -------
@@ -45,7 +44,7 @@ def page(
     """
     pieces = [piece for piece in pieces if len(piece.samples)]
     parts = [
-        *_verdict(certificate, proved),
+        *_verdict(certificate, proof),
         *_laws(certificate),
         *_figures(certificate, residuals, pieces),
         *_rest(certificate),
@@ -53,14 +52,15 @@ def page(
     return html_page.document(f"Certificate of {bag}", parts, with_figures=True)
 
 
-def _verdict(certificate: Certificate, proved: Sequence[str]) -> Iterator[str]:
+def _verdict(certificate: Certificate, proof: Proof | None) -> Iterator[str]:
     yield html_page.badge("CERTIFIED" if certificate.passed else "NOT CERTIFIED", passed=certificate.passed)
     if certificate.passed:
         said = " ".join(certificate_text.verdict(certificate).split()).removeprefix("CERTIFIED: ")
         yield html_page.paragraph(said[:1].upper() + said[1:])
     else:
         yield f"<ul>{''.join(f'<li>{escape(message)}</li>' for message in certificate.messages)}</ul>"
-    yield from map(html_page.paragraph, proved)
+    if proof is not None:
+        yield html_page.paragraph(certificate_text.proved(proof))
 
 
 def _laws(certificate: Certificate) -> Iterator[str]:
@@ -90,7 +90,7 @@ def _figures(
     yield "<h2>Motion</h2>"
     yield from _motion(pieces)
     shapes = motion_figures.resets(pieces)
-    panels = list(residual_figures.over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
+    panels = list(residual_figures.figures_over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
     if panels:
         yield "<h2>Residuals over time</h2>"
         yield html_page.paragraph(

@@ -1,0 +1,215 @@
+"""The runs of a campaign: begun, resumed, carried out, and what is said of them."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Final
+
+from tqdm import tqdm
+
+from lie_rigid_body import console
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.cluster import MOST_FAILURES, client_of, finished, require_address
+from lie_rigid_body.campaign.connection import SchedulerGoneError
+from lie_rigid_body.campaign.estimator import ERROR, MENDED, SCORES, estimator
+from lie_rigid_body.campaign.journal import RESUMED, Journal
+from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.recording.output_file import write_file
+from lie_rigid_body.report import html_page
+from lie_rigid_body.report.overview_page import Line, page
+from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened
+
+MOST_TRIED: Final = 1000
+"""Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
+_LONGEST_REASON: Final = 70
+"""Largest length of the reason why a run failed in an error line, characters."""
+
+
+def run_campaign(given: argparse.Namespace) -> int:
+    """Carry out the campaign that the arguments give, and return the exit status."""
+    if given.report is not None:
+        html_page.require_room(given.report, [given.campaign], overwrite=given.force)
+    campaign = Campaign.from_file(given.campaign)
+    if not Journal.is_begun(campaign, Path(given.out)):
+        _require_scenarios(campaign, given.campaign)
+    if given.scheduler is not None:
+        require_address(given.scheduler)
+    if campaign.estimator is not None:
+        estimator(campaign.estimator)
+    with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
+        try:
+            with interruption.allowed():
+                _look_at_bags(journal, wanted=not given.no_bags)
+                failed = _carry_out(campaign, journal, given, interruption)
+        except KeyboardInterrupt:
+            console.complain(
+                console.program("campaign"),
+                f"interrupted after {len(journal)} of {campaign.runs} runs, which are kept; {RESUMED}",
+            )
+            return console.INTERRUPTED
+        return _report(campaign, journal, failed, given)
+
+
+def _require_scenarios(campaign: Campaign, path: str) -> None:
+    """Refuse impossible parameters before the first run is begun, and warn of those that have no effect in any run.
+
+    Of very many runs only the first ones are tried.
+    """
+    first = range(min(campaign.runs, MOST_TRIED))
+    try:
+        bar = tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False)
+        idle = [campaign.scenario_of(run).without_effect for run in bar]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if idle and all(idle):
+        console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
+
+
+def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
+    """Forget finished runs that lack their bags, where bags are wanted, so that they are done again, and say so."""
+    finished = len(journal)
+    if wanted:
+        lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
+        for run in lacking:
+            journal.forget(run)
+        if lacking:
+            console.say(
+                f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
+                f"or one of another size: {listed(lacking)}"
+            )
+    elif kept := sum(row.bag is not None for row in journal.rows()):
+        console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
+
+
+def _carry_out(
+    campaign: Campaign, journal: Journal, given: argparse.Namespace, interruption: Interruption
+) -> dict[int, BaseException]:
+    """Carry out the runs that are not finished, and return the errors of those that failed, by their numbers."""
+    failed: dict[int, BaseException] = {}
+    errors: list[float | str | None] = []
+    if len(journal) == campaign.runs:
+        return failed
+    runs = (run for run in range(campaign.runs) if run not in journal)
+    # disable=None: shown on a terminal only
+    with (
+        tqdm(total=campaign.runs, initial=len(journal), unit=" runs", file=sys.stderr, disable=None) as bar,
+        client_of(given.workers, given.scheduler, interruption.put_off) as client,
+    ):
+        rows = finished(
+            client,
+            campaign,
+            runs,
+            journal.folder,
+            bags=not given.no_bags,
+            elsewhere=given.scheduler is not None,
+            lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
+            alone=_say_alone,
+        )
+        try:
+            for run, row in rows:
+                if isinstance(row, BaseException):
+                    failed[run] = row
+                    journal.require_intact()
+                else:
+                    journal.add(row)
+                    if len(errors) < MOST_FAILURES:
+                        errors.append(row.scores.get(ERROR))
+                        if len(errors) == MOST_FAILURES and None not in errors:  # the estimator has a mistake
+                            raise _without_a_score(campaign, f"{MOST_FAILURES} runs", f"{errors[0]}")
+                bar.update()
+        except SchedulerGoneError as error:
+            if len(journal) + len(failed) < campaign.runs:
+                kept = f"{len(journal)} of {campaign.runs} runs are kept in {journal.folder}"
+                raise BagError(f"{error}; {kept}: start one, and {RESUMED}") from None
+    return failed
+
+
+def _say_alone(address: str) -> None:
+    with tqdm.external_write_mode(sys.stderr):
+        console.complain(
+            console.program("campaign"), f"no worker at {address}: waiting for one; Ctrl-C ends it", "warning"
+        )
+
+
+def _without_a_score(campaign: Campaign, runs: str, error: str) -> InputError:
+    """Error of an estimator that gave no score, with the reason in the first of its runs."""
+    reason = shortened(error.removesuffix(f": {MENDED}"), _LONGEST_REASON)
+    return InputError(
+        f"estimator {campaign.estimator} gave no score in {runs}: {reason}: mend it, and give a new folder"
+    )
+
+
+def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
+    """Error of runs that failed, with what the first of them failed of; the table has the others."""
+    error = failed[min(failed)]
+    reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
+    reason = reason.replace(f"{journal.folder}{os.sep}", "")
+    if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
+        reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
+    reason = shortened(reason, _LONGEST_REASON)
+    named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
+    kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
+    return BagError(
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
+    )
+
+
+def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
+    if failed:
+        raise _failure(campaign, journal, failed)
+    from pyarrow.parquet import read_table
+
+    path = journal.write_table()
+    table = read_table(path).to_pydict()
+    runs = table["run"]
+    broken = [run for run, certified in zip(runs, table["certified"], strict=True) if not certified]
+    lines = [
+        f"{counted(len(runs), 'run')}, {len(runs) - len(broken)} certified, attitudes within "
+        f"{max(0.0, *table['attitude_accuracy_rad']):.2g} rad, in {printable(str(path))}"
+    ]
+    if broken:
+        lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
+    errors = {run: error for run, error in zip(runs, table.get(ERROR, ()), strict=False) if error is not None}
+    if campaign.estimator is not None:
+        totals = sorted(total or 0.0 for run, total in zip(runs, table[SCORES[0]], strict=True) if run not in errors)
+        median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
+        unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
+        lines.append(f"{len(totals)} scored{median}{unscored}")
+    if given.report is not None:
+        _write_page(campaign, journal, given)
+        lines.append(f"wrote {printable(given.report)}")
+    console.say("\n".join(lines), done=f"{path} is written")
+    if broken:
+        return console.BROKEN
+    if len(errors) == len(runs):
+        raise _without_a_score(campaign, "any run", errors[runs[0]])
+    return console.SUCCESS
+
+
+def _write_page(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> None:
+    """Write the page of all runs: what was drawn for each, and its residuals."""
+    lines = [
+        Line(
+            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
+            row.certified,
+            row.attitude_accuracy_rad,
+            row.residuals,
+        )
+        for row in journal.rows()
+    ]
+    declared = html_page.details("Campaign", campaign.to_json())
+    content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, [declared])
+    write_file(given.report, content, overwrite=given.force)
+
+
+def _cell(value: Value | Sequence[float]) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return str(value) if isinstance(value, str | int) else f"[{', '.join(f'{v:.4g}' for v in value)}]"

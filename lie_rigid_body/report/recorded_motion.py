@@ -1,0 +1,193 @@
+"""Geometry that all pictures of a recorded motion share: times, resets, curves, and the ellipsoid of the energy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.certificate.segments import RecordedSegment
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.wording import short_repr
+
+COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
+"""Colours of the x, y and z components, distinct in every kind of colour vision."""
+GREY: Final = "#555555"
+RED: Final = "#CC2222"
+SURFACE: Final = "#C9D6E8"
+CIRCLES: Final = "#8A97A8"
+"""Colours of limits, of paths and what is broken, of the ellipsoid, and of its principal circles."""
+
+FEW_SAMPLES: Final = 3
+"""Largest number of samples that a line alone would hardly show."""
+MANY_SAMPLES: Final = 20_000
+"""Number of samples above which the curves of a fast motion fill whole areas; points of a polhode."""
+DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
+"""Look of few samples in a picture."""
+
+MOST_RESETS: Final = 12
+"""Largest number of resets that are drawn as lines through the curves."""
+COLUMNS: Final = 1000
+"""Number of intervals of time of a curve, each of which is drawn by its smallest and its largest value."""
+
+_STEP: Final = 0.05
+"""Turn from one point of a path to the next, rad, where the samples are as near."""
+_FAR: Final = 1e3
+"""Largest body rate that is drawn, as a multiple of the fastest of the motion: a larger one was damaged."""
+_SEEN_POINTS: Final = 400
+"""Number of points by which a view is judged."""
+_FROM_BELOW: Final = 0.8
+"""Merit of a view from below, which is less usual, as a share of that from above."""
+
+
+def times(stamps_ns: Integers, pieces: Sequence[RecordedSegment]) -> Array:
+    """Times since the first sample of a recording, s."""
+    return np.asarray((stamps_ns - pieces[0].stamps_ns[0]) * 1e-9, dtype=np.float64)
+
+
+def reset_times(pieces: Sequence[RecordedSegment]) -> Array:
+    """Times of the resets since the first sample of a recording, s."""
+    return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
+
+
+def extremes(t: Array, values: Array, columns: int = COLUMNS) -> Integers:
+    """Places of the smallest and the largest value in each of some intervals of time; all places where there are few.
+
+    Parameters
+    ----------
+    t, values : ndarray, shape (N,)
+        Rising times, and finite values.
+    columns : int, optional
+        Number of the intervals, all of one length.
+
+    Returns
+    -------
+    ndarray of int64, shape (M,)
+        Rising; at most two for each interval.
+    """
+    if len(t) <= 2 * columns:
+        return np.arange(len(t))
+    column = ((t - t[0]) * (columns / (t[-1] - t[0]))).astype(np.int64)
+    order = np.lexsort((values, column))
+    first = np.flatnonzero(np.diff(column[order], prepend=-1))
+    return np.union1d(order[first], order[np.append(first[1:], len(t)) - 1])
+
+
+def curve_style(count: int, width: float) -> dict[str, Any]:
+    """Style of the curves of so many samples in a picture: few as dots, many so that no curve hides the others."""
+    if count <= FEW_SAMPLES:
+        return {**DOTS, "lw": width}
+    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
+
+
+def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Booleans]:
+    """States at some places of a segment, of unit quaternions, and which places have one that can be drawn.
+
+    Left out are attitudes that are zero or not finite, and rates far beyond those of the motion.
+    """
+    attitude, rate = piece.states.attitude_xyzw[places], piece.states.body_rate[places]
+    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
+        norms = np.linalg.norm(attitude, axis=1)
+        sane = np.isfinite(norms) & (norms > 0.0)
+        sane &= (np.abs(rate) <= _FAR * piece.segment.scenario.rate_bound()).all(axis=1)
+    return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), np.asarray(sane)
+
+
+def path(piece: RecordedSegment, most: int) -> State:
+    """States of the first part of a segment that a path is drawn through, at most so many, as dense as it needs."""
+    scenario, last = piece.segment.scenario, min(piece.close, len(piece.stamps_ns)) - 1
+    turn = scenario.rate_bound() * float(piece.stamps_ns[last] - piece.stamps_ns[0]) * 1e-9 / max(last, 1)
+    step = max(1, int(_STEP / turn)) if turn > 0.0 else 1
+    states, _ = usable(piece, slice(0, piece.close, step))
+    return states[:most]
+
+
+class View(NamedTuple):
+    """Direction from which something is seen in space: elevation and azimuth, degrees."""
+
+    elevation: float
+    azimuth: float
+
+    @property
+    def axes(self) -> tuple[Array, Array, Array]:
+        """Unit vectors towards the eye, to the right and up."""
+        e, a = np.radians(self)
+        eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+        right = np.array([-np.sin(a), np.cos(a), 0.0])
+        return eye, right, np.cross(eye, right)
+
+
+VIEWS: Final = tuple(
+    View(elevation, quarter + azimuth)
+    for elevation in (24.0, 45.0, -24.0)
+    for quarter in (0.0, 90.0, 180.0, 270.0)
+    for azimuth in (35.0, 20.0, 55.0, 70.0)
+)
+"""Views that a polhode may be seen from: off the axes, so that all three are seen."""
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """Ellipsoid ½ Σ Iᵢωᵢ² = H of the kinetic energy, on which the body rate runs in the principal frame.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (3,)
+        Semi-axes √(2H/Iᵢ), rad/s.
+    polhode : ndarray, shape (N, 3)
+        Recorded body rates on the principal axes, rad/s.
+    """
+
+    radii: Array
+    polhode: Array
+
+    __repr__ = short_repr
+
+    @classmethod
+    def of(cls, piece: RecordedSegment, most: int) -> Ellipsoid | None:
+        """Ellipsoid and polhode of the first part of a segment, of so many points at most; none of a body at rest."""
+        body = piece.segment.scenario.body()
+        energy = float(body.kinetic_energy(piece.segment.scenario.start()))
+        rates = path(piece, most).body_rate
+        if energy == 0.0 or not len(rates):
+            return None
+        return cls(np.sqrt(2.0 * energy / body.principal_moments), rates @ body.principal_axes)
+
+    def surface(self, scale: float = 1.0) -> Array:
+        """Points of the surface, or of one within it, on a grid of parallels and meridians, shape (3, 31, 61)."""
+        u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.linspace(0, np.pi, 31))
+        sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
+        return np.asarray(scale * self.radii[:, np.newaxis, np.newaxis] * sphere)
+
+    def principal_circles(self) -> Array:
+        """Sections with the three principal planes, shape (3, 181, 3)."""
+        angle = np.linspace(0, 2 * np.pi, 181)
+        ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        return np.asarray(self.radii * np.stack([np.insert(ring, plane, 0.0, axis=-1) for plane in range(3)]))
+
+    def faces(self, points: Array, view: View) -> Booleans:
+        """Whether the surface at each of its points, shape (N, 3), faces the eye."""
+        return np.asarray((points / self.radii**2) @ view.axes[0] >= 0.0)
+
+    def best_view(self) -> View:
+        """View from which most of the polhode is in front, and widest."""
+        points = self.polhode[:: len(self.polhode) // _SEEN_POINTS + 1]
+
+        def merit(view: View) -> tuple[float, float]:
+            in_front = float(np.mean(self.faces(points, view)))
+            seen = (points / self.radii.max()) @ np.stack(view.axes[1:], axis=-1)
+            # the lesser of the two widths of the curve on the screen: 0 if it is seen as a chord
+            width = float(np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)[-1]) / len(seen) ** 0.5
+            usual = 1.0 if view.elevation > 0.0 else _FROM_BELOW
+            return round(usual * in_front * width, 9), usual * in_front
+
+        return max(VIEWS, key=merit)
+
+
+def world_rates(states: State) -> Array:
+    """Body rates on the axes of the world, shape (N, 3), rad/s."""
+    return quaternion.rotate(states.attitude_xyzw, states.body_rate)
