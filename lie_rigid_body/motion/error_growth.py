@@ -28,7 +28,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
 _SLOWEST: Final = 2.0**-40
-"""Smallest speed of n, relative to the body rate, that is told from 0, as of a spherical body."""
+"""Speed across n, relative to the body rate, that is added, so that g exists where n does not move."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,9 @@ class PathFrame:
         rates, momenta = states.body_rate, body.body_momentum(states)
         sizes = np.maximum(so3.norm(momenta), np.finfo(float).tiny)
         n = momenta / sizes[:, np.newaxis]
-        across = rates - np.sum(rates * n, axis=-1, keepdims=True) * n
-        speed = np.maximum(so3.norm(across), max(_SLOWEST * rate_bound, np.finfo(float).tiny))
+        anywhere = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=-1)])
+        across = rates - np.sum(rates * n, axis=-1, keepdims=True) * n + _SLOWEST * rate_bound * anywhere
+        speed = np.maximum(so3.norm(across), np.finfo(float).tiny)
         g = across / speed[:, np.newaxis]
         return cls(np.stack([n, g, np.cross(n, g)]), speed, float(sizes[0]))
 
@@ -170,7 +171,7 @@ class ErrorGrowth:
         return 1.0 + grown
 
     def _errors(self, gains: Callable[[Array, Array, float], Array], local: Array, power: int) -> Errors:
-        step = self.times[1] - self.times[0]
+        step = self.times[-1] / (len(self.times) - 1)
         made = step * local**power
         now = np.einsum("kij,kj->ij", gains(*self._lags(), 1.0) ** power, made)
         later = np.einsum("kij,kj->ij", gains(*self._period(), 0.0) ** power, made)
