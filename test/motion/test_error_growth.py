@@ -76,15 +76,28 @@ def test_independent_errors_add_up_by_their_squares() -> None:
     assert each[2] >= max(each[:2])
 
 
-def test_a_spherical_body_keeps_its_errors() -> None:
+def spherical_growth() -> tuple[float, ErrorGrowth]:
+    """The largest rate and the growth over 20 s."""
     body, start = RigidBody([2.0, 2.0, 2.0]), State([0.0, 0.0, 0.0, 1.0], [0.3, -0.8, 1.1])
     times = np.linspace(0.0, 20.0, NODES)
     states = ClosedForm(body, start).at((1e9 * times).astype(np.int64))
-    growth = ErrorGrowth.of(body, times, states, 2.0)
+    return float(so3.norm(start.body_rate)), ErrorGrowth.of(body, times, states, 2.0)
+
+
+def test_a_spherical_body_keeps_its_errors() -> None:
+    speed, growth = spherical_growth()
     local = np.zeros((3, NODES))
     local[1:, 0] = (NODES - 1) / 20.0
-    speed = float(so3.norm(start.body_rate))
-    assert growth.rate(local)(times)[1:] == pytest.approx(2.0 * speed, rel=1e-6)
+    assert growth.rate(local)(growth.times)[1:] == pytest.approx(2.0 * speed, rel=1e-6)
+
+
+@pytest.mark.parametrize(("power", "sum_of"), [(1, lambda t: t), (2, np.sqrt)])
+def test_errors_add_up_over_many_periods(power, sum_of) -> None:
+    """Errors c of 1 a second, that neither grow nor fade."""
+    speed, growth = spherical_growth()
+    local = np.concatenate([np.ones((1, NODES)), np.zeros((2, NODES))])
+    t = np.array([5.0, 20.0, 60.0, 2000.0])
+    assert growth.rate(local, power)(t) == pytest.approx(speed * sum_of(t), rel=0.02)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
