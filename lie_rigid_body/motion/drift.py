@@ -24,7 +24,6 @@ from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS,
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 from lie_rigid_body.motion.moving_chart import Method
-from lie_rigid_body.motion.step_error import StepError
 from lie_rigid_body.motion.time_steps import longest_step, steps_between
 
 U: Final = 2.0**-53
@@ -61,27 +60,21 @@ class Drift(Protocol):
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error at time t, as a rotation angle, rad."""
-        ...
 
     def rate(self, t: Array) -> Array:
         """Bound of the body-rate error, divided by Ω."""
-        ...
 
     def momentum(self, t: Array) -> Array:
         """Bound of the error of the spatial momentum, relative to its norm."""
-        ...
 
     def energy(self, t: Array) -> Array:
         """Bound of the error of the kinetic energy, relative."""
-        ...
 
     def attitude_step(self, spans: Array) -> Array:
         """Bound of the attitude errors made within a time, s, before any of them grows, rad."""
-        ...
 
     def rate_step(self, spans: Array) -> Array:
         """Bound of the errors of the body rate made within a time, s, before any of them grows, divided by Ω."""
-        ...
 
 
 class NoDrift:
@@ -174,20 +167,21 @@ class MuntheKaasDrift:
     ----------
     rate_bound, step : float
         Ω, rad/s, and h, s.
-    error : StepError
-        Truncation.
     conditions : ConditionNumbers
-    alike : float
-        Sum of the roundings of the momentum that repeat, in a second, relative to the momentum's norm.
+    turned, moved, quickened, heated : float
+        Largest errors that truncation, and roundings that are alike, make in a second: of the attitude by truncation,
+        rad; of the momentum and of the rate, relative to the norm and to Ω; of the energy, relative.
     attitudes, rates : tuple of Errors
         Errors of the attitude, rad, and of the rate, rad/s, that those of the momentum lead to.
     """
 
     rate_bound: float
     step: float
-    error: StepError
     conditions: ConditionNumbers
-    alike: float
+    turned: float
+    moved: float
+    quickened: float
+    heated: float
     attitudes: tuple[Errors, ...]
     rates: tuple[Errors, ...]
 
@@ -197,12 +191,13 @@ class MuntheKaasDrift:
         body: RigidBody,
         states: State,
         growth: ErrorGrowth,
-        error: StepError,
+        error: tuple[Array, Array],
         conditions: ConditionNumbers,
         rate_bound: float,
         step: float,
     ) -> MuntheKaasDrift:
-        """The drift of steps of one length, from the truncation errors at the nodes of a motion."""
+        """The drift of steps of one length, from what `step_error` finds at the nodes of a motion."""
+        turned, truncated = error
         rates, n = np.abs(states.body_rate), np.abs(growth.frame.axes[0])
         if np.count_nonzero(body.inertia) > len(body.inertia):  # then each axis has the roundings of all
             rates, n = (np.tile(so3.norm(v)[:, np.newaxis], 3) for v in (conditions.inverse * rates, n))
@@ -211,14 +206,17 @@ class MuntheKaasDrift:
         repeated = step**2 * bend < REPEATED * U * n
         alike = BIAS_OF_SLOPE * U * slopes + np.where(repeated, 2.0 * np.minimum(U * n / step, slope), 0.0)
         walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n / math.sqrt(step))
-        made = growth.frame.largest_components(alike) + error.components
+        made = growth.frame.largest_components(alike) + truncated
         independent = growth.frame.largest_components(walk)
+        energies = body.kinetic_energy(states) / growth.frame.size
         return cls(
             rate_bound,
             step,
-            error,
             conditions,
-            float(so3.norm(alike).max()),
+            float(turned.max()),
+            float(np.sum(made, axis=0).max()),
+            float(np.sum(growth.rates * made, axis=0).max()) / rate_bound,
+            float((growth.energy_rates(made) / energies).max()),
             (growth.attitude(made), growth.attitude(independent, 2)),
             (growth.rate(made), growth.rate(independent, 2)),
         )
@@ -233,32 +231,26 @@ class MuntheKaasDrift:
 
     def momentum(self, t: Array) -> Array:
         """Bound of the error of the spatial momentum, relative to its norm."""
-        return np.asarray(self._rounding(t) + self._turning(t) + self.error.momentum.max() * t)
+        return np.asarray(self._walk(t) + self.moved * t + self.attitude_step(t))
 
     def energy(self, t: Array) -> Array:
         """Bound of the error of the kinetic energy, relative."""
-        return np.asarray(2.0 * self.conditions.energy_of_momentum * self._rounding(t) + self.error.energy.max() * t)
+        return np.asarray(2.0 * self.conditions.energy_of_momentum * self._walk(t) + self.heated * t)
 
     def attitude_step(self, spans: Array) -> Array:
         """Bound of the attitude errors made in a time, rad, before any of them grows."""
-        return np.asarray(self._turning(spans) + self.error.attitude.max() * spans)
+        steps, turn = spans / self.step, self.rate_bound * self.step
+        alike = np.clip(U / turn**2 if turn > U else math.inf, 1.0, np.maximum(steps, 1.0))
+        bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * U * steps
+        return np.asarray(2.0 * self._walk(spans) * np.sqrt(alike) + bias + self.turned * spans)
 
     def rate_step(self, spans: Array) -> Array:
         """Bound of the errors of the body rate made in a time, divided by Ω, before any of them grows."""
-        made = self.error.rate.max() * spans / self.rate_bound
-        return np.asarray(self.conditions.rate_of_momentum * self._rounding(spans) + made)
+        return np.asarray(self.conditions.rate_of_momentum * self._walk(spans) + self.quickened * spans)
 
-    def _rounding(self, t: Array) -> Array:
-        """Bound of the sum of the roundings of the momentum, relative."""
-        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step) + self.alike * t)
-
-    def _turning(self, t: Array) -> Array:
-        """Bound of the sum of the roundings of the attitude, rad."""
-        steps, turn = t / self.step, self.rate_bound * self.step
-        alike = max(1.0, U / turn**2) if turn > U else math.inf
-        walk = np.sqrt(steps * np.minimum(alike, np.maximum(steps, 1.0)))
-        bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * steps
-        return np.asarray(U * (2.0 * RANDOM_WALK_FACTOR * walk + bias))
+    def _walk(self, t: Array) -> Array:
+        """Bound of a random walk of one rounding a step."""
+        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step))
 
 
 def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Array, Array]:

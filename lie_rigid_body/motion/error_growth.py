@@ -94,12 +94,11 @@ class Errors:
 
     def __call__(self, t: Array) -> Array:
         """The bound at times t, s, shape (N,)."""
-        begun = np.maximum(np.ceil(t / self.times[-1]), 1.0) if self.times[-1] > 0.0 else np.ones_like(t)
-        if self.power == 1:
-            repeated = begun * self.period + 0.5 * begun * (begun - 1.0) * self.later
-        else:
-            repeated = np.sqrt(begun) * self.period + np.sqrt(begun * (begun - 1.0) * (begun - 0.5) / 3.0) * self.later
         first = self.values[np.minimum(np.searchsorted(self.times, t), len(self.times) - 1)]
+        begun = np.maximum(np.ceil(t / max(self.times[-1], np.finfo(float).tiny)), 1.0)
+        # 1ᵖ + … + (n − 1)ᵖ is at most the integral up to n − ½, as xᵖ is convex
+        lags = (begun - 0.5) ** (self.power + 1) / (self.power + 1)
+        repeated = begun ** (1 / self.power) * self.period + lags ** (1 / self.power) * self.later
         return np.where(begun > 1.0, np.maximum(repeated, self.values[-1]), first)
 
 
@@ -153,6 +152,10 @@ class ErrorGrowth:
         """Errors of the body rate, rad/s, that come of errors of the momentum; see `attitude`."""
         return self._errors(self._rate_gains, local, power)
 
+    def energy_rates(self, local: Array) -> Array:
+        """Errors of the energy over |π|, rad/s, that errors c, a and b, shape (3, K), are: |ω·δn|, shape (K,)."""
+        return np.asarray(self._along() * local[0] + self.frame.speed * local[1])
+
     def largest(self, body: RigidBody, rate_bound: float, duration: float) -> float:
         """Largest factor, at least 1, by which an error of the body rate grows, in attitude or rate, within a time.
 
@@ -179,6 +182,10 @@ class ErrorGrowth:
         first[0] = 0.0
         return Errors(self.times, np.maximum.accumulate(first), float(whole), float(more), power)
 
+    def _along(self) -> Array:
+        """The component |ω·n|, shape (K,)."""
+        return np.asarray(np.abs(np.sum(self.body_rate * self.frame.axes[0], axis=-1)))
+
     def _lags(self) -> tuple[Array, Array]:
         """Distances in time and in shear between nodes, shapes (K, K)."""
         return np.abs(np.subtract.outer(self.times, self.times)), np.abs(np.subtract.outer(self.shear, self.shear))
@@ -192,11 +199,11 @@ class ErrorGrowth:
 
         About the spatial momentum it is (ω·δn) times the lag, across it the sum of both errors of n.
         """
-        v, along = self.frame.speed, np.sum(self.body_rate * self.frame.axes[0], axis=-1)
+        v, along = self.frame.speed, self._along()
         ahead = v[:, np.newaxis]
         return np.stack(
             [
-                2.0 * still + (np.abs(along) + ahead) * lag,
+                2.0 * still + (along + ahead) * lag,
                 still * (1.0 + v / ahead) + v * lag + ahead * (v * shear),
                 still * (1.0 + ahead / v) + 0.0 * lag,
             ]

@@ -29,7 +29,6 @@ class Motion(Protocol):
         State
             Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array; of an ensemble, after its axes.
         """
-        ...
 
     def expect(self, work: int) -> None:
         """Take notice of work that is to come, in calls of any size, for this motion or one like it.
@@ -41,7 +40,6 @@ class Motion(Protocol):
         work : int
             Samples, or the steps that lead to them.
         """
-        ...
 
 
 def batch_shape(body: object, start: object) -> tuple[int, ...]:

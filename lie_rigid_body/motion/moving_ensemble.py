@@ -19,12 +19,10 @@ class Integrator(Protocol):
     @property
     def start(self) -> list[float]:
         """The state at time 0."""
-        ...
 
     @property
     def largest_step(self) -> float:
         """The length that no step exceeds, s."""
-        ...
 
     def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
         """Refuse to go ahead by so many nanoseconds, if the steps from this state would be too long for the method.
@@ -33,7 +31,6 @@ class Integrator(Protocol):
         ------
         InputError
         """
-        ...
 
     def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:
         """Move a state, in place, through N samples.
@@ -56,7 +53,6 @@ class Integrator(Protocol):
         InputError
             If the steps lead to infinity.
         """
-        ...
 
 
 class MovingEnsemble:

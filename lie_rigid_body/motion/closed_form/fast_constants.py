@@ -37,7 +37,7 @@ from lie_rigid_body.arithmetic.double_double import (
     square_root,
     subtract,
 )
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.attitude import world_rotation
 from lie_rigid_body.motion.closed_form.clock import Clock
@@ -313,7 +313,7 @@ def fast_motion_of_one(
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia
     body: DiagonalBody | CoupledBody
     if xy == 0.0 and xz == 0.0 and yz == 0.0:
-        body = DiagonalBody.of_one([xx, yy, zz], body_rate)
+        body = DiagonalBody.of((xx, yy, zz), triple(body_rate, 0))
     else:
         body = CoupledBody.of(inertia, moments, axes, body_rate)
     regular, hyperbolic, steps = body.classified()
@@ -338,7 +338,7 @@ def _groups(starts: Starts) -> NDArray[np.intp]:
 
 
 def _diagonal(starts: Starts) -> DiagonalBody:
-    return DiagonalBody.of_many(np.diagonal(starts.inertia, axis1=1, axis2=2), starts.body_rate)
+    return DiagonalBody.of(triple(np.diagonal(starts.inertia, axis1=1, axis2=2).T, 0), triple(starts.body_rate.T, 0))
 
 
 def _coupled(starts: Starts) -> CoupledBody:

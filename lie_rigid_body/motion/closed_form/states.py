@@ -221,48 +221,46 @@ def store(columns: Any, count: int, attitude: Any, rate: Any, first: int) -> Non
             rate[first + i, k] = columns[(4 + k) * _BLOCK + i]
 
 
-def fill_circular(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
-    """Fill in the states of circular motions; see `SIGNATURE`."""
+@kernel
+def fill(
+    constants_of: Any,
+    sample_at: Any,
+    table: Any,
+    members: Any,
+    t_ns: Any,
+    attitude: Any,
+    rate: Any,
+    columns: Any,
+    first: int,
+) -> None:
+    """Fill in the states of motions of the kind that these two functions belong to; see `SIGNATURE`."""
     for b in range(len(members)):
-        constants = general_constants(table[:, b])
+        constants = constants_of(table[:, b])
         for begin in range(0, len(t_ns), _BLOCK):
             times = t_ns[begin : begin + _BLOCK]
             for i in range(len(times)):
-                put(columns, i, circular_sample(constants, from_integer(times[i])))
+                put(columns, i, sample_at(constants, from_integer(times[i])))
             store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+
+
+def fill_circular(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+    """Fill in the states of circular motions; see `SIGNATURE`."""
+    fill(general_constants, circular_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_hyperbolic(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of hyperbolic motions; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = general_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, hyperbolic_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(general_constants, hyperbolic_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_separatrix(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of motions on the separatrix; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = general_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, separatrix_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(general_constants, separatrix_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_steady(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of steady motions; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = steady_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, steady_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(steady_constants, steady_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 SAMPLES_FOR_COMPILING: Final = 5_000_000
