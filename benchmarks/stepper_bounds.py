@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, ENERGY_CAP, tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion, so3
@@ -104,9 +104,9 @@ class Run:
             return {}
         states, before = (_rows(found, ends - k) for k in (0, 1))
         exact, exact_before = (motion.at(t_ns[ends - k]) for k in (0, 1))
-        spans = 1e-9 * (t_ns[ends] - t_ns[ends - 1])
+        t, spans = (np.asarray(1e-9 * ns, dtype=np.float64) for ns in (t_ns[ends], t_ns[ends] - t_ns[ends - 1]))
         limits = tolerance(scenario, self.duration)
-        body, start, t = scenario.body(), scenario.start(), 1e-9 * t_ns[ends]
+        body, start = scenario.body(), scenario.start()
         momentum, energy = body.angular_momentum(start), float(body.kinetic_energy(start))
         turned = np.abs(body.angular_momentum(states) - momentum).max(axis=1) / so3.norm(momentum)
         rate_cap, mean = ATTITUDE_CAP * limits.fastest, _mean_rate(before, states, spans)
@@ -114,7 +114,7 @@ class Run:
             "attitude": (_angle(exact, states), limits.attitude(t), ATTITUDE_CAP),
             "rate": (so3.norm(states.body_rate - exact.body_rate), limits.fastest * limits.rate(t), rate_cap),
             "mean rate": (
-                so3.norm(mean - _mean_rate(exact_before, exact, spans)),
+                so3.norm(np.asarray(mean - _mean_rate(exact_before, exact, spans))),
                 limits.mean_rate(t, 1.0 / self.rate),
                 math.inf if limits.rate(t).max() < ATTITUDE_CAP else 0.0,
             ),
@@ -124,7 +124,7 @@ class Run:
         return {name: _ratio(*three) for name, three in compared.items() if three[1][0] < three[2]}
 
 
-def _rows(states: State, rows: Array) -> State:
+def _rows(states: State, rows: Integers) -> State:
     return State.trusted(states.attitude_xyzw[rows], states.body_rate[rows])
 
 

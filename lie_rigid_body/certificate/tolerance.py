@@ -23,8 +23,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.condition_numbers import ConditionNumbers
-from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.drift import ConditionNumbers, Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between

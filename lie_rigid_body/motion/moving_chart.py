@@ -28,11 +28,9 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.initial_conditions import InitialConditions
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
-from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
+from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, WorkingMemory, nanoseconds, samples_within
+from lie_rigid_body.motion.moving_ensemble import InitialConditions, Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
 from lie_rigid_body.wording import call_repr, short_repr, shown
 

@@ -32,7 +32,7 @@ def growth_of(name: str) -> tuple[RigidBody, State, np.ndarray, ErrorGrowth]:
     assert circulation is not None
     t_ns = np.linspace(0.0, 0.5e9 * circulation.period_s, NODES).astype(np.int64)
     states = ClosedForm(body, start).at(t_ns)
-    return body, states, t_ns, ErrorGrowth.of(body, 1e-9 * t_ns, states, FASTEST)
+    return body, states, t_ns, ErrorGrowth.of(body, np.asarray(1e-9 * t_ns, dtype=np.float64), states, FASTEST)
 
 
 def measured(body: RigidBody, state: State, change: np.ndarray, t_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,6 @@ import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
 from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form.attitude import world_rotation
 from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
@@ -43,6 +42,7 @@ from lie_rigid_body.motion.closed_form.motion_parameters import (
     Starts,
     SteadyMotion,
 )
+from lie_rigid_body.motion.motion import alike
 
 _INFINITY: Final = Decimal("Infinity")
 
@@ -277,26 +277,18 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
 
 def decimal_motions(starts: Starts, members: Members) -> Iterator[tuple[BodyMotion, Members]]:
     """The motions at these places of an ensemble, one by one; the principal axes of equal inertias once."""
-    for same in _equal(starts.inertia[members]):
-        inertia = starts.inertia[members[same[0]]].tolist()
+    for same in alike(starts.inertia, members):
+        inertia = starts.inertia[same[0]].tolist()
         with working_precision(digits_for(inertia)):
             principal = principal_axes(inertia)
             motions = [
                 _motion(principal, inertia, starts.attitude_xyzw[i].tolist(), starts.body_rate[i].tolist())
-                for i in members[same]
+                for i in same
             ]
-        yield from zip(motions, np.reshape(members[same], (-1, 1)), strict=True)
+        yield from zip(motions, np.reshape(same, (-1, 1)), strict=True)
 
 
 def _motion(principal: PrincipalAxes, inertia: Tensor, attitude: list[float], rate: list[float]) -> BodyMotion:
     if is_steady(inertia, rate):
         return steady_motion(rate, attitude)
     return general_motion(*frame_and_polhode(principal, inertia, rate), attitude)
-
-
-def _equal(values: Array) -> list[list[int]]:
-    """The places along the first axis, those of the same bits together."""
-    places: dict[bytes, list[int]] = {}
-    for i, value in enumerate(values):
-        places.setdefault(value.tobytes(), []).append(i)
-    return list(places.values())

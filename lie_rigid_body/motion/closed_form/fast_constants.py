@@ -338,7 +338,9 @@ def _groups(starts: Starts) -> NDArray[np.intp]:
 
 
 def _diagonal(starts: Starts) -> DiagonalBody:
-    return DiagonalBody.of(triple(np.diagonal(starts.inertia, axis1=1, axis2=2).T, 0), triple(starts.body_rate.T, 0))
+    return DiagonalBody.of(
+        *(triple(list(rows.T), 0) for rows in (np.diagonal(starts.inertia, 0, 1, 2), starts.body_rate))
+    )
 
 
 def _coupled(starts: Starts) -> CoupledBody:

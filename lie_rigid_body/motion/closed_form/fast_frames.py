@@ -173,9 +173,7 @@ class DiagonalBody(NamedTuple):
         first, third = sign(w1), sign(w3)
         # right-handed: the order is cyclic where this product is 2, and not where it is −2
         second = first * third * (0.5 * (j - i) * (k - j) * (k - i))
-        x, y, z = (
-            (first * (i == row) + 0.0, second * (j == row) + 0.0, third * (k == row) + 0.0) for row in range(3)
-        )
+        x, y, z = ((first * (i == row) + 0.0, second * (j == row) + 0.0, third * (k == row) + 0.0) for row in range(3))
         rate = _exactly((magnitude(w1), second * w2, magnitude(w3)))
         return FastFrame(_exactly(self.moments), rate, self.sense, (x, y, z), _conjugate_quaternion((x, y, z)))
 

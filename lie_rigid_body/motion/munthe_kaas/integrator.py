@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.initial_conditions import InitialConditions
+from lie_rigid_body.motion.moving_ensemble import InitialConditions
 from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE
 from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
