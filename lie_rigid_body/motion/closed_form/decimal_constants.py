@@ -22,7 +22,7 @@ from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_pr
 from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form.attitude import world_rotation
-from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 from lie_rigid_body.motion.closed_form.decimal_frames import (
     PHASE_DIGITS,
     PrincipalAxes,
@@ -205,16 +205,16 @@ def imaginary_theta(periods: Periods) -> ImaginaryTheta:
     return ImaginaryTheta.of(math.exp(-2.0 * quarter), quarter, math.sin(beta), math.sin(cobeta), drift)
 
 
-def _clock_and_theta(polhode: Polhode, periods: Periods) -> tuple[Clock | EndlessClock, Theta]:
+def _clock_and_theta(polhode: Polhode, periods: Periods) -> tuple[PhaseClock | EndlessClock, Theta]:
     """The theta functions whose nome is at most exp(−π), and the clock of their phase."""
     if 2 * polhode.m1 >= 1:
         # ζ = πu/2K
         scale = PI / (2 * periods.real)
-        return Clock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), real_theta(periods)
+        return PhaseClock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), real_theta(periods)
     # χ = πu/2K′
     scale = PI / (2 * complete_first(polhode.m))
     rate, start = scale * polhode.speed, scale * polhode.start
-    clock = EndlessClock.of(rate, start) if polhode.m1 == 0 else Clock.of(rate, start, 4 * scale * periods.real)
+    clock = EndlessClock.of(rate, start) if polhode.m1 == 0 else PhaseClock.of(rate, start, 4 * scale * periods.real)
     return clock, imaginary_theta(periods)
 
 
@@ -230,7 +230,7 @@ def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Seque
     x, y, z, w = attitude_xyzw
     return GeneralMotion(
         phase_clock=clock,
-        half_turn_clock=Clock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
+        half_turn_clock=PhaseClock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
         theta=theta,
         rate_amplitudes=_rounded(polhode.amplitudes, frame.sense),
         direction_amplitudes=_rounded(amplitudes, frame.sense),
@@ -272,7 +272,7 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
     a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
     rate = (body_rate[0], body_rate[1], body_rate[2])
     qx, qy, qz, qw = attitude_xyzw
-    return SteadyMotion((qx, qy, qz, qw), rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
+    return SteadyMotion((qx, qy, qz, qw), rate, (a, b, c), PhaseClock.of(speed / 2, Decimal(0), 2 * PI))
 
 
 def decimal_motions(starts: Starts, members: Members) -> Iterator[tuple[BodyMotion, Members]]:

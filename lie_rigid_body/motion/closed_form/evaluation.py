@@ -18,7 +18,7 @@ from lie_rigid_body.compilation import compile_together
 from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motions
 from lie_rigid_body.motion.closed_form.motion_parameters import BodyMotion, Members, Starts
-from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, Kind, kind_and_row
+from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, KindOfMotion, kind_and_row
 
 MOST_SAMPLES_IN_FLOATS: Final = 16
 """Largest number of samples computed one by one, in floats, which is faster than on arrays."""
@@ -38,14 +38,14 @@ class Evaluation:
 
     Attributes
     ----------
-    kind : Kind
+    kind : KindOfMotion
     table : ndarray, shape (constants, B)
         Their rows of constants, side by side.
     members : ndarray of int, shape (B,)
         Their places in the ensemble.
     """
 
-    kind: Kind
+    kind: KindOfMotion
     table: Array
     members: Members
 
@@ -119,7 +119,7 @@ class Ensemble:
     @classmethod
     def of(cls, starts: Starts) -> Ensemble:
         """The motions of bodies from their starts."""
-        by_kind: dict[Kind, list[tuple[Array, Members]]] = {}
+        by_kind: dict[KindOfMotion, list[tuple[Array, Members]]] = {}
         for motion, members in _motions(starts):
             kind, row = kind_and_row(motion)
             by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
@@ -152,7 +152,7 @@ def _table(row: list[Number], count: int) -> Array:
     return np.stack([np.broadcast_to(entry, count) for entry in row])
 
 
-def _evaluation(kind: Kind, parts: list[tuple[Array, Members]]) -> Evaluation:
+def _evaluation(kind: KindOfMotion, parts: list[tuple[Array, Members]]) -> Evaluation:
     if len(parts) == 1:
         return Evaluation(kind, *parts[0])
     tables, members = zip(*parts, strict=True)

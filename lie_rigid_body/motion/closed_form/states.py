@@ -34,7 +34,7 @@ from lie_rigid_body.motion.closed_form.attitude import (
     multiply,
     sample,
 )
-from lie_rigid_body.motion.closed_form.clock import Clock, endless_phase, folded_phase, turns, turns_from_zero
+from lie_rigid_body.motion.closed_form.clock import PhaseClock, endless_phase, folded_phase, turns, turns_from_zero
 from lie_rigid_body.motion.closed_form.jacobi import (
     QUOTIENTS_LENGTH,
     ImaginaryTheta,
@@ -82,7 +82,7 @@ class GeneralConstants(NamedTuple):
         clock, theta = motion.phase_clock, motion.theta
         period: DoubleDouble = ZERO
         drift: Number = 0.0
-        if isinstance(theta, ImaginaryTheta) and isinstance(clock, Clock):
+        if isinstance(theta, ImaginaryTheta) and isinstance(clock, PhaseClock):
             period, drift = clock.period, motion.sense * theta.drift * _HALF_IN_TURNS
         half_turn_rate, attitude = motion.half_turn_clock.rate, AttitudeConstants.of(motion)
         return cls(clock.rate, clock.start, half_turn_rate, period, drift, theta.quotients, attitude)
@@ -272,7 +272,7 @@ SAMPLES_FOR_LOADING: Final = 2_500_000
 
 
 @dataclass(frozen=True)
-class Kind:
+class KindOfMotion:
     """How the states of one kind of motion are computed.
 
     Attributes
@@ -301,18 +301,18 @@ def _work(fill: Callable[..., None]) -> Work:
     return Work(fill, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING)
 
 
-CIRCULAR: Final = Kind("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
-HYPERBOLIC: Final = Kind("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
-SEPARATRIX: Final = Kind("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
-STEADY: Final = Kind("STEADY", steady_constants, steady_sample, _work(fill_steady))
+CIRCULAR: Final = KindOfMotion("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
+HYPERBOLIC: Final = KindOfMotion("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
+SEPARATRIX: Final = KindOfMotion("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
+STEADY: Final = KindOfMotion("STEADY", steady_constants, steady_sample, _work(fill_steady))
 KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 
 
-def kind_and_row(motion: BodyMotion) -> tuple[Kind, list[Number]]:
+def kind_and_row(motion: BodyMotion) -> tuple[KindOfMotion, list[Number]]:
     """The kind of a motion, and its constants in a row: of many motions, if its numbers are arrays."""
     if isinstance(motion, SteadyMotion):
         return STEADY, flattened(SteadyConstants.of(motion))
     row = flattened(GeneralConstants.of(motion))
     if isinstance(motion.theta, RealTheta):
         return CIRCULAR, row
-    return (HYPERBOLIC if isinstance(motion.phase_clock, Clock) else SEPARATRIX), row
+    return (HYPERBOLIC if isinstance(motion.phase_clock, PhaseClock) else SEPARATRIX), row

@@ -30,7 +30,7 @@ from lie_rigid_body.motion.moser_veselov.layout import (
 )
 from lie_rigid_body.motion.moser_veselov.loop import LOOP, SAMPLE_SIZE
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, PrincipalFrame, ScaledMotion, rotated
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, CyclicFrame, ScaledMotion, rotated
 from lie_rigid_body.motion.motion import alike
 from lie_rigid_body.motion.moving_ensemble import InitialConditions
 from lie_rigid_body.motion.time_steps import longest_step
@@ -116,7 +116,7 @@ class MoserVeselovIntegrator:
 
     Parameters
     ----------
-    frame : PrincipalFrame
+    frame : CyclicFrame
     motion : ScaledMotion
     constants : list of float
         Of the motion, without the spatial momentum; see `motion_constants`.
@@ -139,7 +139,7 @@ class MoserVeselovIntegrator:
 
     def __init__(
         self,
-        frame: PrincipalFrame,
+        frame: CyclicFrame,
         motion: ScaledMotion,
         constants: list[float],
         attitude_xyzw: list[float],
@@ -185,9 +185,9 @@ def moser_veselov_integrators(starts: InitialConditions, max_step: float, order:
     return [found[i] for i in range(len(found))]
 
 
-def _motions(starts: InitialConditions) -> Iterator[tuple[PrincipalFrame, ScaledMotion, list[int]]]:
+def _motions(starts: InitialConditions) -> Iterator[tuple[CyclicFrame, ScaledMotion, list[int]]]:
     """Each distinct motion but for its attitude, and which of the bodies have it."""
     for body in alike(starts.inertia, range(len(starts.inertia))):
-        frame = PrincipalFrame.of(starts.inertia[body[0]].tolist())
+        frame = CyclicFrame.of(starts.inertia[body[0]].tolist())
         for same in alike(starts.body_rate, body):
             yield frame, ScaledMotion.about(frame, starts.body_rate[same[0]].tolist()), same
