@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -105,28 +105,6 @@ REPEATED: Final = 4.0
 
 _MORE_TERMS: Final = 4
 """Terms of the series beyond the stepper's own that are counted as its truncation."""
-
-
-class Drift(Protocol):
-    """Bounds of the errors at times t after the start, s, each of shape (N,)."""
-
-    def attitude(self, t: Array) -> Array:
-        """Bound of the attitude error at time t, as a rotation angle, rad."""
-
-    def rate(self, t: Array) -> Array:
-        """Bound of the body-rate error, divided by Ω."""
-
-    def momentum(self, t: Array) -> Array:
-        """Bound of the error of the spatial momentum, relative to its norm."""
-
-    def energy(self, t: Array) -> Array:
-        """Bound of the error of the kinetic energy, relative."""
-
-    def attitude_step(self, spans: Array) -> Array:
-        """Bound of the attitude errors made within a time, s, before any of them grows, rad."""
-
-    def rate_step(self, spans: Array) -> Array:
-        """Bound of the errors of the body rate made within a time, s, before any of them grows, divided by Ω."""
 
 
 class NoDrift:
@@ -310,3 +288,11 @@ def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Arra
     n, rates = frame.axes[0], states.body_rate
     first = np.cross(n, rates)
     return first, np.cross(first, rates) + np.cross(n, frame.size * apply_tensor(body.inverse_inertia, first))
+
+
+Drift: TypeAlias = NoDrift | MoserVeselovDrift | MuntheKaasDrift
+"""Bounds of errors at times t, s after the start, each of shape (N,).
+
+The attitude's error is a rotation angle, rad; that of the body rate is divided by Ω; those of the spatial momentum and
+of the kinetic energy are relative. ``attitude_step`` and ``rate_step`` bound what is made in a time, before it grows.
+"""

@@ -110,9 +110,9 @@ class ErrorGrowth:
     ----------
     times : ndarray, shape (K,)
         Equal steps from 0 to the period of v, or to the end of a shorter motion, s.
-    body_rate : ndarray, shape (K, 3)
-        rad/s
     frame : PathFrame
+    along : ndarray, shape (K,)
+        Component |ω·n|, rad/s.
     rates : ndarray, shape (3, K)
         Change of the body rate for that of n along n, g and h, rad/s.
     shear : ndarray, shape (K,)
@@ -120,8 +120,8 @@ class ErrorGrowth:
     """
 
     times: Array
-    body_rate: Array
     frame: PathFrame
+    along: Array
     rates: Array
     shear: Array
 
@@ -133,7 +133,8 @@ class ErrorGrowth:
         kappa = np.sum(frame.axes[1] * changed[1] - frame.axes[2] * changed[2], axis=-1)
         slope = kappa / frame.speed / frame.speed
         shear = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(times))])
-        return cls(times, states.body_rate, frame, so3.norm(changed), shear)
+        along = np.abs(np.sum(states.body_rate * frame.axes[0], axis=-1))
+        return cls(times, frame, along, so3.norm(changed), shear)
 
     def attitude(self, local: Array, power: int = 1) -> Errors:
         """Errors of the attitude, rad, that come of errors of the momentum made all along the motion.
@@ -154,7 +155,7 @@ class ErrorGrowth:
 
     def energy_rates(self, local: Array) -> Array:
         """Errors of the energy over |π|, rad/s, that errors c, a and b, shape (3, K), are: |ω·δn|, shape (K,)."""
-        return np.asarray(self._along() * local[0] + self.frame.speed * local[1])
+        return np.asarray(self.along * local[0] + self.frame.speed * local[1])
 
     def largest(self, body: RigidBody, rate_bound: float, duration: float) -> float:
         """Largest factor, at least 1, by which an error of the body rate grows, in attitude or rate, within a time.
@@ -182,10 +183,6 @@ class ErrorGrowth:
         first[0] = 0.0
         return Errors(self.times, np.maximum.accumulate(first), float(whole), float(more), power)
 
-    def _along(self) -> Array:
-        """The component |ω·n|, shape (K,)."""
-        return np.asarray(np.abs(np.sum(self.body_rate * self.frame.axes[0], axis=-1)))
-
     def _lags(self) -> tuple[Array, Array]:
         """Distances in time and in shear between nodes, shapes (K, K)."""
         return np.abs(np.subtract.outer(self.times, self.times)), np.abs(np.subtract.outer(self.shear, self.shear))
@@ -199,11 +196,10 @@ class ErrorGrowth:
 
         About the spatial momentum it is (ω·δn) times the lag, across it the sum of both errors of n.
         """
-        v, along = self.frame.speed, self._along()
-        ahead = v[:, np.newaxis]
+        v, ahead = self.frame.speed, self.frame.speed[:, np.newaxis]
         return np.stack(
             [
-                2.0 * still + (along + ahead) * lag,
+                2.0 * still + (self.along + ahead) * lag,
                 still * (1.0 + v / ahead) + v * lag + ahead * (v * shear),
                 still * (1.0 + ahead / v) + 0.0 * lag,
             ]
@@ -211,8 +207,7 @@ class ErrorGrowth:
 
     def _rate_gains(self, lag: Array, shear: Array, still: float) -> Array:
         """Change of the body rate at node i, rad/s, for each of c, a and b at node j, shape (3, K, K); see above."""
-        v, (by_c, by_a, by_b) = self.frame.speed, self.rates[:, :, np.newaxis]
-        ahead = v[:, np.newaxis]
+        v, ahead, (by_c, by_a, by_b) = self.frame.speed, self.frame.speed[:, np.newaxis], self.rates[:, :, np.newaxis]
         return np.stack(
             [
                 still * by_c + by_b * ahead * lag + 0.0 * v,

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
@@ -106,8 +107,8 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
         momenta.append(dp / (n + 1))
         attitudes.append(0.5 * dq / (n + 1))
         rates.append(_apply(body.inverse_inertia, momenta[-1]))
-    q = _horner(attitudes, span)
-    return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), _horner(momenta, span)
+    q, p = (np.asarray(polyval(span, np.stack(series), tensor=False), float) for series in (attitudes, momenta))
+    return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), p
 
 
 @kernel
@@ -206,14 +207,6 @@ def _apply(tensor: Array, vectors: Array) -> Array:
     """The product of a tensor with vectors, shape (3, N)."""
     x, y, z = vectors
     return np.stack([x * row[0] + y * row[1] + z * row[2] for row in tensor])
-
-
-def _horner(coefficients: list[Array], x: Array) -> Array:
-    """The polynomial of these coefficients, the constant one first, at x of shape (N,)."""
-    value = coefficients[-1]
-    for c in reversed(coefficients[:-1]):
-        value = value * x + c
-    return value
 
 
 def _add(to: Array, columns: tuple[Number, ...]) -> None:

@@ -19,9 +19,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
-from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.attitude import world_rotation
+from lie_rigid_body.motion.closed_form.attitude import multiply, world_rotation
 from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 from lie_rigid_body.motion.closed_form.decimal_frames import (
     PHASE_DIGITS,
@@ -271,8 +271,9 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
     speed = dot((x, y, z), (x, y, z)).sqrt()
     a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
     rate = (body_rate[0], body_rate[1], body_rate[2])
-    qx, qy, qz, qw = attitude_xyzw
-    return SteadyMotion((qx, qy, qz, qw), rate, (a, b, c), PhaseClock.of(speed / 2, Decimal(0), 2 * PI))
+    attitude = quadruple(attitude_xyzw, 0)
+    across = multiply(attitude, (a, b, c, 0.0))
+    return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, rate)
 
 
 def decimal_motions(starts: Starts, members: Members) -> Iterator[tuple[BodyMotion, Members]]:

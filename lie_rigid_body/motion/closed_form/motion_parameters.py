@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
@@ -92,20 +93,20 @@ class SteadyMotion(NamedTuple):
 
     Attributes
     ----------
-    attitude_xyzw : 4 numbers
+    half_turn_rate : DoubleDouble
+        Rate of half the rotation angle, turns/ns; the attitude is a path on the double cover.
+    attitude : 4 numbers
         q₀.
-    rate : 3 numbers
+    across : 4 numbers
+        q₀ ⊗ a, where a is the unit vector along ω in the body frame, or 0 at rest.
+    body_rate : 3 numbers
         ω, rad/s, body frame.
-    axis : 3 numbers
-        Unit vector along ω in the body frame, or 0 at rest.
-    half_turn_clock : PhaseClock
-        Half the rotation angle, modulo 2π, because the attitude is a path on the double cover.
     """
 
-    attitude_xyzw: Quadruple
-    rate: Triple
-    axis: Triple
-    half_turn_clock: PhaseClock
+    half_turn_rate: DoubleDouble
+    attitude: Quadruple
+    across: Quadruple
+    body_rate: Triple
 
 
 BodyMotion: TypeAlias = GeneralMotion | SteadyMotion

@@ -25,13 +25,12 @@ from lie_rigid_body.arithmetic.double_double import (
     two_sum,
 )
 from lie_rigid_body.arithmetic.elementary import sine_cosine
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, pair, quadruple, sqrt, triple
+from lie_rigid_body.arithmetic.numbers import Number, pair, quadruple, sqrt, triple
 from lie_rigid_body.compilation import Work, kernel
 from lie_rigid_body.motion.closed_form.attitude import (
     AttitudeConstants,
     Sample,
     attitude_constants,
-    multiply,
     sample,
 )
 from lie_rigid_body.motion.closed_form.clock import PhaseClock, endless_phase, folded_phase, turns, turns_from_zero
@@ -107,26 +106,10 @@ def general_constants(row: Sequence[Number]) -> GeneralConstants:
     )
 
 
-class SteadyConstants(NamedTuple):
-    """The numbers of a `SteadyMotion`: the rate of half of the turn, turns per ns, q₀, q₀ ⊗ axis, and ω, rad/s."""
-
-    half_turn_rate: DoubleDouble
-    attitude: Quadruple
-    across: Quadruple
-    body_rate: Triple
-
-    @classmethod
-    def of(cls, motion: SteadyMotion) -> SteadyConstants:
-        """The constants of a motion."""
-        x, y, z = motion.axis
-        across = multiply(motion.attitude_xyzw, (x, y, z, 0.0))
-        return cls(motion.half_turn_clock.rate, motion.attitude_xyzw, across, motion.rate)
-
-
 @kernel
-def steady_constants(row: Sequence[Number]) -> SteadyConstants:
+def steady_constants(row: Sequence[Number]) -> SteadyMotion:
     """The constants from their row."""
-    return SteadyConstants(pair(row, 0), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
+    return SteadyMotion(pair(row, 0), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
 
 
 def flattened(constants: Any) -> list[Number]:
@@ -169,7 +152,7 @@ def separatrix_sample(constants: GeneralConstants, time: DoubleDouble) -> Sample
 
 
 @kernel
-def steady_sample(constants: SteadyConstants, time: DoubleDouble) -> Sample:
+def steady_sample(constants: SteadyMotion, time: DoubleDouble) -> Sample:
     """The state of a steady motion at a time in ns: q₀ ⊗ (axis · sin ½ωt + cos ½ωt)."""
     s, c = sine_cosine(turns_from_zero(constants.half_turn_rate, time))
     p, q, (u, v, w) = constants.attitude, constants.across, constants.body_rate
@@ -311,7 +294,7 @@ KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 def kind_and_row(motion: BodyMotion) -> tuple[KindOfMotion, list[Number]]:
     """The kind of a motion, and its constants in a row: of many motions, if its numbers are arrays."""
     if isinstance(motion, SteadyMotion):
-        return STEADY, flattened(SteadyConstants.of(motion))
+        return STEADY, flattened(motion)
     row = flattened(GeneralConstants.of(motion))
     if isinstance(motion.theta, RealTheta):
         return CIRCULAR, row
