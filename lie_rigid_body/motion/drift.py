@@ -36,13 +36,14 @@ class ConditionNumbers:
     Parameters
     ----------
     momentum : float
-        Of reading the momentum off a rate, ‖abs(M) abs(ω)‖/‖Mω‖.
+        Condition of the momentum computed from a rate, ‖abs(M) abs(ω)‖/‖Mω‖.
     energy : float
-        Of reading the energy off a rate, from abs(ω)·abs(M) abs(ω)/2H and ‖ω‖‖Mω‖/2H.
+        Condition of the energy computed from a rate, the larger of abs(ω)·abs(M) abs(ω)/2H and ‖ω‖‖Mω‖/2H.
     inverse : float
-        Of computing a rate from a momentum, I₃/I₁.
+        Condition of a rate computed from a momentum, I₃/I₁.
     energy_of_momentum, rate_of_momentum : float
-        Of an error of the momentum in any direction: ‖ω‖‖π‖/2H for the energy, ‖π‖/(I₁Ω) for the rate relative to Ω.
+        Effect of an error of the momentum in any direction: ‖ω‖‖π‖/2H on the energy, ‖π‖/(I₁Ω) on the rate
+        relative to Ω.
     """
 
     momentum: float = 1.0
@@ -82,7 +83,7 @@ U: Final = 2.0**-53
 """Unit round-off u of double precision."""
 
 RANDOM_WALK_FACTOR: Final = 8.0
-"""Factor of the attitude's random walk. In some hundred random motions of up to 3·10⁷ steps it was 2.5 at most."""
+"""Factor of the random walk that rounding makes. The largest observed in random motions of up to 3·10⁷ steps is 2.5."""
 
 BIAS: Final = 2.0**-6
 """Safety factor of the residual rounding bias, in units of u x Θ. The largest observed value is 0.005."""
@@ -101,7 +102,7 @@ BIAS_OF_STEP: Final = 2.0**-4
 """Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed is 0.015."""
 
 REPEATED: Final = 4.0
-"""Largest change of an increment from one step to the next, in units of u, at which its rounding is taken to repeat."""
+"""Largest change of an increment between two steps, in units of u, at which its rounding is taken to repeat."""
 
 _MORE_TERMS: Final = 4
 """Terms of the series beyond the stepper's own that are counted as its truncation."""

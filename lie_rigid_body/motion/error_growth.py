@@ -72,18 +72,18 @@ class PathFrame:
 
 @dataclass(frozen=True)
 class Errors:
-    """Bounds of sums of errors at the times of nodes, and of what a period more adds to them.
+    """Bound of the sum of errors made from the start to a time, as a function of the time.
 
     Parameters
     ----------
     times : ndarray, shape (K,)
-        s, the last one a period.
+        Times of nodes, s, from 0 to the period.
     values : ndarray, shape (K,)
-        Bounds up to these times.
+        Bounds at these times.
     period, later : float
-        Bound of the errors made in one period within any, and of what their growth in one period more adds.
+        Bound, anywhere in a period, of what the errors made in it amount to, and increase of that in each later period.
     power : int
-        1 where errors add up, 2 where they are independent, so that their squares do.
+        1 where errors add up; 2 where they are independent, and their squares add up.
     """
 
     times: Array
@@ -154,13 +154,13 @@ class ErrorGrowth:
         return self._errors(self._rate_gains, local, power)
 
     def energy_rates(self, local: Array) -> Array:
-        """Errors of the energy over |π|, rad/s, that errors c, a and b, shape (3, K), are: |ω·δn|, shape (K,)."""
+        """Errors |ω·δn| of the energy over |π|, rad/s, shape (K,), from c, a and b, shape (3, K)."""
         return np.asarray(self.along * local[0] + self.frame.speed * local[1])
 
     def largest(self, body: RigidBody, rate_bound: float, duration: float) -> float:
-        """Largest factor, at least 1, by which an error of the body rate grows, in attitude or rate, within a time.
+        """Largest factor, at least 1, by which an error of the body rate grows within ``duration``, s.
 
-        Both are in units of the largest rate and of radians; the time is in s.
+        An error of the rate over its bound becomes an error of the rate over its bound, or of the attitude, rad.
         """
         if rate_bound == 0.0:
             return 1.0
@@ -192,9 +192,10 @@ class ErrorGrowth:
         return self.times[-1:, np.newaxis], np.abs(self.shear[-1:, np.newaxis])
 
     def _attitude_gains(self, lag: Array, shear: Array, still: float) -> Array:
-        """Turn at node i, rad, for each of c, a and b at node j, shape (3, K, K); without what ends, if ``still`` is 0.
+        """Gains from c, a and b at node j to the turn at node i, rad, shape (3, K, K).
 
-        About the spatial momentum it is (ω·δn) times the lag, across it the sum of both errors of n.
+        The turn about the spatial momentum is ω·δn times the lag; the turn across it is at most the sum of the errors
+        of n at both nodes. If ``still`` is 0, parts that do not grow with the lag are left out.
         """
         v, ahead = self.frame.speed, self.frame.speed[:, np.newaxis]
         return np.stack(
@@ -206,7 +207,7 @@ class ErrorGrowth:
         )
 
     def _rate_gains(self, lag: Array, shear: Array, still: float) -> Array:
-        """Change of the body rate at node i, rad/s, for each of c, a and b at node j, shape (3, K, K); see above."""
+        """Gains from c, a and b at node j to the body rate at node i, rad/s, shape (3, K, K), as for the attitude."""
         v, ahead, (by_c, by_a, by_b) = self.frame.speed, self.frame.speed[:, np.newaxis], self.rates[:, :, np.newaxis]
         return np.stack(
             [

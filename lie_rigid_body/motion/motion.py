@@ -29,7 +29,7 @@ class Motion(Protocol):
         Returns
         -------
         State
-            Of shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array; of an ensemble, after its axes.
+            Shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array; of an ensemble, after its axes.
         """
 
     def expect(self, work: int) -> None:

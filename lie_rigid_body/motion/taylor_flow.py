@@ -54,7 +54,7 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longes
     ----------
     body : RigidBody
     states : State
-        Of shapes (N, 4) and (N, 3).
+        Shapes (N, 4) and (N, 3).
     spans : ndarray, shape (N,)
         Time to go, s; not negative.
     rate_bound : float
@@ -140,7 +140,7 @@ def follow(work: Any, inverse: Sequence[Number], spans: Any, terms: int) -> None
     work : ndarray, shape (WORK_AREA,)
         Columns of `ABREAST` numbers: of each order momentum, rate and attitude. Those of order 0 are moved.
     inverse : tuple of float, length 9
-        Of the inertia, row by row.
+        Entries of the inverse inertia, row by row.
     spans : ndarray, shape (ABREAST,)
         s
     terms : int

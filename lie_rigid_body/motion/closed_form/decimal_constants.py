@@ -115,7 +115,7 @@ def frame_and_polhode(
     Parameters
     ----------
     principal : PrincipalAxes
-        Those of the inertia.
+        Principal axes of the inertia.
     inertia : 3 rows of 3
         kg m², body frame.
     body_rate : 3 numbers

@@ -38,7 +38,7 @@ class ClosedForm:
     body : RigidBody
         One, or a batch.
     start : State
-        Of one instant, or of one for each body. The batches broadcast; one of shape () goes with every other.
+        One state, or one for each body. The batches broadcast; one of shape () goes with every other.
 
     Raises
     ------
@@ -88,7 +88,7 @@ class ClosedForm:
         Returns
         -------
         State
-            Of shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
+            Shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
             the batch.
 
         Raises

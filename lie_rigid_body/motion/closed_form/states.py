@@ -56,11 +56,11 @@ class GeneralConstants(NamedTuple):
     Attributes
     ----------
     rate, start : DoubleDouble
-        Of the phase, in turns per nanosecond and turns; on the separatrix in its unit.
+        Rate and start of the phase, turns/ns and turns; on the separatrix in the unit of the phase.
     half_turn_rate : DoubleDouble
         Rate of ψ/2, turns/ns.
     period : DoubleDouble
-        Of a hyperbolic motion, in the unit of the phase; else 0.
+        Period of a hyperbolic motion, in the unit of the phase; else 0.
     drift : number
         Turns of half of ψ per unit of the phase of a hyperbolic motion; else 0.
     theta : ThetaQuotients
@@ -170,7 +170,7 @@ WORK_AREA: Final = _COLUMNS * _BLOCK
 """Length of the array that the functions below work in."""
 
 SIGNATURE: Final = "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[::1], int64)"
-"""Of the functions that fill in an ensemble's states
+"""Types of the arguments of the functions that fill in an ensemble's states.
 
 table : ndarray, shape (constants, B)
     Rows of motions of one kind, side by side.
@@ -251,7 +251,7 @@ SAMPLES_FOR_COMPILING: Final = 5_000_000
 a second and compiles, once, in two."""
 
 SAMPLES_FOR_LOADING: Final = 2_500_000
-"""The same where it is compiled already."""
+"""Number of samples from which on loading pays, where a compiled form is kept from before."""
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ class KindOfMotion:
     Attributes
     ----------
     name : str
-        That of the constant of this module that holds the kind.
+        Name of the constant of this module that holds the kind.
     constants : callable
         The constants from a row.
     sample : callable
@@ -276,7 +276,7 @@ class KindOfMotion:
     work: Work
 
     def __reduce__(self) -> str:
-        """By name: copies of a motion share what is compiled, and in another process there is one of its own."""
+        """Name of the constant: copies share what is compiled, and another process has its own."""
         return self.name
 
 

@@ -119,7 +119,7 @@ class MoserVeselovIntegrator:
     frame : CyclicFrame
     motion : ScaledMotion
     constants : list of float
-        Of the motion, without the spatial momentum; see `motion_constants`.
+        Constants of the motion, without the spatial momentum; see `motion_constants`.
     attitude_xyzw : list of float
         At the start, world from body.
     max_step : float
@@ -130,7 +130,7 @@ class MoserVeselovIntegrator:
     start : list of float
         The state at time 0; see `layout`.
     constants : list of float
-        Of the motion; see `layout`.
+        Constants of the motion; see `layout`.
     largest_step : float
         s
     """

@@ -42,7 +42,7 @@ class CyclicFrame:
     moments : tuple of 3 Decimal
         kg m²
     axes : 3 vectors
-        Of unit length, in the body frame, right-handed.
+        Unit vectors in the body frame, right-handed.
     order : tuple of 3 int, or None
         Which of the body's own axes these are, if the inertia has no products.
     rotation : list of 4 Decimal, or None
