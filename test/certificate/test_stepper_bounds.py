@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lie_rigid_body import simulate
 from lie_rigid_body.motion import METHODS
 from stepper_bounds import DURATIONS, MOTIONS, STEPS, Run, runs
 
@@ -28,6 +29,12 @@ def test_errors_of_a_minute_stay_below_their_limits(method: str) -> None:
 def test_errors_of_short_steps_stay_below_their_limits(motion: str, rate: float) -> None:
     """Steps of a millisecond: here a bound that only adds up errors of the rate is passed."""
     require_bounds([Run(motion, "rkmk4", rate, 1e-3, 60.0)])
+
+
+@pytest.mark.parametrize(("imu_rate", "gyro_rate"), [(100.0, "instantaneous"), (200.0, "integrated")])
+def test_a_gyro_of_runge_kutta_steps_near_the_separatrix_is_certified(imu_rate: float, gyro_rate: str) -> None:
+    run = simulate("dzhanibekov", duration=60.0, method="rkmk4", imu_rate=imu_rate, gyro_rate=gyro_rate)
+    assert run.certificate().passed
 
 
 @pytest.mark.slow
