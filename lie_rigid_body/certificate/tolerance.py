@@ -2,8 +2,9 @@
 
 - Reading. A recorded state carries a few roundings, and so does the state of the closed form that it is held against;
   both of these and the closed form's own error, twice, make ``READING``. Products of inertia enlarge it in momentum
-  and energy (`conditions`).
-- Drift. None for the closed form; the phase alone for Moser–Veselov steps; everything for Runge–Kutta steps (`drift`).
+  and energy (`ConditionNumbers`).
+- Drift. A closed form has none; Moser–Veselov steps lose the phase alone, Runge–Kutta steps energy and momentum as
+  well. Their errors are bounded with the growth that they have along the motion until the end (`error_growth`).
 - Between neighbours the flow is summed in doubles, ``FLOW`` roundings in each of its substeps, and carries the
   roundings of the rate that it starts from.
 
@@ -23,10 +24,9 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.condition_numbers import ConditionNumbers
-from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.drift import ConditionNumbers, Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
-from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.parameters import Vector
 from lie_rigid_body.scenario import Scenario
@@ -49,7 +49,7 @@ READING: Final = 48 * U
 FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
 SHARED: Final = 512
-"""Segments whose limits are kept: those that one batch of a bag may be of."""
+"""Largest number of segments whose limits are kept: one batch of a bag may be of as many."""
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,16 @@ class Tolerance:
         Bound Ω of the body rate, rad/s.
     conditions : ConditionNumbers
     drift : Drift
-    propagation : Propagation
+    largest_growth : float
+        Largest factor by which an error grows between two states of the segment.
     inversion : float
-        How many times larger the roundings of a recorded rate are, of a stepper that computes it from the momentum.
+        Factor of the roundings of a recorded rate, of a stepper that computes it from the momentum.
     """
 
     fastest: float
     conditions: ConditionNumbers
     drift: Drift
-    propagation: Propagation
+    largest_growth: float
     inversion: float = 1.0
 
     def energy(self, t: Array) -> Array:
@@ -98,21 +99,25 @@ class Tolerance:
     def mean_rate(self, t: Array, span: float) -> Array:
         """Limit of the error of the mean rate over ``span``, s, up to times t, rad/s, shape (N,)."""
         turn = np.array([self.fastest * span])
-        carried = turn * self.propagation.growth(turn) * self.rate(t)
+        carried = turn * self._growth(turn) * self.rate(t)
         return np.asarray((self.attitude_step(np.array([span])) + carried) / span)
 
     def attitude_step(self, spans: Array) -> Array:
         """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans
-        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude(spans)
-        carried = turns * (self._rate_reading(turns) + self.drift.rate(spans))
-        return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
+        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude_step(spans)
+        carried = turns * (self._rate_reading(turns) + self.drift.rate_step(spans))
+        return np.asarray(np.minimum((limit + carried) * self._growth(turns), ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
         """Limit of |ω_sample − ω_flow|/Ω over spans, s, capped, shape (N,)."""
         turns = self.fastest * spans
-        limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
+        limit = (self._rate_reading(turns) + self.drift.rate_step(spans)) * self._growth(turns)
         return np.asarray(np.minimum(limit, ATTITUDE_CAP))
+
+    def _growth(self, turns: Array) -> Array:
+        """Largest factor by which an error grows over turns, rad: exp(turn), and at most that of any two states."""
+        return np.asarray(np.minimum(np.exp(np.minimum(turns, LONGEST_TURN)), self.largest_growth))
 
     def _rate_reading(self, turns: Array) -> Array:
         """Roundings of a recorded rate, and of the momentum and the flow that start from it, relative to Ω."""
@@ -126,7 +131,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Parameters
     ----------
     scenario : Scenario
-        As declared in the bag.
+        Scenario that the bag declares.
     duration : float
         Length of the segment, s.
 
@@ -135,26 +140,26 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
-    propagation = _propagation(
+    states, growth, largest = _propagation(
         scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
     )
-    conditions = ConditionNumbers.of(body, propagation.states, fastest)
-    if scenario.motion == "closed_form":
-        return Tolerance(fastest, conditions, NoDrift(), propagation)
+    conditions = ConditionNumbers.of(body, states, fastest)
+    if scenario.motion == "closed_form" or fastest == 0.0:
+        return Tolerance(fastest, conditions, NoDrift(), largest)
     method = METHODS[scenario.method]
     period = 1.0 / scenario.rate
     if method.largest_turn < math.inf:
         drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
-        return Tolerance(fastest, conditions, drift, propagation)
+        return Tolerance(fastest, conditions, drift, largest)
     step = period / steps_between(period, scenario.max_step)
-    error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
-    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
-    return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
+    error = step_error(body, states, method, fastest, step, conditions.rate_of_momentum)
+    steps = MuntheKaasDrift.of(body, states, growth, error, conditions, fastest, step)
+    return Tolerance(fastest, conditions, steps, largest, conditions.inverse)
 
 
-@lru_cache(maxsize=SHARED)
+@lru_cache(maxsize=SHARED // 8)
 def _propagation(
     inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
 ) -> Propagation:
-    """The propagation of a motion, whatever the steps and the rates of samples: most of the work."""
+    """Propagation of a motion, which does not depend on steps and rates of samples, and is most of the work."""
     return Propagation.of(RigidBody(inertia), State(attitude_xyzw, body_rate), duration, fastest)

@@ -37,10 +37,10 @@ from lie_rigid_body.arithmetic.double_double import (
     square_root,
     subtract,
 )
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.attitude import world_rotation
-from lie_rigid_body.motion.closed_form.clock import Clock
+from lie_rigid_body.motion.closed_form.clock import PhaseClock
 from lie_rigid_body.motion.closed_form.fast_frames import CoupledBody, DiagonalBody, FastFrame, Vector
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta
 from lie_rigid_body.motion.closed_form.landen import (
@@ -216,14 +216,14 @@ def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
     return [divide(multiply(j, w), polhode.momentum)[0] for j, w in zip(polhode.moments, rate, strict=True)]
 
 
-def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> Clock:
-    """Clock of ψ/2: mean precession minus turn of n about the third axis."""
+def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> PhaseClock:
+    """PhaseClock of ψ/2: mean precession minus turn of n about the third axis."""
     circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
-    return Clock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
+    return PhaseClock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
 
 
-def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[Clock, RealTheta]:
+def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, RealTheta]:
     """The clock of ζ and the theta functions for m ≤ ½."""
     q = nome(mean.gaps[0][0])
     j1, _, j3 = polhode.moments
@@ -240,7 +240,9 @@ def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricM
     return _clock(polhode, start, mean, _TURN, 0), RealTheta.of(q, decay, codecay, fall)
 
 
-def _hyperbolic(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[Clock, ImaginaryTheta]:
+def _hyperbolic(
+    polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean
+) -> tuple[PhaseClock, ImaginaryTheta]:
     """The clock of χ and the theta functions for m > ½."""
     complementary = polhode.complementary_mean(_CIRCULAR_STEPS)
     j1, _, j3 = polhode.moments
@@ -265,12 +267,12 @@ def _hyperbolic(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometri
 
 def _clock(
     polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean, period: DoubleDouble, steps: int
-) -> Clock:
+) -> PhaseClock:
     """The clock of a period in the unit of its phase, by so many Landen's steps in double-double for its start."""
     size = angle(*phase_squares(polhode.sine_square, polhode.cosine_square, mean.gaps, steps))
     turns = multiply(size, _PER_TURN)
     backward = start.sense * start.rate[1][0] < 0.0
-    return Clock(
+    return PhaseClock(
         rate=multiply(polhode.circulation_rate(mean), _PER_NANOSECOND),
         start=choose(backward, scaled(turns, -1.0), turns),
         period=period,
@@ -313,7 +315,7 @@ def fast_motion_of_one(
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia
     body: DiagonalBody | CoupledBody
     if xy == 0.0 and xz == 0.0 and yz == 0.0:
-        body = DiagonalBody.of_one([xx, yy, zz], body_rate)
+        body = DiagonalBody.of((xx, yy, zz), triple(body_rate, 0))
     else:
         body = CoupledBody.of(inertia, moments, axes, body_rate)
     regular, hyperbolic, steps = body.classified()
@@ -338,7 +340,9 @@ def _groups(starts: Starts) -> NDArray[np.intp]:
 
 
 def _diagonal(starts: Starts) -> DiagonalBody:
-    return DiagonalBody.of_many(np.diagonal(starts.inertia, axis1=1, axis2=2), starts.body_rate)
+    return DiagonalBody.of(
+        *(triple(list(rows.T), 0) for rows in (np.diagonal(starts.inertia, 0, 1, 2), starts.body_rate))
+    )
 
 
 def _coupled(starts: Starts) -> CoupledBody:
