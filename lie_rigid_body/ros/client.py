@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 import rclpy
@@ -21,7 +21,6 @@ from std_srvs.srv import Trigger
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.listen import CALLS
 from lie_rigid_body.ros.session import destroying, initialised, translated_errors
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
@@ -34,8 +33,8 @@ SIGNAL_INTERVAL: Final = 0.1
 """Longest time between two looks whether a signal has come, s."""
 
 
-def ask(given: argparse.Namespace, interruption: Interruption) -> None:
-    """Carry out a command line of `listen`.
+def ask(given: argparse.Namespace, calls: Iterable[str], interruption: Interruption) -> None:
+    """Carry out a command line of `listen`, whose options for ``calls`` name services.
 
     Raises
     ------
@@ -49,7 +48,7 @@ def ask(given: argparse.Namespace, interruption: Interruption) -> None:
             node = rclpy.create_node("lie_rigid_body_listener")
         with destroying(node):
             client = Client(node, interruption)
-            for name in CALLS:
+            for name in calls:
                 if service := getattr(given, name):
                     return client.trigger(f"--{name}", service)
             if given.scenario:

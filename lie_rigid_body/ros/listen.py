@@ -43,7 +43,7 @@ def _main(argv: Sequence[str] | None) -> int:
     with Interruption() as interruption:
         from lie_rigid_body.ros.client import ask
 
-        ask(given, interruption)
+        ask(given, CALLS, interruption)
     return console.SUCCESS
 
 

@@ -14,7 +14,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row, carry_out
-from lie_rigid_body.cli import campaign as verb
+from lie_rigid_body.cli import campaign_runs as verb
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.wording import LONGEST_LINE
 
