@@ -14,11 +14,10 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import triad_fault_parameters
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
-from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_parameters
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_fault_parameters, triad_parameters
 from lie_rigid_body.sensors.sensor import (
     Carrier,
     Field,

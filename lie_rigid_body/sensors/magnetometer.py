@@ -16,10 +16,9 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import episode_parameters, triad_fault_parameters
 from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import not_negative, numbers
+from lie_rigid_body.sensors.parameters import episode_parameters, not_negative, numbers, triad_fault_parameters
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.sensor import (
     Carrier,

@@ -16,7 +16,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import delivery_parameters
+from lie_rigid_body.sensors.parameters import delivery_parameters
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.wording import short_repr
 

@@ -85,7 +85,7 @@ def test_every_parameter_reaches_its_sensor() -> None:
     on |= {p.name: 8.0 for p in SENSORS.parameters.values() if p.name.endswith("_interval")}
     on |= {p.name: 0.3 for p in SENSORS.parameters.values() if p.name.endswith("_drift")}
     plain = Sensors.from_parameters(on)
-    for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters(SENSORS)):
+    for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters()):
         other: object = 0.005 if parameter.name.endswith("_skew") else 9.0 if parameter.name in on else 0.25
         if parameter.name.endswith("_probability"):
             other = 0.75
