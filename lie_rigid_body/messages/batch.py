@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -24,27 +25,11 @@ TWIST: Final = "twist"
 FAULTS: Final = "~/faults"
 
 
-class _SensorTopics(Mapping[str, str]):
-    """A view of the table of sensors, which may grow."""
+SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS: STRING}, SENSORS.topics)
+"""Message types of the topics of all sensors, by their relative names; a view, as the table of sensors may grow.
 
-    def __getitem__(self, name: str) -> str:
-        return self._types()[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._types())
-
-    def __len__(self) -> int:
-        return len(self._types())
-
-    @staticmethod
-    def _types() -> dict[str, str]:
-        of_readings = {topic.name: topic.message_type for sensor in SENSORS.values() for topic in sensor.topics}
-        return {**of_readings, FAULTS: STRING}
-
-
-SENSOR_TOPICS: Final = _SensorTopics()
-"""The message types of the topics of all sensors, by their relative names; messages of equal times come in the same
-order, after those of the truth."""
+Messages of equal times come in this order, after those of the truth.
+"""
 
 
 @dataclass(frozen=True)

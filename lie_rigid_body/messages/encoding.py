@@ -18,11 +18,10 @@ from lie_rigid_body.messages.layout import (
     TWIST_NUMBERS,
     Layout,
     Payloads,
-    numbers_after,
+    header,
     text,
 )
 from lie_rigid_body.messages.template import Template
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Field, Readings, SensorModel, Topic
 from lie_rigid_body.simulation import Samples
@@ -30,7 +29,6 @@ from lie_rigid_body.simulation import Samples
 NOT_GIVEN: Final = -1.0
 """First number of the covariance of what a message does not give (REP-145)."""
 _ONE_TRANSFORM: Final = struct.pack("<I", 1)
-_TRANSLATION: Final = 3
 
 
 class PoseTwistEncoder:
@@ -43,10 +41,11 @@ class PoseTwistEncoder:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        twist_frame = scenario.body_frame if scenario.stamped_twist else None
         # position and linear velocity stay zero; the rotation's numbers follow them
-        self._pose = Layout(scenario.world_frame, [0.0] * POSE_NUMBERS, [range(3, 7)])
-        self._twist = Layout(twist_frame, [0.0] * TWIST_NUMBERS, [range(3, 6)])
+        self._pose = Layout(header(scenario.world_frame), [0.0] * POSE_NUMBERS, [range(3, 7)])
+        twist = ([0.0] * TWIST_NUMBERS, [range(3, 6)])
+        stamped = scenario.stamped_twist
+        self._twist = Layout(header(scenario.body_frame), *twist) if stamped else Layout(ENCAPSULATION, *twist, None)
 
     def poses(self, samples: Samples) -> Payloads:
         """One geometry_msgs/PoseStamped a sample, position 0."""
@@ -82,7 +81,7 @@ class ReadingEncoder:
         self.topic, self.frame = topic, scenario.frame(topic.frame)
         self.numbers, self.fields = fixed_numbers(topic, model), told_fields(topic, model)
         places = [numbers_of(topic, field) for field in self.fields]
-        self._layout, self._widths = Layout(self.frame, self.numbers, places), list(map(len, places))
+        self._layout, self._widths = Layout(header(self.frame), self.numbers, places), list(map(len, places))
 
     def encode(self, stamps_ns: Integers, readings: Readings) -> Payloads:
         """One message a reading.
@@ -134,18 +133,9 @@ class TransformEncoder:
     def __init__(self, frame: str, child_frame: str) -> None:
         head = ENCAPSULATION + _ONE_TRANSFORM + bytes(8) + text(frame)
         head = head.ljust(-(-len(head) // 4) * 4, b"\x00") + text(child_frame)
-        start = numbers_after(len(head))
-        self._template = head.ljust(start + 8 * (_TRANSLATION + 4), b"\x00")
-        self._fields = np.dtype(
-            {
-                "names": ["sec", "nanosec", "rotation"],
-                "formats": ["<i4", "<u4", ("<f8", (4,))],
-                "offsets": [8, 12, start + 8 * _TRANSLATION],
-                "itemsize": len(self._template),
-            }
-        )
+        self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
 
-    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> list[bytes]:
+    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> Payloads:
         """One message a sample.
 
         Parameters
@@ -155,14 +145,9 @@ class TransformEncoder:
 
         Returns
         -------
-        list of bytes
+        Payloads
         """
-        buffer = bytearray(self._template * len(stamps_ns))
-        rows = np.frombuffer(buffer, dtype=self._fields)
-        rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
-        rows["rotation"] = attitude_xyzw
-        size = len(self._template)
-        return [bytes(buffer[i : i + size]) for i in range(0, len(buffer), size)]
+        return self._layout.encode(stamps_ns, attitude_xyzw)
 
 
 def encode_string(value: str) -> bytes:

@@ -25,6 +25,11 @@ TWIST_NUMBERS: Final = 6
 """float64 fields of a twist: linear x y z, angular x y z."""
 
 
+def header(frame: str) -> bytes:
+    """The bytes of a payload that begins with a std_msgs/Header, of the stamp 0."""
+    return ENCAPSULATION + bytes(8) + text(frame)
+
+
 def numbers_after(end: int) -> int:
     """Where float64 numbers begin in a payload whose fields before them end at byte ``end``."""
     return 4 + -(-(end - 4) // 8) * 8
@@ -75,23 +80,30 @@ class Layout:
 
     Parameters
     ----------
-    frame : str or None
-        Frame name of its header; None: it has no header.
+    head : bytes
+        The bytes before its numbers, but for padding; see `header`.
     numbers : sequence of float
         Its float64 fields in order.
     places : sequence of sequence of int
         Which of them each sample sets: of each vector the numbers that it goes to, rising.
+    stamp : int or None, optional
+        Byte at which the stamp begins, by default that of a header; None: it has none.
     """
 
-    def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[Sequence[int]]) -> None:
-        head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
+    def __init__(
+        self,
+        head: bytes,
+        numbers: Sequence[float],
+        places: Sequence[Sequence[int]],
+        stamp: int | None = len(ENCAPSULATION),
+    ) -> None:
         start = numbers_after(len(head))
         template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
         # the stamp's two halves, sec and nanosec, are one word
-        stamp = [] if frame is None else [(len(ENCAPSULATION), 1)]
+        stamps = [] if stamp is None else [(stamp, 1)]
         words = [(start + 8 * first, length) for vector in places for first, length in _runs(vector)]
-        self._template = Template(template, [*stamp, *words])
-        self._stamped = len(stamp)
+        self._template = Template(template, [*stamps, *words])
+        self._stamped = len(stamps)
         ends = list(accumulate(map(len, places), initial=self._stamped))
         self._columns = [slice(*bounds) for bounds in pairwise(ends)]
 

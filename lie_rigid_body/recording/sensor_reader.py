@@ -94,11 +94,6 @@ class SensorTrack:
         return cls(f"/{name}", none, none, np.empty((0, len(places(SENSOR_TOPICS[name])[""]))))
 
 
-def reading_types() -> frozenset[str]:
-    """The message types of the topics of readings."""
-    return frozenset(topic.message_type for sensor in SENSORS.values() for topic in sensor.topics)
-
-
 def varying_fields(message_type: str) -> Booleans:
     """Which float64 numbers of a type differ from message to message on any topic of a sensor, shape (K,)."""
     numbers = np.full(len(places(message_type)[""]), fill_value=False)

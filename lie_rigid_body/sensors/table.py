@@ -52,6 +52,8 @@ class SensorTable(dict[str, Sensor]):
     ----------
     parameters : dict of str to Parameter
         Every parameter of the sensors by its name, in the order in which they are shown.
+    topics : dict of str to str
+        Message types of the topics of readings, by their relative names.
     quiet : frozenset of str
         Names of the parameters that the text of a scenario leaves out at their defaults: they came later than bags did.
     parts : tuple of str
@@ -60,6 +62,7 @@ class SensorTable(dict[str, Sensor]):
 
     def __init__(self, *sensors: Sensor) -> None:
         self.parameters: dict[str, Parameter] = {}
+        self.topics: dict[str, str] = {}
         self._set(sensors)
 
     def _set(self, sensors: tuple[Sensor, ...]) -> None:
@@ -71,8 +74,11 @@ class SensorTable(dict[str, Sensor]):
         quiet = [*later, *WINDOW_PARAMETERS, *(fault for sensor in sensors for fault in sensor.all_faults)]
         self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
         self.parts = tuple(part for sensor in sensors for part in (sensor.name, *sensor.parts))
-        self.parameters.clear()  # others have views of it
+        # the same dictionaries, of which others have views
+        self.parameters.clear()
         self.parameters.update({parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)})
+        self.topics.clear()
+        self.topics.update({topic.name: topic.message_type for sensor in sensors for topic in sensor.topics})
 
     @contextmanager
     def including(self, sensor: Sensor) -> Iterator[None]:
