@@ -173,7 +173,7 @@ class Replay:
         if limits is not None and conditioning.per_attitude.any():
             uncertainty = uncertainty + conditioning.per_attitude * limits.attitude(t)[:, np.newaxis]
         if limits is not None and conditioning.per_rate.any():
-            rate = limits.mean_rate(t, conditioning.span) if conditioning.span else limits.stepper_rate(t)
+            rate = limits.stepper_mean_rate(t, conditioning.span) if conditioning.span else limits.stepper_rate(t)
             uncertainty = uncertainty + conditioning.per_rate * rate[:, np.newaxis]
         values = signal.values.reshape(len(t), -1)
         return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)

@@ -253,9 +253,7 @@ class SegmentSensor:
 
 def value_laws() -> frozenset[str]:
     """The laws of readings, which depend on how this software computes noise."""
-    return frozenset(
-        field.quantity for sensor in SENSORS.values() for topic in sensor.topics for field in topic.fields
-    )
+    return frozenset(field.quantity for sensor in SENSORS.values() for topic in sensor.topics for field in topic.fields)
 
 
 @lru_cache(maxsize=4)
@@ -263,7 +261,10 @@ def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
     """What a scenario makes of the messages of a sensor, by topic."""
     found = {}
     for topic in SENSORS[name].topics:
-        encoder, varying = ReadingEncoder(topic, scenario.sensors.on[name], scenario), varying_fields(topic.message_type)
+        encoder, varying = (
+            ReadingEncoder(topic, scenario.sensors.on[name], scenario),
+            varying_fields(topic.message_type),
+        )
         numbers = np.array(encoder.numbers)
         fixed = np.full(np.count_nonzero(varying), fill_value=True)
         readings = []

@@ -34,6 +34,7 @@ from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import short_repr
 
+
 @dataclass(frozen=True)
 class SensorFindings:
     """What is found of the sensors of a bag.
@@ -131,7 +132,9 @@ class SensorLaws:
         if self._surveyed.as_written:
             return truth_ns
         counts = {
-            name: max((self._bag.sensors[t.name].count for t in SENSORS[name].topics if t.name in self._readings), default=0)
+            name: max(
+                (self._bag.sensors[t.name].count for t in SENSORS[name].topics if t.name in self._readings), default=0
+            )
             for name in scenario.sensors.on
         }
         longest = max((counts[name] / model.rate for name, model in scenario.sensors.on.items()), default=0.0)
@@ -182,7 +185,9 @@ class SensorLaws:
         if (place, name) not in self._sensors:
             found = self._found[place]
             assert found is not None
-            topics = {topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held}
+            topics = {
+                topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held
+            }
             self._sensors[place, name] = SegmentSensor(
                 found, self._successors(place), name, topics, self._work, self._watch
             )
@@ -303,7 +308,11 @@ class SensorLaws:
             end = self._last(sensor, topic, is_last=is_last)
             last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
             due = tally.count or (whole and not has_ended)
-            wrong = tally.faults(topic.topic, sensor.first if whole or not tally.count else tally.low, last, lost) if due else []
+            wrong = (
+                tally.faults(topic.topic, sensor.first if whole or not tally.count else tally.low, last, lost)
+                if due
+                else []
+            )
             faults += wrong
             if tally.count:
                 begun.add(relative)

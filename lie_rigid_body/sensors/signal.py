@@ -70,15 +70,16 @@ class Signal:
     ----------
     values : ndarray, shape (N, ...)
         In the unit of the reading.
-    conditioning : callable
-        Makes the `Conditioning` of the values, which only a certificate asks for.
     converter : Converter or None
         What makes readings of the values; None: the readings are the values.
+    condition : callable or None
+        Makes the `Conditioning` of the values, which only a certificate asks for. None: that of a vector which is known
+        in the world.
     """
 
     values: Array
-    conditioning: Callable[[], Conditioning]
     converter: Converter | None = None
+    condition: Callable[[], Conditioning] | None = None
 
     __repr__ = short_repr
 
@@ -86,11 +87,18 @@ class Signal:
         """The readings, of the shape of the values."""
         return self.values if self.converter is None else self.converter.read(self.values)
 
+    def conditioning(self) -> Conditioning:
+        """How far the values may differ elsewhere."""
+        if self.condition is not None:
+            return self.condition()
+        size = np.sqrt(np.sum(self.values * self.values, axis=-1))
+        return Conditioning.of(size, per_attitude=size)
+
     def through(self, matrix: Array) -> Signal:
         """The signal on axes whose sensitivities are the rows of a matrix, shape (3, 3)."""
         gains = so3.norm(matrix)
         values = apply_tensor(matrix, self.values)
-        return replace(self, values=values, conditioning=lambda: self._scaled(gains))
+        return replace(self, values=values, condition=lambda: self._scaled(gains))
 
     def _scaled(self, gains: Array) -> Conditioning:
         whole = self.conditioning()
@@ -106,9 +114,7 @@ class Signal:
             Makes the size, shape (N, 3), of which the part has roundings beside those of its own size.
         """
         values = self.values + part
-        return replace(
-            self, values=values, conditioning=lambda: self.conditioning().enlarged(np.abs(part) + roundings())
-        )
+        return replace(self, values=values, condition=lambda: self.conditioning().enlarged(np.abs(part) + roundings()))
 
     def held(self, rows: Integers, before: Signal | None) -> Signal:
         """The signal with, on each axis, what it is in another row.
@@ -126,13 +132,13 @@ class Signal:
             own = self.conditioning()
             return replace(own, numbers=_held(earlier.conditioning().numbers, own.numbers, rows))
 
-        return replace(self, values=_held(earlier.values, self.values, rows), conditioning=conditioning)
+        return replace(self, values=_held(earlier.values, self.values, rows), condition=conditioning)
 
     def __getitem__(self, rows: slice) -> Signal:
         """Some readings, which keep no memory of the others."""
         whole = self.conditioning()
         some = replace(whole, numbers=whole.numbers[:, rows].copy())
-        return replace(self, values=self.values[rows].copy(), conditioning=lambda: some)
+        return replace(self, values=self.values[rows].copy(), condition=lambda: some)
 
 
 def _held(before: Array, values: Array, rows: Integers) -> Array:

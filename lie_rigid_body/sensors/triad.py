@@ -171,7 +171,7 @@ class Triad:
 
         if self._walks and count:
             self._largest = np.maximum(largest, np.abs(values).max(axis=0))
-        return Signal(values, conditioning)
+        return Signal(values, condition=conditioning)
 
     def skip(self, count: int) -> None:
         """Leave out the next readings; of an axis that is stuck the next ones are then not those of `signals`."""

@@ -130,14 +130,6 @@ class TriadFaults:
             for _, begin, end in self.saturation.between(begin_ns, end_ns):
                 yield Fault("saturation", self.sensor, "", begin, end, self.saturation_level)
 
-
-_NUMBERS: Final = (
-    *("spike_probability", "spike_size", "noise_burst_density", "saturation_level"),
-    *("temperature_drift", "temperature_drift_duration"),
-)
-_EPISODES: Final = ("noise_burst", "stuck", "saturation")
-
-
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
     ) -> Iterator[int]:
@@ -152,6 +144,13 @@ _EPISODES: Final = ("noise_burst", "stuck", "saturation")
                 return
             stuck_axis, number = axis, number_before(int(self.stuck.begins_ns(episode)[0]))
             yield number
+
+
+_NUMBERS: Final = (
+    *("spike_probability", "spike_size", "noise_burst_density", "saturation_level"),
+    *("temperature_drift", "temperature_drift_duration"),
+)
+_EPISODES: Final = ("noise_burst", "stuck", "saturation")
 
 
 def axis_of(drawn: Array) -> Integers:
@@ -172,7 +171,7 @@ class FaultyTriad:
     """
 
     def __init__(self, model: TriadFaults, rate: float, converter: Converter) -> None:
-        self._model = model
+        self.model = model
         self._count = 0
         self._drift = model.drifted()
         self._last: Signal | None = None
@@ -182,7 +181,7 @@ class FaultyTriad:
 
     def drift(self, times_ns: Integers) -> Array:
         """What the drift with temperature adds to the bias at some times since the segment's start, shape (N, 3)."""
-        age, duration = times_ns - self._model.window.begin_ns, self._model.drift_duration_ns
+        age, duration = times_ns - self.model.window.begin_ns, self.model.drift_duration_ns
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
         return np.asarray(share[:, np.newaxis] * self._drift)
 
@@ -197,7 +196,7 @@ class FaultyTriad:
 
     def _added(self, times_ns: Integers, signal: Signal) -> Signal:
         """The signal with bursts and spikes."""
-        model, count = self._model, len(times_ns)
+        model, count = self.model, len(times_ns)
         if model.noise_bursts is not None:
             inside = model.noise_bursts.at(times_ns)[:, np.newaxis] >= 0
             signal = signal.plus(np.where(inside, self._burst.take(count), 0.0))
@@ -207,7 +206,7 @@ class FaultyTriad:
 
     def _saturated(self, times_ns: Integers, signal: Signal) -> Signal:
         """The signal clipped at a level; this keeps the order of numbers, and adds no round-off."""
-        model = self._model
+        model = self.model
         if model.saturation is None:
             return signal
         inside = model.saturation.at(times_ns)[:, np.newaxis] >= 0
@@ -216,10 +215,10 @@ class FaultyTriad:
 
     def _stuck(self, times_ns: Integers, signal: Signal) -> Signal:
         """The signal that repeats, on a stuck axis, that of the reading before: so whatever the converter."""
-        if self._model.stuck is None or not len(times_ns):
+        if self.model.stuck is None or not len(times_ns):
             return signal
-        numbers = self._model.stuck.at(times_ns)
-        axes = axis_of(self._model.stuck.draws(np.maximum(numbers, 0))[:, 0])
+        numbers = self.model.stuck.at(times_ns)
+        axes = axis_of(self.model.stuck.draws(np.maximum(numbers, 0))[:, 0])
         rows = np.repeat(np.arange(len(times_ns))[:, np.newaxis], 3, axis=1)
         for number in np.unique(numbers[numbers >= 0]):
             inside = np.flatnonzero(numbers == number)
