@@ -28,8 +28,8 @@ from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.measurement import Measurement
 
 ROUNDINGS: Final = 64.0
-"""Roundings of a reading, in units of u and of the size of its parts. With normal deviates of other libraries, 16 u off,
-and states 1e-15 rad and 12 u off, 53 were needed at most."""
+"""Roundings of a reading, in units of u and of the size of its parts. With normal deviates 16 u off, as of another
+library, and states 1e-15 rad and 12 u off, 53 were needed at most."""
 BLOCK: Final = 8192
 """Readings that are replayed at once."""
 MOST_WALKED: Final = 200_000_000

@@ -1,8 +1,8 @@
 """The segments that readings of a sensor belong to, and their numbers, by the clocks that stamp them.
 
-The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are of the segment's
-scenario. The inverse of `Delivery.measured_ns` is less than 20 ns off, so that the nearest reading of the sensor's grid
-is the right one, and what the clock shows at that reading is compared with the stamp to the nanosecond.
+The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
+segment's scenario. `Delivery.measured_ns` inverts this to 20 ns, so that the nearest reading of the sensor's grid is
+the right one, and what the clock shows at that reading is compared with the stamp to the nanosecond.
 """
 
 from __future__ import annotations

@@ -76,14 +76,9 @@ class TopicLaws:
     def __init__(self, told: _Told, title: str, topic: str, tally: StampTally, watch: Watch | None) -> None:
         self.topic, self.tally, self._told = topic, tally, told
         self._alike = Judgement(title, "", "frame or covariances are not as declared, at {where}", "reading")
+        what = "{law} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
         self._values = [
-            Judgement(
-                law,
-                unit,
-                f"{law} is {{worst}}{f' {unit}' * bool(unit)} off what the scenario determines (limit {{limit}}) at {{where}}",
-                "reading",
-                watch,
-            )
+            Judgement(law, unit, what.format(law=law, unit=f" {unit}" if unit else ""), "reading", watch)
             for law, unit, _, _ in told.readings
         ]
 
@@ -155,7 +150,8 @@ class SegmentSensor:
     ) -> None:
         self.found, self._successors, self._name, self._work = found, successors, name, work
         self.end_ns = successors[0].start_ns - 1 if successors else None
-        self.is_too_far, self._motion_error, self._replay = False, 0.0, None
+        self.is_too_far, self._motion_error = False, 0.0
+        self._replay: Replay | None = None
         self.strays = dict.fromkeys(topics, 0)
         segment = found.segment
         self._model = model = segment.scenario.sensors.on.get(name)
@@ -169,9 +165,14 @@ class SegmentSensor:
         }
 
     def _tally(self) -> StampTally:
-        delivery, epoch_ns = self._model.delivery, self.found.segment.scenario.epoch_ns
-        shown = {} if delivery is None else {"shown": lambda times: times + delivery.error_ns(times, epoch_ns)}
-        return StampTally(self.clock, "reading", **shown)
+        assert self.clock is not None
+        return StampTally(self.clock, "reading", self._shown_ns)
+
+    def _shown_ns(self, times_ns: Integers) -> Integers:
+        """What the sensor's clock shows at some times, ns."""
+        delivery = None if self._model is None else self._model.delivery
+        epoch_ns = self.found.segment.scenario.epoch_ns
+        return times_ns if delivery is None else times_ns + delivery.error_ns(times_ns, epoch_ns)
 
     @property
     def goes_on(self) -> bool:
@@ -187,7 +188,8 @@ class SegmentSensor:
 
     def arrived_until(self, time_ns: int) -> int:
         """How many readings of the clock, from number 0 on, arrive at or before a time."""
-        assert self.clock is not None and self._model is not None
+        assert self.clock is not None
+        assert self._model is not None
         start_ns = self.found.segment.start_ns
         return Arrivals(self.clock, self.first, start_ns, self._model.delivery).count_until(time_ns)
 

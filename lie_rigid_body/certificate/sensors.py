@@ -148,9 +148,9 @@ class SensorLaws:
         for name, sensor in SENSORS.items():
             placed: dict[int, dict[str, PlacedMessages]] = defaultdict(dict)
             for topic in sensor.topics:
-                messages = readings.get(topic.name)
-                if isinstance(messages, SensorMessages) and len(messages):
-                    for place, own in self._placed(topic.name, messages):
+                of_topic = readings.get(topic.name)
+                if isinstance(of_topic, SensorMessages) and len(of_topic):
+                    for place, own in self._placed(topic.name, of_topic):
                         placed[place][topic.name] = own
             for place in sorted(placed):
                 self._add(place, name, placed[place])

@@ -101,7 +101,7 @@ class Tolerance:
         return np.asarray(self.fastest * np.minimum(self.drift.rate(t), ATTITUDE_CAP))
 
     def stepper_mean_rate(self, t: Array, span: float) -> Array:
-        """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s, shape (N,).
+        """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
 
         That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
         between them add, and an error of the rate before them.

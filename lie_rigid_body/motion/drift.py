@@ -47,7 +47,7 @@ BIAS_OF_SLOPE: Final = 16.0
 """Roundings of a slope that may be alike in all steps, in units of u."""
 
 BIAS_OF_STEP: Final = 2.0**-4
-"""Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed value is 0.015."""
+"""Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed is 0.015."""
 
 REPEATED: Final = 4.0
 """Largest change of an increment from one step to the next, in units of u, at which its rounding is taken to repeat."""

@@ -50,8 +50,6 @@ class Instrument(ABC):
     """A sensor at work: readings in order, the same to the bit in batches of any size."""
 
     __copy__ = copy.deepcopy  # it goes on by itself
-    walks = False
-    """Whether readings that are left out take time, as a bias walks through them."""
 
     @abstractmethod
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
@@ -90,6 +88,11 @@ class Instrument(ABC):
         before : State
             The body's state at that time. Only an instrument that integrates over time looks at it.
         """
+
+    @property
+    def walks(self) -> bool:
+        """Whether readings that are left out take time, as a bias walks through them."""
+        return False
 
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
