@@ -14,7 +14,7 @@ from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
-from lie_rigid_body.certificate.tolerance import NORM_LIMIT, Tolerance, tolerance
+from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
@@ -49,6 +49,10 @@ class Comparison:
     resolved : ndarray of bool, shape (N − 1,)
         Whether the flow is followed over it.
     found : Residuals
+    rate_error : ndarray, shape (N,)
+        Distance of the body rates from those of the exact motion, rad/s.
+    speed : ndarray, shape (N,)
+        Size of the exact body rates, rad/s.
     follows : bool
         Whether the first sample is the last one of the block before it, and only its interval is new.
     """
@@ -60,6 +64,8 @@ class Comparison:
     spans: Array
     resolved: Booleans
     found: Residuals
+    rate_error: Array
+    speed: Array
     follows: bool
 
 
@@ -135,6 +141,8 @@ class SegmentLaws:
             spans,
             resolved,
             Residuals.of(self._body, block.states, exact, followed, fastest, self._found.followed_span),
+            so3.norm(block.states.body_rate - exact.body_rate),
+            so3.norm(exact.body_rate),
             self._before is not None,
         )
 
@@ -156,6 +164,7 @@ def _all_laws(compared: Comparison) -> Iterator[_Law]:
         *_world_momentum(compared),
         *_neighbours(compared),
         _closed_form(compared),
+        _exact_rate(compared),
     ):
         if len(law.values) < len(compared.t) or not first:  # of intervals, or of samples that are all new
             yield law
@@ -257,6 +266,17 @@ def _closed_form(compared: Comparison) -> _Law:
         compared.found.turned,
         compared.tolerance.attitude(compared.t),
         "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}",
+    )
+
+
+def _exact_rate(compared: Comparison) -> _Law:
+    """The body rate is that of the closed form from the segment's start."""
+    return _Law(
+        "exact rate",
+        "rad/s",
+        compared.rate_error,
+        READING * compared.speed + compared.tolerance.stepper_rate(compared.t),
+        "the body rate is {worst} rad/s off the exact solution (limit {limit}) at {where}",
     )
 
 

@@ -20,7 +20,8 @@ from lie_rigid_body.sensors.fault import Fault
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
-from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Readings, Sensor, SensorModel, Signal, Topic
+from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Readings, Sensor, SensorModel, Topic
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.sun_sensor import SunSensor, SunSensorModel
 from lie_rigid_body.sensors.table import SENSORS, Sensors, frame_parameters, without_effect
 
@@ -32,6 +33,7 @@ __all__ = [
     "AttitudeSensor",
     "AttitudeSensorModel",
     "Carrier",
+    "Conditioning",
     "Delivery",
     "Fault",
     "Field",

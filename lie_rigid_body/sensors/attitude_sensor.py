@@ -16,7 +16,8 @@ from lie_rigid_body.parameters import Value, Vector, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
-from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Signal, Topic
+from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Topic
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.wording import short_repr
 
 
@@ -100,6 +101,10 @@ def direction(values: Mapping[str, Value], name: str) -> Vector:
     return tuple(component / size for component in components)
 
 
+_OF_QUATERNION: Final = 0.5
+"""Change of a component of a quaternion per rad of a rotation, at most."""
+
+
 class AttitudeSensor(Instrument):
     """An attitude sensor at work: attitudes, scalar last, and their covariances, rad².
 
@@ -116,16 +121,28 @@ class AttitudeSensor(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings; see `Instrument.measure`."""
-        attitude = self._read(states.attitude_xyzw)
-        return {"attitude_xyzw": Signal(attitude), "covariance": Signal(self._model.covariance(attitude))}
+        attitude, error = states.attitude_xyzw, np.zeros((len(times_ns), 3))
+        if not self._is_perfect:
+            error = self._error(len(times_ns))
+            attitude = quaternion.multiply(attitude, quaternion.exp(error))
 
-    def _read(self, attitude_xyzw: Array) -> Array:
-        if self._is_perfect:
-            return attitude_xyzw
-        drawn, b = self._noise.take(len(attitude_xyzw)), self._boresight
+        def conditioning() -> Conditioning:
+            return Conditioning.of(1.0 + so3.norm(error), _OF_QUATERNION)
+
+        def of_covariance() -> Conditioning:
+            # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
+            changed = 4.0 * abs(self._model.roll_noise**2 - self._model.cross_noise**2)
+            turned, size = conditioning(), self._model.cross_noise**2 + self._model.roll_noise**2
+            return Conditioning(changed * turned.numbers + size * np.array([1.0, 0.0, 0.0])[:, np.newaxis, np.newaxis])
+
+        covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
+        return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
+
+    def _error(self, count: int) -> Array:
+        """The small rotations of the next readings, in the body frame, rad, shape (N, 3)."""
+        drawn, b = self._noise.take(count), self._boresight
         roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
-        error = self._across * drawn + self._about * roll[:, np.newaxis] * b
-        return quaternion.multiply(attitude_xyzw, quaternion.exp(error))
+        return np.asarray(self._across * drawn + self._about * roll[:, np.newaxis] * b)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""

@@ -130,6 +130,16 @@ class Delivery:
         drift = np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
         return np.asarray(self.clock_offset_ns + drift)
 
+    def measured_ns(self, stamps_ns: Integers, epoch_ns: int) -> Integers:
+        """When the sensor's clock shows some stamps, to 20 ns; see `stamps_ns`.
+
+        With u = 2⁻⁵³, a skew of at most 0.01 and times below 2³¹ s, roundings move a stamp by 6 ns at most, and the
+        inverse by 11 ns.
+        """
+        since = stamps_ns - self.clock_offset_ns - epoch_ns
+        drift = np.rint(since * (self.clock_skew / (1.0 + self.clock_skew))).astype(np.int64)
+        return np.asarray(epoch_ns + since - drift)
+
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
         """What happened to the readings of a stretch of time; see `Faulty`."""
         found = list(self._lasting()) if begin_ns <= 0 < end_ns else []

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from typing import Final, cast
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
@@ -24,11 +25,11 @@ from lie_rigid_body.sensors.sensor import (
     Instrument,
     Sensor,
     SensorModel,
-    Signal,
     Topic,
     VectorAid,
     diagonal,
 )
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
@@ -163,21 +164,38 @@ class Imu(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings before their converters; see `Instrument.measure`."""
-        gyro, gyro_bias = self._gyro.signal(times_ns, self._rate.over(times_ns, states))
-        force, force_bias = self._accelerometer.signal(times_ns, self._force.at(states))
+        rate = Signal(self._rate.over(times_ns, states), condition=lambda: self._rate_conditioning(states))
+        gyro, gyro_bias = self._gyro.signals(times_ns, rate)
+        force, force_bias = self._accelerometer.signals(times_ns, self._force.signal(states))
         signals = {
-            "gyro": Signal(gyro, self._model.gyro.converter),
-            "specific_force": Signal(force, self._model.accelerometer.converter),
-            "gyro_bias": Signal(gyro_bias),
-            "accelerometer_bias": Signal(force_bias),
+            "gyro": gyro,
+            "specific_force": force,
+            "gyro_bias": gyro_bias,
+            "accelerometer_bias": force_bias,
         }
         if self._orientation is not None:
-            signals["orientation_xyzw"] = Signal(self._orientation.measure(states))
+            signals["orientation_xyzw"] = self._orientation.signal(states)
         return signals
 
-    def biases(self, stamps_ns: Integers) -> tuple[Array, Array]:
-        """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
-        return self._gyro.bias(stamps_ns), self._accelerometer.bias(stamps_ns)
+    def _rate_conditioning(self, states: State) -> Conditioning:
+        """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""
+        speed, rate = so3.norm(states.body_rate), self._model.rate
+        if self._model.gyro_rate != "integrated":
+            return Conditioning.of(speed, per_rate=1.0)
+        return Conditioning.of(speed + rate, per_rate=1.0, span=1.0 / rate)
+
+    @property
+    def walks(self) -> bool:
+        """Whether the bias of gyro or accelerometer walks."""
+        return bool(self._model.gyro.bias_random_walk or self._model.accelerometer.bias_random_walk)
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that an axis that is stuck repeats; see `Instrument.repeated`."""
+        for faults in (self._model.gyro.faults, self._model.accelerometer.faults):
+            if faults is not None:
+                yield from faults.repeated(number, elapsed_ns, number_before)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Protocol
 
@@ -17,7 +17,7 @@ from lie_rigid_body.parameters import Parameter, Value, Vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
 from lie_rigid_body.sensors.parameters import delivery_parameters
-from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.wording import short_repr
 
 
@@ -44,28 +44,6 @@ class Readings:
     def joined(self, later: Readings) -> Readings:
         """These readings followed by later ones of the same arrays."""
         return Readings({name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()})
-
-
-@dataclass(frozen=True)
-class Signal:
-    """One quantity of an instrument before its converter.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N, ...)
-        In the unit of the reading.
-    converter : Converter or None
-        What makes readings of it; None: they are the same.
-    """
-
-    values: Array
-    converter: Converter | None = None
-
-    __repr__ = short_repr
-
-    def read(self) -> Array:
-        """The readings, of the shape of the values."""
-        return self.values if self.converter is None else self.converter.read(self.values)
 
 
 class Instrument(ABC):
@@ -110,6 +88,27 @@ class Instrument(ABC):
         before : State
             The body's state at that time. Only an instrument that integrates over time looks at it.
         """
+
+    @property
+    def walks(self) -> bool:
+        """Whether readings that are left out take time, as a bias walks through them."""
+        return False
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that have to be measured, for whoever begins after a reading, as an axis that is stuck repeats them.
+
+        Parameters
+        ----------
+        number : int
+            Number of the reading before those that are wanted.
+        elapsed_ns : callable
+            Gives the time of a reading since the segment's start, ns.
+        number_before : callable
+            Gives the number of the last reading before a time since the segment's start, ns.
+        """
+        return iter(())
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import SENSORS, Fault, Instrument
-from lie_rigid_body.simulation.arrivals import Arrivals
+from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation.fault_log import FaultLog
+from lie_rigid_body.simulation.measurement import Measurement
 from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.sample_queue import SampleQueue, SensorQueue
 from lie_rigid_body.simulation.samples import Samples, SensorSamples
@@ -234,25 +234,13 @@ def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[
 
 
 def _sensor(segment: Segment, name: str, motion: Motion) -> SampleQueue[SensorSamples]:
-    scenario, start_ns = segment.scenario, segment.start_ns
-    model = scenario.sensors.on[name]
-    clock = SampleClock(scenario.epoch_ns, model.rate)
-    first = clock.count_until(start_ns - 1)
-    instrument = SENSORS[name].make(model, scenario, clock.stamp_ns(first - 1) - start_ns)
-    arrivals = Arrivals(clock, first, start_ns, model.delivery)
-    compute = partial(_readings, instrument, motion, start_ns, arrivals)
-    return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate), arrivals)
+    measurement = Measurement(segment, name, motion)
+    ahead = segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, measurement.model.rate)
+    return SampleQueue(measurement.clock, measurement.first, measurement.samples, ahead, measurement.arrivals)
 
 
-# Functions of a module, not closures: a simulation is copied, and sent to other processes, with its queues.
+# A function of a module, no closure: a simulation is copied, and sent to other processes, with its queues.
 
 
 def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
     return Samples(stamps, motion.at(stamps - start_ns))
-
-
-def _readings(
-    instrument: Instrument, motion: Motion, start_ns: int, arrivals: Arrivals, measured_ns: Integers
-) -> SensorSamples:
-    times = measured_ns - start_ns
-    return SensorSamples(*arrivals.of(measured_ns), instrument.measure(times, motion.at(times)))
