@@ -11,8 +11,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,10 +23,13 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.arrays import Integers
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli import explain, plot, record
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
 from lie_rigid_body.sensors import (
@@ -201,6 +204,49 @@ def test_a_picture_is_drawn_of_its_bag(bag: Path, tmp_path: Path) -> None:
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_an_honest_bag_is_certified(motion: str, tmp_path: Path) -> None:
+    given = {**ALL, "motion": motion, "horizon_sensor_dropout_probability": 0.2, "horizon_sensor_clock_skew": 1e-3}
+    run = simulate(duration=4.0, **given)
+    run.to_bag(tmp_path / "a.mcap")
+    certificate = certify(Bag(tmp_path / "a.mcap"))
+    assert certificate.passed
+    laws = {law.name: law for segment in certificate.segments for law in segment.laws}
+    assert laws["horizon sensor"].checked == len(run.horizon.t_ns) > 50
+    assert laws["horizon sensor frame"].checked == laws["horizon sensor stamps"].checked == len(run.horizon.t_ns)
+
+
+FORGERIES: dict[str, tuple[Callable[[SensorArrays], SensorArrays], str]] = {
+    "a reading off by 1e-12": (lambda h: changed(h, nadir=moved(h.nadir, 1e-12)), "horizon sensor"),
+    "zeros": (lambda h: changed(h, nadir=0.0 * h.nadir), "horizon sensor"),
+    "not a number": (lambda h: changed(h, nadir=moved(h.nadir, np.nan)), "horizon sensor"),
+    "a reading left out": (lambda h: changed(h, **{n: np.delete(a, 7, axis=0) for n, a in vars(h).items()}), "stamps"),
+    "a stamp 1 ns late": (lambda h: changed(h, t_ns=h.t_ns + (np.arange(len(h.t_ns)) == 7)), "stamps"),
+}
+
+
+def changed(horizon: SensorArrays, **arrays: np.ndarray) -> SensorArrays:
+    everything = {**vars(horizon), **arrays}
+    return SensorArrays(everything.pop("t_ns"), everything.pop("arrival_ns"), everything)
+
+
+def moved(vectors: np.ndarray, by: float) -> np.ndarray:
+    return np.asarray(vectors + by * (np.arange(len(vectors)) == 7)[:, np.newaxis] * [0.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize("forgery", FORGERIES)
+def test_a_forged_bag_is_refused(forgery: str, tmp_path: Path) -> None:
+    forge, law = FORGERIES[forgery]
+    run = simulate(duration=2.0, motion="closed_form", **ON)
+    forged = replace(run, sensors={"horizon": forge(run.horizon)})
+    forged.to_bag(tmp_path / "a.mcap")
+    certificate = certify(Bag(tmp_path / "a.mcap"))
+    assert not certificate.passed
+    broken = {law.name for segment in certificate.segments for law in segment.laws if not law.holds}
+    assert any(name == law or name.endswith(law) for name in broken)
+    assert all(name.startswith("horizon sensor") for name in broken)
+
+
 @pytest.mark.ros
 def test_the_node_plays_and_records_it(tmp_path: Path) -> None:
     import rclpy
@@ -227,6 +273,7 @@ def test_the_node_plays_and_records_it(tmp_path: Path) -> None:
         executor.shutdown()
         listener.destroy_node()
         rclpy.shutdown(context=context)
+    assert certify(Bag(path)).passed
     horizon = Run.from_bag(path).horizon
     assert horizon is not None
     rows = {t: row.tolist() for t, row in zip(horizon.t_ns.tolist(), horizon.nadir, strict=True)}
