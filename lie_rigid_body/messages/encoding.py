@@ -27,7 +27,7 @@ from lie_rigid_body.sensors import Field, Readings, SensorModel, Topic
 from lie_rigid_body.simulation import Samples
 
 NOT_GIVEN: Final = -1.0
-"""First number of the covariance of what a message does not give (REP-145)."""
+"""First number of a covariance where the message does not give the quantity (REP-145)."""
 _ONE_TRANSFORM: Final = struct.pack("<I", 1)
 
 
@@ -37,7 +37,7 @@ class PoseTwistEncoder:
     Parameters
     ----------
     scenario : Scenario
-        Gives the frame names and whether twists are stamped.
+        Names the frames, and says whether twists are stamped.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -48,11 +48,11 @@ class PoseTwistEncoder:
         self._twist = Layout(header(scenario.body_frame), *twist) if stamped else Layout(ENCAPSULATION, *twist, None)
 
     def poses(self, samples: Samples) -> Payloads:
-        """One geometry_msgs/PoseStamped a sample, position 0."""
+        """Encode one geometry_msgs/PoseStamped for each sample, with the position 0."""
         return self._pose.encode(samples.stamps_ns, samples.states.attitude_xyzw)
 
     def twists(self, samples: Samples) -> Payloads:
-        """One geometry_msgs/TwistStamped or Twist a sample, linear velocity 0."""
+        """Encode one geometry_msgs/TwistStamped or Twist for each sample, with the linear velocity 0."""
         return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
 
 
@@ -64,7 +64,7 @@ class ReadingEncoder:
     topic : Topic
     model : SensorModel
     scenario : Scenario
-        Gives the frame name.
+        Names the frame.
 
     Attributes
     ----------
@@ -72,9 +72,9 @@ class ReadingEncoder:
     frame : str
         Name of the frame of their headers.
     numbers : list of float
-        The float64 fields of a message, with any values in those that differ.
+        The float64 numbers of a message, 0 in the fields that differ from reading to reading.
     fields : tuple of Field
-        Those of the topic that the sensor tells.
+        The fields of the topic that the sensor tells.
     """
 
     def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
@@ -84,7 +84,7 @@ class ReadingEncoder:
         self._layout, self._widths = Layout(header(self.frame), self.numbers, places), list(map(len, places))
 
     def encode(self, stamps_ns: Integers, readings: Readings) -> Payloads:
-        """One message a reading.
+        """Encode one message for each reading.
 
         Parameters
         ----------
@@ -100,7 +100,7 @@ class ReadingEncoder:
 
 
 def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
-    """The float64 numbers of a message of a topic, 0 in the fields that differ from reading to reading."""
+    """float64 numbers of a topic's messages, 0 in the fields that differ from reading to reading."""
     places = definitions.places(topic.message_type)
     numbers = [0.0] * len(places[""])
     for name, values in topic.fixed(model).items():
@@ -109,14 +109,14 @@ def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
 
 
 def told_fields(topic: Topic, model: SensorModel) -> tuple[Field, ...]:
-    """The fields of a topic that a sensor tells: not those whose covariance says that they are not given."""
+    """Fields of a topic that a sensor tells: all but those whose covariance says that they are not given."""
     places, numbers = definitions.places(topic.message_type), fixed_numbers(topic, model)
     is_told = [not f.covariance or numbers[places[f.covariance].start] != NOT_GIVEN for f in topic.fields]
     return tuple(compress(topic.fields, is_told))
 
 
 def numbers_of(topic: Topic, field: Field) -> Sequence[int]:
-    """Which of the float64 numbers of a topic's messages a field has."""
+    """Places of a field among the float64 numbers of a topic's messages."""
     place = definitions.places(topic.message_type)[field.place]
     return [place[i] for i in field.numbers] or place
 
@@ -136,7 +136,7 @@ class TransformEncoder:
         self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
 
     def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> Payloads:
-        """One message a sample.
+        """Encode one message for each sample.
 
         Parameters
         ----------
@@ -151,12 +151,12 @@ class TransformEncoder:
 
 
 def encode_string(value: str) -> bytes:
-    """A text as std_msgs/String."""
+    """Encode a text as std_msgs/String."""
     return ENCAPSULATION + text(value)
 
 
 def encode_strings(values: Sequence[str], length: int) -> Payloads:
-    """Texts as std_msgs/String, with blanks behind each, so that all have one length in characters of ASCII."""
+    """Encode texts of ASCII as std_msgs/String, with blanks behind each, so that all have one length, characters."""
     data = b"".join(encode_string(value.ljust(length)) for value in values)
     rows = np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1)
     template = _text_template(rows.shape[1])
@@ -165,5 +165,5 @@ def encode_strings(values: Sequence[str], length: int) -> Payloads:
 
 @lru_cache(maxsize=8)
 def _text_template(size: int) -> Template:
-    """Words all along; the last one has bytes of the one before."""
+    """A template of words all along, of which the last may share bytes with the one before."""
     return Template(bytes(size), [(0, size // 8), (size - 8, 1)])

@@ -16,8 +16,9 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import short_repr
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
+"""First bytes of a payload: plain CDR, little-endian, no options."""
 FRAME: Final = 16
-"""Byte of a payload where the frame name of its header begins: after the encapsulation, the stamp and its length."""
+"""Byte of a payload at which the frame name of its header begins: after encapsulation, stamp and length of the name."""
 
 POSE_NUMBERS: Final = 7
 """float64 fields of a pose: position x y z, orientation x y z w."""
@@ -26,17 +27,17 @@ TWIST_NUMBERS: Final = 6
 
 
 def header(frame: str) -> bytes:
-    """The bytes of a payload that begins with a std_msgs/Header, of the stamp 0."""
+    """Encode the begin of a payload, with a std_msgs/Header of the stamp 0."""
     return ENCAPSULATION + bytes(8) + text(frame)
 
 
 def numbers_after(end: int) -> int:
-    """Where float64 numbers begin in a payload whose fields before them end at byte ``end``."""
+    """Byte at which float64 numbers begin in a payload whose other fields end at byte ``end``."""
     return 4 + -(-(end - 4) // 8) * 8
 
 
 def text(value: str) -> bytes:
-    """A string: its length with the closing zero byte, and its bytes."""
+    """Encode a string: its length with the closing zero byte, and its bytes."""
     data = value.encode()
     return struct.pack("<I", len(data) + 1) + data + b"\x00"
 
@@ -48,7 +49,7 @@ class Payloads(Sequence[bytes]):
     Parameters
     ----------
     template : Template
-        What they have in common.
+        The bytes that they have in common.
     words : ndarray of little-endian int64, shape (N, K)
         The words in which they differ.
     """
@@ -85,9 +86,9 @@ class Layout:
     numbers : sequence of float
         Its float64 fields in order.
     places : sequence of sequence of int
-        Which of them each sample sets: of each vector the numbers that it goes to, rising.
+        For each vector of a sample, the numbers that it is written to, rising.
     stamp : int or None, optional
-        Byte at which the stamp begins, by default that of a header; None: it has none.
+        Byte at which the stamp begins, by default where a header has it; None: there is no stamp.
     """
 
     def __init__(
@@ -108,13 +109,13 @@ class Layout:
         self._columns = [slice(*bounds) for bounds in pairwise(ends)]
 
     def encode(self, stamps_ns: Integers, *vectors: Array) -> Payloads:
-        """One payload a sample.
+        """Encode one payload for each sample.
 
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
         *vectors : ndarray, shape (N, length)
-            One for each of the places.
+            Vectors for each of the places.
 
         Returns
         -------

@@ -31,9 +31,9 @@ class SensorTopic:
     ----------
     topic, message_type : str
     count : int
-        Messages.
+        Number of messages.
     published_otherwise : int
-        How many of them were not published at their log time.
+        Number of them that were not published at their log time.
     """
 
     topic: str
@@ -64,7 +64,7 @@ class FaultMessages:
 
     @classmethod
     def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
-        """Of log time, ns, and text of each."""
+        """Make the messages of a log time, ns, and a text each."""
         return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
 
 
@@ -89,13 +89,13 @@ class SensorTrack:
 
     @classmethod
     def without_messages(cls, name: str) -> SensorTrack:
-        """That of a topic of which there is no message, by its relative name."""
+        """Make the track of a topic without a message, by its relative name."""
         none = np.empty(0, dtype=np.int64)
         return cls(f"/{name}", none, none, np.empty((0, len(places(SENSOR_TOPICS[name])[""]))))
 
 
 def varying_fields(message_type: str) -> Booleans:
-    """Which float64 numbers of a type differ from message to message on any topic of a sensor, shape (K,)."""
+    """Mask of the float64 numbers of a type that differ from message to message on any sensor's topic, shape (K,)."""
     numbers = np.full(len(places(message_type)[""]), fill_value=False)
     for sensor in SENSORS.values():
         for topic in sensor.topics:
@@ -106,7 +106,7 @@ def varying_fields(message_type: str) -> Booleans:
 
 
 def value_columns(topic: Topic, field: Field) -> Integers:
-    """Which columns of the values of a topic's `SensorMessages` are a field."""
+    """Columns of a field among the values of the `SensorMessages` of a topic."""
     varying = np.flatnonzero(varying_fields(topic.message_type))
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 

@@ -9,13 +9,17 @@ from typing import Final
 from lie_rigid_body.parameters import Parameter
 
 LARGEST: Final = 1e9
-"""Largest value of a parameter that has no narrower limit, in its own unit."""
+"""Largest value of a parameter that has no narrower limit, in its unit."""
 _LONGEST_S: Final = 1e9
+"""Longest duration of a fault, s."""
 _LONGEST_DELAY_S: Final = 10.0
+"""Longest latency of a reading, and largest jitter, s."""
 _LARGEST_OFFSET_S: Final = 2.2e9
-"""That of a clock that begins at 0 when the sensor is switched on, in any year that ROS can stamp."""
+"""Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
 _LARGEST_SKEW: Final = 0.01
+"""Largest skew of a sensor's clock, s/s."""
 _HALF_TURN: Final = math.pi
+"""Largest angle of a parameter, rad."""
 _ONES: Final = (1.0, 1.0, 1.0)
 _ZEROS: Final = (0.0, 0.0, 0.0)
 
@@ -61,7 +65,7 @@ def _either_sign(name: str, description: str, limit: float) -> Parameter:
 
 
 def episode_parameters(name: str, what: str, duration: float) -> Iterator[Parameter]:
-    """Interval and duration of episodes; ``what`` says what they are, and begins with a capital."""
+    """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
     yield not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
     yield not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
 
@@ -118,7 +122,7 @@ def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float,
 
 
 def capitalised(title: str) -> str:
-    """A title at the begin of a sentence."""
+    """Write a title as the begin of a sentence."""
     return title[:1].upper() + title[1:]
 
 
