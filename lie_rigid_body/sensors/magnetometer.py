@@ -111,7 +111,7 @@ class MagnetometerModel(SensorModel):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Delivery, surroundings and axes, which can have faults."""
         return (self.delivery, self.disturbance, self.faults)
 
     @property

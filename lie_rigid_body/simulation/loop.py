@@ -214,7 +214,7 @@ def _followed(
 
 
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:
-    """Motions from the start of a scenario: each call of the result gives one, for the truth first, then for each sensor.
+    """Motions from the start of a scenario: each call gives one, first that of the truth, then that of each sensor.
 
     A moving chart takes steps from one sample to the next, so samples of another clock in between would change its
     bits. Each clock has a motion of its own, and sensors of one rate share it.

@@ -88,7 +88,7 @@ class Segment:
 
 @lru_cache(maxsize=1)
 def _scenario(parameters: str) -> Scenario:
-    """Read a scenario from a JSON object. It is kept: most resets repeat it, and to validate it takes most of the time."""
+    """Read a scenario from a JSON object. The last one is kept: most resets repeat it, and to read it takes long."""
     return Scenario.from_parameters(json.loads(parameters))
 
 

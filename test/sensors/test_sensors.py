@@ -29,6 +29,11 @@ LIMITS = {
     "field": ("magnetic_field", {"magnetic_field": [0.0, 0.0, 48.0e6]}, r"±1000 T"),
     "hard iron": ("magnetometer_hard_iron", {"magnetometer_hard_iron": [1e4, 0.0, 0.0]}, r"±1000 T"),
     "soft iron": ("magnetometer_soft_iron", {"magnetometer_soft_iron": [1e7] * 9}, r"±1e\+06: give"),
+    "boresight": ("attitude_sensor_boresight", {"attitude_sensor_boresight": [0.0] * 3}, "tells no direction"),
+    "episodes": ("gyro_stuck_duration", {"gyro_stuck_interval": 0.5}, "at most gyro_stuck_interval, 0.5 s"),
+    "interval": ("imu_outage_interval", {"imu_outage_interval": 1e-4}, "below 0.001 s"),
+    "window": ("fault_end", {"fault_begin": 3.0, "fault_end": 2.0}, "not after fault_begin, 3 s"),
+    "grade": ("sensor_grade", {"sensor_grade": "cheap"}, "choose one of perfect, navigation"),
     "unknown": ("gyro_noise_densty", {"gyro_noise_densty": 1.0}, r"did you mean gyro_noise_density or "),
     **{
         f"{sensor} resolution": (
