@@ -27,6 +27,7 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli import explain, plot, record
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import SensorArrays
@@ -176,6 +177,25 @@ def test_tables_list_it(capsys: pytest.CaptureFixture[str]) -> None:
     idle = Scenario.from_parameters({"horizon_sensor_noise": 0.1}).without_effect
     assert "horizon_sensor_noise" in idle
     assert "horizon_sensor_rate" in idle
+
+
+def test_a_sensor_that_is_taken_away_leaves_nothing_behind() -> None:
+    def table() -> tuple[object, ...]:
+        return (
+            list(SENSORS),
+            list(SENSORS.parameters),
+            list(SENSOR_TOPICS),
+            SENSORS.quiet,
+            SENSORS.parts,
+            len(PARAMETERS),
+        )
+
+    before = table()
+    topics = (replace(HORIZON.topics[0], name="limb/nadir"),)
+    with SENSORS.including(replace(HORIZON, name="limb", topics=topics, parameters=())):
+        assert list(SENSOR_TOPICS)[-3:] == ["horizon/nadir", "limb/nadir", "~/faults"]
+        assert SENSORS.parts[-2:] == ("horizon_sensor", "limb")
+    assert table() == before
 
 
 def test_what_has_none_is_as_it_was_without() -> None:
