@@ -17,8 +17,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.certificate.readings import sensor_clock
-from lie_rigid_body.certificate.stamps import grid, number_samples
+from lie_rigid_body.certificate.stamps import grid
 from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.recording.segments import number_samples
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.sensors import SensorModel
 from lie_rigid_body.simulation import Segment

@@ -21,13 +21,14 @@ from lie_rigid_body.certificate.readings import (
     sensor_clock,
 )
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally, number_samples
+from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import decode
 from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, BatchEncoder
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.segments import number_samples
 from lie_rigid_body.recording.sensor_reader import VALUES as FIELDS
 from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
 from lie_rigid_body.scenario import Scenario

@@ -13,13 +13,13 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import MOST_LOST, VALUES, TopicLaws, Work, model_of
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.certificate.survey import Survey, declared_segments
-from lie_rigid_body.certificate.surveyed_segment import segment_parts
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import LIBRARY
+from lie_rigid_body.recording.segments import declared_segments, segment_parts
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
 from lie_rigid_body.simulation import SampleClock, Segment

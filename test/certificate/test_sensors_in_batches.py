@@ -6,8 +6,8 @@ import pytest
 from sensor_bags import BIAS, IMU, MAG, broken, certificate, recorded
 from tampering import Change, on, tamper, with_numbers
 
-from lie_rigid_body.certificate import certify, pairing, sensor_topics
-from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.certificate import certify, sensor_topics
+from lie_rigid_body.recording import bag_reader, pairing
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 
 
