@@ -14,12 +14,11 @@ from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.aside import Aside
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
-from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensors import SensorLaws
 from lie_rigid_body.certificate.stamps import GAP
-from lie_rigid_body.certificate.survey import Survey, Surveyor, as_written, numbered_blocks, survey
+from lie_rigid_body.certificate.survey import Survey, Surveyor, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified, uncovered
@@ -27,6 +26,9 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.pairing import Block
+from lie_rigid_body.recording.samples import numbered_blocks
+from lie_rigid_body.recording.segments import as_written
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed

@@ -10,7 +10,6 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
-from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
@@ -18,6 +17,7 @@ from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance,
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.recording.pairing import Block
 
 _BLOCK: Final = 65_536
 """Samples that are compared at once: those of a batch of a bag are, but for bags of large chunks."""

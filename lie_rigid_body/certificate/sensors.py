@@ -9,11 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.readings import Work
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensor_clocks import FASTEST, SensorClocks, errs
 from lie_rigid_body.certificate.sensor_topics import (
     MOST_LOST,
     PlacedMessages,
@@ -22,12 +20,13 @@ from lie_rigid_body.certificate.sensor_topics import (
     value_laws,
 )
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.certificate.survey import Survey, declared_segments
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import LIBRARY
+from lie_rigid_body.recording.sensor_clocks import FASTEST, SensorClocks, errs
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
 from lie_rigid_body.sensors import SENSORS
@@ -344,19 +343,6 @@ class SensorLaws:
         else:  # a reset that takes a sensor away leaves out what it would have read until then
             end_ns = sensor.last_sample_ns
         return max(high, sensor.arrived_until(end_ns) - 1) if own else high
-
-
-def measured_ns(recording: Recording, name: str) -> Integers:
-    """When the readings on a topic of a recorder's bag were measured, ns: their stamps, unless a clock errs."""
-    messages = recording.readings[name]
-    assert isinstance(messages, SensorMessages)
-    segments = [*declared_segments(text for _, text in recording.scenario_texts).values()]
-    sensor = next(key for key, entry in SENSORS.items() if name in {topic.name for topic in entry.topics})
-    clocks, measured = SensorClocks(segments, sensor), np.full(len(messages), -1)
-    if clocks.err:
-        for part in clocks.placed(messages.stamps_ns, None):
-            measured[part.rows] = part.times_ns
-    return messages.stamps_ns if (measured < 0).any() else measured  # as good as any where no clock shows a stamp
 
 
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:

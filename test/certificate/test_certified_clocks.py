@@ -11,8 +11,8 @@ from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, br
 from tampering import Change, Message, at, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.sensor_clocks import SensorClocks
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.sensor_clocks import SensorClocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Segment
 

@@ -14,10 +14,11 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
-from lie_rigid_body.certificate.stamps import grid, number_samples
-from lie_rigid_body.certificate.surveyed_segment import segment_parts
 from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.sensors import SensorModel
+from lie_rigid_body.recording.segments import declared_segments, grid, number_samples, segment_parts
+from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.tracks import Recording
+from lie_rigid_body.sensors import SENSORS, SensorModel
 from lie_rigid_body.simulation import SampleClock, Segment
 
 FASTEST: Final = 1e7
@@ -139,3 +140,16 @@ class SensorClocks:
 def errs(model: SensorModel) -> bool:
     """Whether the clock that stamps a sensor's readings errs."""
     return model.delivery is not None and model.delivery.is_off
+
+
+def measured_ns(recording: Recording, name: str) -> Integers:
+    """When the readings on a topic of a recorder's bag were measured, ns: their stamps, unless a clock errs."""
+    messages = recording.readings[name]
+    assert isinstance(messages, SensorMessages)
+    segments = [*declared_segments(text for _, text in recording.scenario_texts).values()]
+    sensor = next(key for key, entry in SENSORS.items() if name in {topic.name for topic in entry.topics})
+    clocks, measured = SensorClocks(segments, sensor), np.full(len(messages), -1)
+    if clocks.err:
+        for part in clocks.placed(messages.stamps_ns, None):
+            measured[part.rows] = part.times_ns
+    return messages.stamps_ns if (measured < 0).any() else measured  # as good as any where no clock shows a stamp
