@@ -61,6 +61,12 @@ class SensorFindings:
     whole: tuple[LawResult, ...] = ()
     notes: tuple[tuple[str, ...], ...] = ()
 
+    @property
+    def are_exact(self) -> bool:
+        """Whether no reading that was compared differs from the replayed one."""
+        values = value_laws()
+        return all(law.worst == 0.0 for own in self.laws for law in own if law.name in values)
+
     __repr__ = short_repr
 
 
@@ -210,7 +216,7 @@ class SensorLaws:
         not_certified = [*self._unheld(), *self._unassigned()]
         computed = value_laws() | {FAULT_LAW}
         broken = any(law.name in computed and not law.holds for own in (*laws, whole) for law in own)
-        foreign = self._foreign_software() if broken else None
+        foreign = other_software(self._bag) if broken else None
         if foreign is not None:
             *laws, whole = (tuple(law for law in own if law.name not in computed) for own in (*laws, whole))
             not_certified.append(
@@ -265,11 +271,6 @@ class SensorLaws:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:
                 yield f"messages about faults that come again: {faults.repeated}"
-
-    def _foreign_software(self) -> str | None:
-        """The first software other than this that a scenario says it is of."""
-        found = (json.loads(text).get("software") for _, text in self._bag.scenario_texts)
-        return next((str(software) for software in found if software != LIBRARY), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
         self._silent.append([])
@@ -343,6 +344,12 @@ class SensorLaws:
         else:  # a reset that takes a sensor away leaves out what it would have read until then
             end_ns = sensor.last_sample_ns
         return max(high, sensor.arrived_until(end_ns) - 1) if own else high
+
+
+def other_software(bag: Bag | Recording) -> str | None:
+    """The first software other than this that a scenario of a bag says it is of."""
+    found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
+    return next((str(software) for software in found if software != LIBRARY), None)
 
 
 def _why_unlawful(segments: Sequence[Segment], name: str) -> str:

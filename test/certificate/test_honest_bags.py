@@ -7,11 +7,13 @@ import itertools
 import numpy as np
 import pytest
 import scipy.special
+from tampering import at, declared, on, tamper, with_numbers
 from test_certified_fault_messages import CLOCKS
 from test_certified_faults import EVERY, LATE, LATER, LOST
 
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.cli.certificate_text import as_json, as_table
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
@@ -89,3 +91,23 @@ def test_readings_of_another_library_are_certified(tmp_path, monkeypatch, gyro_r
     broken = [law for segment in found.segments for law in segment.laws if not law.holds]
     assert not broken, found.messages
     assert sum(law.worst > 0.0 for segment in found.segments for law in segment.laws if law.unit != "ns") > 8
+
+
+def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
+    given = {"imu_rate": 50.0, "magnetometer_rate": 20.0, "sensor_grade": "mems", "epoch_ns": 10**18}
+    path = tmp_path / "a.mcap"
+    simulate("tumbling_cubesat", duration=2.0, motion="closed_form", **given).to_bag(path)
+    found = certify(Bag(path))
+    assert (found.passed, found.to_the_bit) == (True, True)
+    assert as_json("a", found)["certified"]["to_the_bit"] is True
+    assert " equal to the bit" in as_table("a", found)
+    last_bit = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(np.nextafter(x[:3], 9), x[3:]))))
+    other = certify(Bag(tamper(path, tmp_path / "b.mcap", last_bit)))
+    assert (other.passed, other.to_the_bit) == (True, False)
+    assert "not equal to the bit" in as_table("b", other)
+    last_bit = on("/twist", at(7, lambda m: with_numbers(m, 3, lambda x: np.nextafter(x, 9))))
+    assert certify(Bag(tamper(path, tmp_path / "c.mcap", last_bit))).to_the_bit is False
+    older = certify(Bag(tamper(path, tmp_path / "d.mcap", declared(software="lie_rigid_body 0.0.9"))))
+    assert (older.passed, older.to_the_bit) == (True, None)
+    simulate("tumbling_cubesat", duration=2.0, **given).to_bag(tmp_path / "e.mcap")
+    assert certify(Bag(tmp_path / "e.mcap")).to_the_bit is None
