@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.readings import Work
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import (
     MOST_LOST,
-    PlacedMessages,
     SegmentSensor,
     TopicLaws,
     value_laws,
@@ -26,8 +23,8 @@ from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import LIBRARY
-from lie_rigid_body.recording.sensor_clocks import FASTEST, SensorClocks, errs
-from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.sensor_clocks import PlacedMessages, SensorClocks
+from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
@@ -85,13 +82,7 @@ class SensorLaws:
     def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
         self._bag, self._surveyed, self._work, self._watch = bag, surveyed, Work(), watch
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        self._unlawful = {
-            topic.name: reason
-            for name, sensor in SENSORS.items()
-            if (reason := _why_unlawful(surveyed.declared, name))
-            for topic in sensor.topics
-        }
-        held = [name for name in SENSOR_TOPICS if name in self._declared and name not in (FAULTS, *self._unlawful)]
+        held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._held = held if surveyed.as_written else [name for name in held if name in bag.sensors]
         self._faults = self._fault_law()
         self._silent: list[list[str]] = []
@@ -103,11 +94,10 @@ class SensorLaws:
             for topic in sensor.topics
             if topic.name in self._readings
         }
-        self._unshown: dict[str, tuple[int, int]] = {}
         self._ends: dict[str, int] = {}  # of each topic the last segment, as declared, that it has a reading in
         self._sensors: dict[tuple[int, str], SegmentSensor] = {}
         self._open: dict[str, SegmentSensor] = {}
-        self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
+        self._unsampled = self._logged_otherwise = self._last_ns = 0
 
     def _full_name(self, name: str) -> str:
         return self._bag.sensors[name].topic if name in self._bag.sensors else name
@@ -147,34 +137,21 @@ class SensorLaws:
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
-        for messages in readings.values():
-            if not isinstance(messages, SensorMessages) and self._faults is not None:
-                self._faults.add(messages)
+        own, faults = self._surveyed.as_written, readings.get(FAULTS)
+        if isinstance(faults, FaultMessages) and self._faults is not None:
+            self._faults.add(faults)
         for name, sensor in SENSORS.items():
             placed: dict[int, dict[str, PlacedMessages]] = defaultdict(dict)
             for topic in sensor.topics:
-                of_topic = readings.get(topic.name)
-                if isinstance(of_topic, SensorMessages) and len(of_topic):
-                    for place, own in self._placed(topic.name, of_topic):
-                        placed[place][topic.name] = own
+                messages = readings.get(topic.name)
+                if isinstance(messages, SensorMessages) and len(messages):
+                    for part in self._clocks[topic.name].placed(messages, in_order=own):
+                        sent_ns = part.messages.log_times_ns if own else part.times_ns
+                        self._last_ns = max(self._last_ns, int(sent_ns.max()))
+                        self._ends[topic.name] = max(part.place, self._ends.get(topic.name, part.place))
+                        placed[part.place][topic.name] = part
             for place in sorted(placed):
                 self._add(place, name, placed[place])
-
-    def _placed(self, name: str, messages: SensorMessages) -> Iterator[tuple[int, PlacedMessages]]:
-        """The messages of a topic that come next, by the places of their segments."""
-        own, clocks, left = self._surveyed.as_written, self._clocks[name], np.ones(len(messages), dtype=np.bool_)
-        for part in clocks.placed(messages.stamps_ns, messages.log_times_ns if own else None):
-            left[part.rows] = False
-            sent_ns = messages.log_times_ns[part.rows] if own else part.times_ns
-            self._last_ns = max(self._last_ns, int(sent_ns.max(initial=0)))
-            self._ends[name] = max(part.place, self._ends.get(name, part.place))
-            yield part.place, PlacedMessages(messages[part.rows], part.numbers, part.times_ns)
-        early = left & (messages.stamps_ns < clocks.first_ns) if clocks.err and not own else left
-        self._early += int(np.count_nonzero(early))
-        unshown = messages.stamps_ns[left & ~early]
-        if len(unshown):
-            count, first = self._unshown.get(name, (0, int(unshown[0])))
-            self._unshown[name] = count + len(unshown), first
 
     def _add(self, place: int, name: str, placed: Mapping[str, PlacedMessages]) -> None:
         if self._found[place] is None:
@@ -253,14 +230,13 @@ class SensorLaws:
             sensor = self._bag.sensors.get(name)
             if sensor is not None and name not in self._declared:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
-            if name in self._unlawful and sensor is not None:
-                yield f"topic {sensor.topic} ({sensor.count} messages): {self._unlawful[name]}"
-            elif name in self._declared and name not in self._held and sensor is None:
+            if name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
-        if self._early and not self._surveyed.as_written:
-            yield f"readings before the first scenario's start: {self._early}"
+        early = sum(clocks.early for clocks in self._clocks.values())
+        if early and not self._surveyed.as_written:
+            yield f"readings before the first scenario's start: {early}"
         if self._unsampled:
             yield f"readings under scenarios without a sample: {self._unsampled}"
         faults = self._faults
@@ -285,11 +261,13 @@ class SensorLaws:
                 yield from self._sensor_laws(i, f"{SENSORS[name].title} stamps", sensor, begun, is_last=is_last)
 
     def _strays(self) -> Iterator[LawResult]:
-        if self._early and self._surveyed.as_written:
-            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
-        for name, (count, first) in self._unshown.items():
-            text = f"{self._full_name(name)}: readings whose stamp no clock of the scenario shows (first {first} ns)"
-            yield _stray("sensor stamps", count, text)
+        for name, clocks in self._clocks.items():
+            topic, (unshown, first) = self._full_name(name), clocks.unshown
+            if clocks.early and self._surveyed.as_written:
+                yield _stray("sensor stamps", clocks.early, f"{topic}: readings before the first scenario's start")
+            if unshown:
+                text = f"{topic}: readings whose stamp no clock of the scenario shows (first {first} ns)"
+                yield _stray("sensor stamps", unshown, text)
 
     def _strays_of(self, sensor: SegmentSensor, name: str) -> Iterator[LawResult]:
         for topic, count in sensor.strays.items():
@@ -350,14 +328,6 @@ def other_software(bag: Bag | Recording) -> str | None:
     """The first software other than this that a scenario of a bag says it is of."""
     found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
     return next((str(software) for software in found if software != LIBRARY), None)
-
-
-def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
-    """Why no law speaks of a sensor; empty if laws do."""
-    models = [model for segment in segments if (model := segment.scenario.sensors.on.get(name)) is not None]
-    if any(map(errs, models)) and any(model.rate > FASTEST for model in models):
-        return f"its clock errs, and by that the times of more than {FASTEST:g} readings in a second are not told"
-    return ""
 
 
 def _stray(name: str, count: int, what: str) -> LawResult:
