@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.segments import declared_segments, grid, number_samples, segment_parts
 from lie_rigid_body.recording.sensor_reader import SensorMessages
@@ -48,6 +48,10 @@ class PlacedMessages:
     times_ns: Integers
 
     __repr__ = short_repr
+
+
+_Part: TypeAlias = tuple[int, slice | Integers | Booleans, Integers, Integers]
+"""Place of a segment, which messages are of it, the numbers of their readings, and when these were measured, ns."""
 
 
 class SensorClocks:
@@ -94,21 +98,22 @@ class SensorClocks:
             before.
         """
         stamps, left = messages.stamps_ns, np.ones(len(messages), dtype=np.bool_)
-        if self.err and not in_order:
-            parts = self._by_stamps(stamps)
-        else:
-            told = segment_parts(self._segments, messages.log_times_ns if in_order else stamps)
-            parts = ((place, rows, *self._read(place, stamps[rows])[:2]) for place, rows in told)
-        for place, rows, numbers, times_ns in parts:
+        told = messages.log_times_ns if in_order else stamps
+        by_stamps = self.err and not in_order
+        for place, rows, numbers, times_ns in self._by_stamps(stamps) if by_stamps else self._by_times(told, stamps):
             left[rows] = False
             yield PlacedMessages(place, messages[rows], numbers, times_ns)
-        early = left & (stamps < self._from_ns.min()) if self.err and not in_order else left
+        early = left & (stamps < self._from_ns.min()) if by_stamps else left
         self.early += int(np.count_nonzero(early))
         unshown = stamps[left & ~early]
         if len(unshown):
             self.unshown = self.unshown[0] + len(unshown), self.unshown[1] or int(unshown[0])
 
-    def _by_stamps(self, stamps_ns: Integers) -> Iterator[tuple[int, Integers, Integers, Integers]]:
+    def _by_times(self, times_ns: Integers, stamps_ns: Integers) -> Iterator[_Part]:
+        for place, rows in segment_parts(self._segments, times_ns):
+            yield place, rows, *self._read(place, stamps_ns[rows])[:2]
+
+    def _by_stamps(self, stamps_ns: Integers) -> Iterator[_Part]:
         near = (self._from_ns <= stamps_ns.max()) & (self._until_ns >= stamps_ns.min())
         found = [(place, *self._inside(place, stamps_ns)) for place in np.flatnonzero(near).tolist()]
         if not found:
@@ -162,11 +167,11 @@ def measured_ns(recording: Recording, name: str) -> Integers:
     segments = [*declared_segments(text for _, text in recording.scenario_texts).values()]
     sensor = next(key for key, entry in SENSORS.items() if name in {topic.name for topic in entry.topics})
     clocks = SensorClocks(segments, sensor)
-    rows = replace(messages, values=np.arange(len(messages))[:, np.newaxis])
+    rows = replace(messages, values=np.arange(len(messages), dtype=np.float64)[:, np.newaxis])
     parts = list(clocks.placed(rows, in_order=False)) if clocks.err else []
     if sum(len(part.numbers) for part in parts) < len(messages):
         return messages.stamps_ns  # as good as any where no clock shows a stamp
     measured = np.empty_like(messages.stamps_ns)
     for part in parts:
-        measured[part.messages.values[:, 0]] = part.times_ns
+        measured[part.messages.values[:, 0].astype(np.int64)] = part.times_ns
     return measured

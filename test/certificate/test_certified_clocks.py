@@ -155,11 +155,11 @@ def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():
         stamps = model.delivery.stamps_ns(measured, epoch)
         numbers = clock.count_until(int(measured[0])) - 1 + np.arange(100)
         for shift in (0, 1, -1):
-            rows = np.arange(len(stamps))[:, np.newaxis]
+            rows = np.arange(float(len(stamps)))[:, np.newaxis]
             messages = SensorMessages(measured, stamps + shift, rows, (("", b""),), np.zeros_like(stamps))
             for in_order in (True, False):
                 placed = list(SensorClocks(segments, "imu").placed(messages, in_order=in_order))
                 assert [part.place for part in placed] == sorted({int(t >= segments[1].start_ns) for t in measured})
                 for part in placed:
-                    assert (part.numbers == numbers[part.messages.values[:, 0]]).all()
-                    assert (part.times_ns == measured[part.messages.values[:, 0]] + shift).all()
+                    assert (part.numbers == numbers[part.messages.values[:, 0].astype(np.int64)]).all()
+                    assert (part.times_ns == measured[part.messages.values[:, 0].astype(np.int64)] + shift).all()

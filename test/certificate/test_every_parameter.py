@@ -10,7 +10,9 @@ from typing import Any
 
 import pytest
 
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
@@ -91,6 +93,7 @@ def extremes(name: str) -> Iterator[Any]:
         yield from parameter.choices or ("elsewhere",)
     elif parameter.kind == "double_array":
         sizes = (0.0, 1.0, -1.0, 3.0, 1e3, 1e6)
+        assert isinstance(parameter.default, tuple)
         yield from ([size] * length for size in sizes for length in parameter.lengths or (len(parameter.default),))
     else:
         for number in (max(parameter.minimum, -1e9), min(parameter.maximum, 1e9), 1e-3, 1.0):
@@ -117,12 +120,14 @@ def limits(parameters: dict[str, object], folder: Path) -> dict[str, list[float]
     """Every limit of every law that its certificate held against a number, sorted."""
     found: dict[str, list[float]] = {}
 
-    def watch(name: str, unit: str, residuals: Any, some: Any, stamps_ns: Any) -> None:
-        found.setdefault(name, []).extend([some] if isinstance(some, float) else some.tolist())
+    class Limits(Watch):
+        def __call__(self, name: str, unit: str, residuals: Array, limits: Any, stamps_ns: Integers) -> None:
+            """Keep the limits."""
+            found.setdefault(name, []).extend([limits] if isinstance(limits, float) else limits.tolist())
 
     path = folder / f"{len(list(folder.iterdir()))}.mcap"
     simulated(parameters, path)
-    certificate = certify(Bag(path), watch=watch)
+    certificate = certify(Bag(path), watch=Limits())
     assert certificate.passed, certificate.messages
     return {**found, **{law.name: [law.limit] for law in certificate.whole}}
 

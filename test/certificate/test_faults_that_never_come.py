@@ -125,6 +125,7 @@ STEPS: dict[str, tuple[str, int, dict[str, object]]] = {
 def test_a_reading_moved_by_one_step_of_its_converter_is_refused(tmp_path, name, motion):
     topic, end, given = STEPS[name]
     step = next(value for key, value in given.items() if key.endswith("resolution"))
+    assert isinstance(step, float)
     parameters = {**MOTIONS[motion], **NOISY, **given, **of_axes(name)["all"]}
     found = verdict(honest(tmp_path, parameters), on(topic, at(20, lambda m: moved(end, step)([m])[0])))
     assert broken(found) == {name}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -94,12 +95,13 @@ def test_readings_of_another_library_are_certified(tmp_path, monkeypatch, gyro_r
 
 
 def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
-    given = {"imu_rate": 50.0, "magnetometer_rate": 20.0, "sensor_grade": "mems", "epoch_ns": 10**18}
+    given: dict[str, Any] = {"imu_rate": 50.0, "magnetometer_rate": 20.0, "sensor_grade": "mems", "epoch_ns": 10**18}
     path = tmp_path / "a.mcap"
     simulate("tumbling_cubesat", duration=2.0, motion="closed_form", **given).to_bag(path)
     found = certify(Bag(path))
     assert (found.passed, found.to_the_bit) == (True, True)
-    assert as_json("a", found)["certified"]["to_the_bit"] is True
+    told: Any = as_json("a", found)["certified"]
+    assert told["to_the_bit"] is True
     assert " equal to the bit" in as_table("a", found)
     last_bit = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(np.nextafter(x[:3], 9), x[3:]))))
     other = certify(Bag(tamper(path, tmp_path / "b.mcap", last_bit)))
