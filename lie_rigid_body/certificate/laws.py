@@ -10,7 +10,6 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
-from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
@@ -18,6 +17,7 @@ from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance,
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.recording.pairing import Block
 
 _BLOCK: Final = 65_536
 """Samples that are compared at once: those of a batch of a bag are, but for bags of large chunks."""
@@ -81,11 +81,14 @@ class HeldLaws:
         Bound of the body rate, rad/s.
     motion_error : float
         How far the declared motion may err until the last sample, rad, before any cap.
+    is_exact : bool
+        Whether all attitudes and body rates are equal to those of the closed form, to the bit.
     """
 
     results: tuple[LawResult, ...]
     fastest: float
     motion_error: float
+    is_exact: bool
 
 
 class SegmentLaws:
@@ -108,6 +111,7 @@ class SegmentLaws:
         WORK.compiled_for(found.count)
         self._judgements: dict[str, Judgement] = {}
         self._before: Block | None = None
+        self._is_exact = True
 
     def add(self, block: Block) -> None:
         """Hold the laws against the samples that come next."""
@@ -133,6 +137,8 @@ class SegmentLaws:
         resolved = spans * fastest <= LONGEST_TURN
         followed = np.where(resolved, spans, 0.0)
         exact = self._motion.at(elapsed)
+        self._is_exact &= np.array_equal(block.states.attitude_xyzw, exact.attitude_xyzw)
+        self._is_exact &= np.array_equal(block.states.body_rate, exact.body_rate)
         return Comparison(
             self._body,
             self._start,
@@ -153,7 +159,7 @@ class SegmentLaws:
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
         results = tuple(judgement.result() for judgement in self._judgements.values())
-        return HeldLaws(results, self._tolerance.fastest, expected)
+        return HeldLaws(results, self._tolerance.fastest, expected, self._is_exact)
 
 
 def _all_laws(compared: Comparison) -> Iterator[_Law]:

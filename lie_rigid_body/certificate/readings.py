@@ -137,8 +137,7 @@ class Replay:
         self._segment, self._name, self._work = segment, name, work
         self._measurement = self._begun()
         self._limits = _limits_of(segment, self._measurement.model.rate, duration)
-        at_last = np.array([duration])
-        self.motion_error = 0.0 if self._limits is None else float(self._limits.attitude_uncapped(at_last)[0])
+        self.motion_error = float(self._limits.attitude_uncapped(np.array([duration]))[0])
         self._pieces: list[Piece] = []
 
     def _begun(self) -> Measurement:
@@ -169,23 +168,19 @@ class Replay:
     def _expected(self, signal: Signal, t: Array) -> Expected:
         """A signal at times t, s, with its uncertainty."""
         conditioning, limits = signal.conditioning(), self._limits
-        uncertainty = ROUNDINGS * U * conditioning.size
-        if limits is not None and conditioning.per_attitude.any():
-            uncertainty = uncertainty + conditioning.per_attitude * limits.attitude(t)[:, np.newaxis]
-        if limits is not None and conditioning.per_rate.any():
-            rate = limits.stepper_mean_rate(t, conditioning.span) if conditioning.span else limits.stepper_rate(t)
-            uncertainty = uncertainty + conditioning.per_rate * rate[:, np.newaxis]
-        values = signal.values.reshape(len(t), -1)
+        span = conditioning.span
+        attitude, rate = (
+            limits.stepper_attitude(t),
+            limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t),
+        )
+        carried = conditioning.per_attitude * attitude[:, np.newaxis] + conditioning.per_rate * rate[:, np.newaxis]
+        values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * conditioning.size + carried
         return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
 
 
-def _limits_of(segment: Segment, rate: float, duration: float) -> Tolerance | None:
-    """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next.
-
-    None: it is the closed form, which takes no steps.
-    """
+def _limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
+    """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
-    if scenario.motion == "closed_form":
-        return None
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
-    return tolerance(scenario if math.isclose(own, truth) else replace(scenario, rate=rate), duration)
+    has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
+    return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)

@@ -18,7 +18,8 @@ from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.sensor_reader import SensorMessages, value_columns, varying_fields
+from lie_rigid_body.recording.sensor_clocks import PlacedMessages
+from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -26,14 +27,6 @@ from lie_rigid_body.simulation.arrivals import Arrivals
 
 MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
-
-
-class PlacedMessages(NamedTuple):
-    """Messages of one topic in one segment, with the numbers of their readings, and when these were measured, ns."""
-
-    messages: SensorMessages
-    numbers: Integers
-    times_ns: Integers
 
 
 class _Told(NamedTuple):
@@ -84,13 +77,12 @@ class TopicLaws:
 
     def take(self, placed: PlacedMessages) -> None:
         """Count messages that come next, and judge what is the same in all."""
-        messages, numbers, times_ns = placed
-        told = self._told
+        messages, told = placed.messages, self._told
         own = [name == told.frame and np.array_equal(np.frombuffer(rest), told.rest) for name, rest in messages.kinds]
         alike = np.array(own, dtype=bool)[messages.kind]
         alike &= (messages.values[:, told.fixed] == told.values[told.fixed]).all(axis=1)
-        self.tally.add(times_ns)
-        self._alike.add(np.where(alike, 0.0, 1.0), 0.0, numbers, times_ns)
+        self.tally.add(placed.times_ns)
+        self._alike.add(np.where(alike, 0.0, 1.0), 0.0, placed.numbers, placed.times_ns)
 
     def compare(self, piece: Piece, placed: PlacedMessages) -> int:
         """Judge those messages whose readings are in a piece; return how many are not logged when they arrive."""

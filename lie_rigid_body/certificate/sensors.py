@@ -4,31 +4,27 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.readings import Work
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensor_clocks import FASTEST, SensorClocks, errs
 from lie_rigid_body.certificate.sensor_topics import (
     MOST_LOST,
-    PlacedMessages,
     SegmentSensor,
     TopicLaws,
     value_laws,
 )
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
-from lie_rigid_body.certificate.survey import Survey, declared_segments
+from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import LIBRARY
-from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.sensor_clocks import PlacedMessages, SensorClocks
+from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
@@ -62,6 +58,12 @@ class SensorFindings:
     whole: tuple[LawResult, ...] = ()
     notes: tuple[tuple[str, ...], ...] = ()
 
+    @property
+    def are_exact(self) -> bool:
+        """Whether no reading that was compared differs from the replayed one."""
+        values = value_laws()
+        return all(law.worst == 0.0 for own in self.laws for law in own if law.name in values)
+
     __repr__ = short_repr
 
 
@@ -80,13 +82,7 @@ class SensorLaws:
     def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
         self._bag, self._surveyed, self._work, self._watch = bag, surveyed, Work(), watch
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        self._unlawful = {
-            topic.name: reason
-            for name, sensor in SENSORS.items()
-            if (reason := _why_unlawful(surveyed.declared, name))
-            for topic in sensor.topics
-        }
-        held = [name for name in SENSOR_TOPICS if name in self._declared and name not in (FAULTS, *self._unlawful)]
+        held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._held = held if surveyed.as_written else [name for name in held if name in bag.sensors]
         self._faults = self._fault_law()
         self._silent: list[list[str]] = []
@@ -98,11 +94,10 @@ class SensorLaws:
             for topic in sensor.topics
             if topic.name in self._readings
         }
-        self._unshown: dict[str, tuple[int, int]] = {}
         self._ends: dict[str, int] = {}  # of each topic the last segment, as declared, that it has a reading in
         self._sensors: dict[tuple[int, str], SegmentSensor] = {}
         self._open: dict[str, SegmentSensor] = {}
-        self._early = self._unsampled = self._logged_otherwise = self._last_ns = 0
+        self._unsampled = self._logged_otherwise = self._last_ns = 0
 
     def _full_name(self, name: str) -> str:
         return self._bag.sensors[name].topic if name in self._bag.sensors else name
@@ -142,34 +137,21 @@ class SensorLaws:
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
-        for messages in readings.values():
-            if not isinstance(messages, SensorMessages) and self._faults is not None:
-                self._faults.add(messages)
+        own, faults = self._surveyed.as_written, readings.get(FAULTS)
+        if isinstance(faults, FaultMessages) and self._faults is not None:
+            self._faults.add(faults)
         for name, sensor in SENSORS.items():
             placed: dict[int, dict[str, PlacedMessages]] = defaultdict(dict)
             for topic in sensor.topics:
-                of_topic = readings.get(topic.name)
-                if isinstance(of_topic, SensorMessages) and len(of_topic):
-                    for place, own in self._placed(topic.name, of_topic):
-                        placed[place][topic.name] = own
+                messages = readings.get(topic.name)
+                if isinstance(messages, SensorMessages) and len(messages):
+                    for part in self._clocks[topic.name].placed(messages, in_order=own):
+                        sent_ns = part.messages.log_times_ns if own else part.times_ns
+                        self._last_ns = max(self._last_ns, int(sent_ns.max()))
+                        self._ends[topic.name] = max(part.place, self._ends.get(topic.name, part.place))
+                        placed[part.place][topic.name] = part
             for place in sorted(placed):
                 self._add(place, name, placed[place])
-
-    def _placed(self, name: str, messages: SensorMessages) -> Iterator[tuple[int, PlacedMessages]]:
-        """The messages of a topic that come next, by the places of their segments."""
-        own, clocks, left = self._surveyed.as_written, self._clocks[name], np.ones(len(messages), dtype=np.bool_)
-        for part in clocks.placed(messages.stamps_ns, messages.log_times_ns if own else None):
-            left[part.rows] = False
-            sent_ns = messages.log_times_ns[part.rows] if own else part.times_ns
-            self._last_ns = max(self._last_ns, int(sent_ns.max(initial=0)))
-            self._ends[name] = max(part.place, self._ends.get(name, part.place))
-            yield part.place, PlacedMessages(messages[part.rows], part.numbers, part.times_ns)
-        early = left & (messages.stamps_ns < clocks.first_ns) if clocks.err and not own else left
-        self._early += int(np.count_nonzero(early))
-        unshown = messages.stamps_ns[left & ~early]
-        if len(unshown):
-            count, first = self._unshown.get(name, (0, int(unshown[0])))
-            self._unshown[name] = count + len(unshown), first
 
     def _add(self, place: int, name: str, placed: Mapping[str, PlacedMessages]) -> None:
         if self._found[place] is None:
@@ -211,7 +193,7 @@ class SensorLaws:
         not_certified = [*self._unheld(), *self._unassigned()]
         computed = value_laws() | {FAULT_LAW}
         broken = any(law.name in computed and not law.holds for own in (*laws, whole) for law in own)
-        foreign = self._foreign_software() if broken else None
+        foreign = other_software(self._bag) if broken else None
         if foreign is not None:
             *laws, whole = (tuple(law for law in own if law.name not in computed) for own in (*laws, whole))
             not_certified.append(
@@ -248,14 +230,13 @@ class SensorLaws:
             sensor = self._bag.sensors.get(name)
             if sensor is not None and name not in self._declared:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
-            if name in self._unlawful and sensor is not None:
-                yield f"topic {sensor.topic} ({sensor.count} messages): {self._unlawful[name]}"
-            elif name in self._declared and name not in self._held and sensor is None:
+            if name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
-        if self._early and not self._surveyed.as_written:
-            yield f"readings before the first scenario's start: {self._early}"
+        early = sum(clocks.early for clocks in self._clocks.values())
+        if early and not self._surveyed.as_written:
+            yield f"readings before the first scenario's start: {early}"
         if self._unsampled:
             yield f"readings under scenarios without a sample: {self._unsampled}"
         faults = self._faults
@@ -266,11 +247,6 @@ class SensorLaws:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:
                 yield f"messages about faults that come again: {faults.repeated}"
-
-    def _foreign_software(self) -> str | None:
-        """The first software other than this that a scenario says it is of."""
-        found = (json.loads(text).get("software") for _, text in self._bag.scenario_texts)
-        return next((str(software) for software in found if software != LIBRARY), None)
 
     def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
         self._silent.append([])
@@ -285,11 +261,13 @@ class SensorLaws:
                 yield from self._sensor_laws(i, f"{SENSORS[name].title} stamps", sensor, begun, is_last=is_last)
 
     def _strays(self) -> Iterator[LawResult]:
-        if self._early and self._surveyed.as_written:
-            yield _stray("sensor stamps", self._early, "readings before the first scenario's start")
-        for name, (count, first) in self._unshown.items():
-            text = f"{self._full_name(name)}: readings whose stamp no clock of the scenario shows (first {first} ns)"
-            yield _stray("sensor stamps", count, text)
+        for name, clocks in self._clocks.items():
+            topic, (unshown, first) = self._full_name(name), clocks.unshown
+            if clocks.early and self._surveyed.as_written:
+                yield _stray("sensor stamps", clocks.early, f"{topic}: readings before the first scenario's start")
+            if unshown:
+                text = f"{topic}: readings whose stamp no clock of the scenario shows (first {first} ns)"
+                yield _stray("sensor stamps", unshown, text)
 
     def _strays_of(self, sensor: SegmentSensor, name: str) -> Iterator[LawResult]:
         for topic, count in sensor.strays.items():
@@ -346,25 +324,10 @@ class SensorLaws:
         return max(high, sensor.arrived_until(end_ns) - 1) if own else high
 
 
-def measured_ns(recording: Recording, name: str) -> Integers:
-    """When the readings on a topic of a recorder's bag were measured, ns: their stamps, unless a clock errs."""
-    messages = recording.readings[name]
-    assert isinstance(messages, SensorMessages)
-    segments = [*declared_segments(text for _, text in recording.scenario_texts).values()]
-    sensor = next(key for key, entry in SENSORS.items() if name in {topic.name for topic in entry.topics})
-    clocks, measured = SensorClocks(segments, sensor), np.full(len(messages), -1)
-    if clocks.err:
-        for part in clocks.placed(messages.stamps_ns, None):
-            measured[part.rows] = part.times_ns
-    return messages.stamps_ns if (measured < 0).any() else measured  # as good as any where no clock shows a stamp
-
-
-def _why_unlawful(segments: Sequence[Segment], name: str) -> str:
-    """Why no law speaks of a sensor; empty if laws do."""
-    models = [model for segment in segments if (model := segment.scenario.sensors.on.get(name)) is not None]
-    if any(map(errs, models)) and any(model.rate > FASTEST for model in models):
-        return f"its clock errs, and by that the times of more than {FASTEST:g} readings in a second are not told"
-    return ""
+def other_software(bag: Bag | Recording) -> str | None:
+    """The first software other than this that a scenario of a bag says it is of."""
+    found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
+    return next((str(software) for software in found if software != LIBRARY), None)
 
 
 def _stray(name: str, count: int, what: str) -> LawResult:

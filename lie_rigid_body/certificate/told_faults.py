@@ -30,6 +30,8 @@ MOST_LOOKED_THROUGH: Final = 200_000_000
 """Readings whose faults are computed, beyond those that the bag has."""
 _EPISODES_PER_SECOND: Final = 1000
 """Most that one kind of fault has."""
+_DRAWN: Final = ("temperature_drift", "magnetic_disturbance")
+"""Kinds of faults whose sizes are made of normal deviates, which differ in last bits between libraries."""
 _MOST_KEPT: Final = 10_000
 """Faults that are remembered until the bag tells of them, or to know one that it tells of twice; they take 10 MB."""
 
@@ -110,8 +112,7 @@ class FaultLaw:
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
         self._expected = ExpectedFaults(segments, most)
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
-        self._known = OrderedDict[str, _Expected]()
-        self._drifts: dict[Fault, str] = {}
+        self._known = OrderedDict[Fault, _Expected]()  # by all but their sizes
         self._count = self._number = 0
         self._first, self._last = (0 if is_whole else None), -1
         self._wrong: dict[str, tuple[int, str]] = {}
@@ -161,19 +162,14 @@ class FaultLaw:
             self._number += 1
 
     def _remember(self, expected: _Expected) -> None:
-        text = expected.fault.to_json()
-        self._known[text] = expected
-        if expected.fault.kind == "temperature_drift":
-            self._drifts[replace(expected.fault, size=None)] = text
+        self._known[replace(expected.fault, size=None)] = expected
         if len(self._known) > _MOST_KEPT:
             self._miss([self._known.popitem(last=False)[1]])
 
     def _found(self, text: str, fault: Fault) -> _Expected | None:
         """The fault that a message tells of, if the scenarios make it."""
-        if text not in self._known and fault.to_json() == text:
-            drift = self._known.get(self._drifts.get(replace(fault, size=None), ""))
-            return drift if drift is not None and _are_alike(drift.fault, fault) else None
-        return self._known.get(text)
+        found = self._known.get(replace(fault, size=None)) if fault.to_json() == text else None
+        return found if found is not None and _are_alike(found.fault, fault) else None
 
     def _miss(self, some: Iterable[_Expected], until_ns: int = -1) -> None:
         """Note those of some faults that the bag should have told of; in a whole bag also those up to a time, ns."""
@@ -206,6 +202,7 @@ def _in_words(fault: Fault) -> str:
 
 
 def _are_alike(expected: Fault, told: Fault) -> bool:
-    """Whether two sizes are equal but for last bits: that of a drift is a normal deviate."""
-    one, other = expected.size or 0.0, told.size or 0.0
-    return abs(one - other) <= ROUNDINGS * U * abs(one)
+    """Whether two faults have one size, but for the last bits of one that is made of normal deviates."""
+    if expected.kind not in _DRAWN or expected.size is None or told.size is None:
+        return expected.size == told.size
+    return abs(expected.size - told.size) <= ROUNDINGS * U * abs(expected.size)

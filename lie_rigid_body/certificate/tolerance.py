@@ -96,6 +96,10 @@ class Tolerance:
         """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
         return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
 
+    def stepper_attitude(self, t: Array) -> Array:
+        """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
+        return np.asarray(np.minimum(self.drift.attitude(t), ATTITUDE_CAP))
+
     def stepper_rate(self, t: Array) -> Array:
         """Limit of what the declared stepper errs by in the body rate at times t, capped, rad/s, shape (N,)."""
         return np.asarray(self.fastest * np.minimum(self.drift.rate(t), ATTITUDE_CAP))

@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.cli.plotly_layout import COLOURS, RED, layout
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import Figure
 
 FRAMES: Final = 200

@@ -8,8 +8,8 @@ from typing import Final
 
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.cli import body_figure, certificate_text, motion_figures, residual_figures
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.html_page import figure, grid
 

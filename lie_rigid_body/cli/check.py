@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.certificate.proved import Proof
     from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-    from lie_rigid_body.certificate.segments import RecordedSegment
     from lie_rigid_body.recording.bag_reader import Bag
+    from lie_rigid_body.recording.samples import RecordedSegment
 
 
 @console.run
@@ -44,8 +44,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.certificate.certification import passes
     from lie_rigid_body.certificate.proved import require_count
     from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-    from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.recording.bag_reader import Bag
+    from lie_rigid_body.recording.samples import thinned_segments
 
     if given.prove is not None:
         require_count(given.prove)

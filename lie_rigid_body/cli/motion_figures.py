@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.cli.figure import best_view
 from lie_rigid_body.cli.plotly_layout import COLOURS, GREY, RED, axis, layout
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import Figure
 
 MOST_RESETS: Final = 12

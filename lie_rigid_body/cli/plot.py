@@ -30,9 +30,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     import numpy as np
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
-    from lie_rigid_body.certificate.segments import thinned_segments
     from lie_rigid_body.cli.figure import draw
     from lie_rigid_body.recording.bag_reader import Bag
+    from lie_rigid_body.recording.samples import thinned_segments
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))

@@ -31,6 +31,7 @@ from lie_rigid_body.recording.second_reading import (
     parts_of,
     pieces_again,
 )
+from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
     FaultMessages,
     SensorMessages,
@@ -42,10 +43,8 @@ from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, 
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 
-__all__ = ["MOST_SEGMENTS", "NO_TOPICS", "Bag", "Recording", "read_bag"]
+__all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
 
-MOST_SEGMENTS: Final = 10_000
-"""Most segments of a bag: each takes up to 1 ms."""
 _TEXTS_AT_ONCE: Final = 1000
 """Messages about faults that are taken together."""
 _BATCH: Final = 65_536

@@ -7,8 +7,8 @@ import pytest
 from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
 from tampering import Change, at, on, tamper, with_numbers
 
-from lie_rigid_body.certificate import certify, pairing, readings
-from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.certificate import certify, readings
+from lie_rigid_body.recording import bag_reader, pairing
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 
 

@@ -15,7 +15,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from test_check import write_bag
 
-from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.cli.figure import INTERVALS, best_view, draw, envelope
 from lie_rigid_body.cli.plot import main
 from lie_rigid_body.errors import BagError
@@ -24,6 +23,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import recorded_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 from lie_rigid_body.simulation import Simulation, Taken

@@ -18,7 +18,6 @@ from tampering import at, on, tamper, with_numbers
 from test_check import write_bag
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.segments import thinned_segments
 from lie_rigid_body.cli import body_figure, motion_figures
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.overview_page import MOST_LINES, Line, certificates_page, page
@@ -27,6 +26,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import html_page
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
