@@ -11,7 +11,6 @@ from matplotlib.colors import hsv_to_rgb
 from matplotlib.figure import Figure
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.groups import (
     SO,
@@ -29,6 +28,7 @@ from lie_rigid_body.groups import (
 )
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.samples import recorded_segments
 from lie_rigid_body.report.recording_picture import draw
 
 if TYPE_CHECKING:

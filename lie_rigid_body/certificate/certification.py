@@ -13,17 +13,19 @@ from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.aside import Aside
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
-from lie_rigid_body.certificate.pairing import Block
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensors import SensorLaws
+from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
-from lie_rigid_body.certificate.survey import Survey, Surveyor, as_written, numbered_blocks, survey
+from lie_rigid_body.certificate.survey import Survey, Surveyor, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.pairing import Block
+from lie_rigid_body.recording.samples import numbered_blocks
+from lie_rigid_body.recording.segments import as_written
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -86,6 +88,9 @@ class Certificate:
         Topics of the sensors that laws of the segments speak of.
     uncovered : tuple of str
         Those of ``not_certified`` that are of this bag, such as topics that no scenario determines.
+    to_the_bit : bool or None
+        Whether all states and readings are equal to the bit to those that are computed here. None: the bag is not of
+        the closed form and of this version, so that they need not be.
     """
 
     segments: tuple[SegmentCertificate, ...]
@@ -93,6 +98,7 @@ class Certificate:
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
     uncovered: tuple[str, ...] = ()
+    to_the_bit: bool | None = None
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -200,6 +206,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         not_certified(bag, surveyed, sensors),
         sensors.topics,
         uncovered(bag, surveyed, sensors),
+        _to_the_bit(bag, surveyed, held, sensors),
     )
 
 
@@ -209,6 +216,16 @@ def passes(bag: Bag, watch: Watch | None = None) -> int:
         return 1 if watch is None and as_written(bag) and bag.pose_count == bag.twist_count else 2
     except InputError:  # a scenario that is none
         return 1
+
+
+def _to_the_bit(
+    bag: Bag | Recording, surveyed: Survey, held: Iterable[HeldLaws], sensors: SensorFindings
+) -> bool | None:
+    """Whether a bag of the closed form and of this version is equal to the bit to what is computed here."""
+    motions = {segment.scenario.motion for segment in surveyed.declared}
+    if motions != {"closed_form"} or other_software(bag) is not None:
+        return None
+    return all(laws.is_exact for laws in held) and sensors.are_exact
 
 
 def _any_numbers() -> np.errstate:

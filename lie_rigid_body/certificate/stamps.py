@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs
-from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
 OFF_GRID: Final = "ns"
@@ -23,28 +23,6 @@ _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
 _MOST_DOUBLED: Final = 100_001
 """Number of doubled samples that are told."""
-
-
-def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
-    """The numbers of the grid's samples nearest to the stamps.
-
-    Parameters
-    ----------
-    clock : SampleClock
-    stamps_ns : ndarray of int64, shape (N,)
-
-    Returns
-    -------
-    ndarray of int64, shape (N,)
-    """
-    # in two parts, as the product of a long time and a rate exceeds 53 bits
-    elapsed = stamps_ns - clock.epoch_ns
-    whole = elapsed // NS  # half of the time of `divmod`
-    rest = elapsed - whole * NS
-    if float(clock.rate).is_integer():
-        rate = int(clock.rate)
-        return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
-    return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
 
 
 @dataclass(frozen=True)
@@ -275,14 +253,6 @@ class StampTally:
         if begin == end:
             return f"{self._noun} {begin} is missing"
         return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
-
-
-def grid(clock: SampleClock, numbers: Integers) -> Integers:
-    """The exact stamps of samples by their numbers, ns."""
-    low, high = int(numbers.min()), int(numbers.max())
-    if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
-        return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
-    return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
 def _some(items: list[str], count: int) -> str:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.stamps import StampTally, number_samples, stamp_law, stamp_result
+from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
+from lie_rigid_body.recording.segments import number_samples, segment_parts
 from lie_rigid_body.simulation import Segment
 
 
@@ -164,17 +164,3 @@ def tally_pairs(tallies: list[SegmentTally], common: Integers, alone: Integers) 
     for i in sorted(in_common.keys() | in_alone.keys()):
         none = slice(0, 0)
         tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
-
-
-def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
-    """The segments that stamps belong to, and which of the stamps are theirs; those before the first are left out."""
-    if not len(stamps_ns):
-        return
-    starts = np.array([segment.start_ns for segment in segments])
-    lowest, highest = np.searchsorted(starts, [stamps_ns.min(), stamps_ns.max()], side="right") - 1
-    if lowest == highest >= 0:
-        yield int(lowest), slice(None)
-        return
-    at = np.searchsorted(starts, stamps_ns, side="right") - 1
-    for i in np.unique(at[at >= 0]).tolist():
-        yield i, at == i

@@ -96,11 +96,25 @@ class Tolerance:
         """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
         return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
 
-    def mean_rate(self, t: Array, span: float) -> Array:
-        """Limit of the error of the mean rate over ``span``, s, up to times t, rad/s, shape (N,)."""
-        turn = np.array([self.fastest * span])
-        carried = turn * self._growth(turn) * self.rate(t)
-        return np.asarray((self.attitude_step(np.array([span])) + carried) / span)
+    def stepper_attitude(self, t: Array) -> Array:
+        """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
+        return np.asarray(np.minimum(self.drift.attitude(t), ATTITUDE_CAP))
+
+    def stepper_rate(self, t: Array) -> Array:
+        """Limit of what the declared stepper errs by in the body rate at times t, capped, rad/s, shape (N,)."""
+        return np.asarray(self.fastest * np.minimum(self.drift.rate(t), ATTITUDE_CAP))
+
+    def stepper_mean_rate(self, t: Array, span: float) -> Array:
+        """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
+
+        That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
+        between them add, and an error of the rate before them.
+        """
+        spans = np.array([span])
+        turn, growth = self.fastest * spans, self._growth(self.fastest * spans)
+        between = self.drift.attitude_step(spans) + turn * (self.drift.rate_step(spans) + self.drift.rate(t))
+        turned = np.minimum(2.0 * self.drift.attitude(t), growth * between)
+        return np.asarray(np.minimum(turned, ATTITUDE_CAP) / span)
 
     def attitude_step(self, spans: Array) -> Array:
         """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""

@@ -2,71 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import ChainMap
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any, Final, Protocol
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.messages import (
-    AttitudeEncoder,
-    ImuEncoder,
-    MagneticFieldEncoder,
-    PoseTwistEncoder,
-    VectorEncoder,
-    encode_strings,
-)
-from lie_rigid_body.messages.definitions import (
-    IMU,
-    MAGNETIC_FIELD,
-    POSE_WITH_COVARIANCE_STAMPED,
-    STRING,
-    VECTOR3_STAMPED,
-)
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.messages import PoseTwistEncoder, ReadingEncoder, encode_strings
+from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import (
-    AttitudeSensorModel,
-    Fault,
-    ImuModel,
-    ImuReadings,
-    MagnetometerModel,
-    SensorModel,
-    Sensors,
-)
+from lie_rigid_body.sensors import SENSORS, Fault, Sensors
 from lie_rigid_body.sensors.fault import LONGEST_TEXT
-from lie_rigid_body.simulation import Samples, SensorSamples, Taken
+from lie_rigid_body.simulation import Samples, Taken
 from lie_rigid_body.wording import short_repr
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
-IMU_DATA: Final = "imu/data_raw"
-IMU_BIAS: Final = "imu/bias"
-MAG: Final = "imu/mag"
-
-ATTITUDE: Final = "attitude/pose"
-SUN: Final = "sun/direction"
 FAULTS: Final = "~/faults"
 
-SENSOR_TOPICS: Final = {
-    IMU_DATA: IMU,
-    IMU_BIAS: IMU,
-    MAG: MAGNETIC_FIELD,
-    ATTITUDE: POSE_WITH_COVARIANCE_STAMPED,
-    SUN: VECTOR3_STAMPED,
-    FAULTS: STRING,
-}
-"""The topics of the sensors by their relative names, and their message types."""
-_ORDER: Final = (POSE, TWIST, *SENSOR_TOPICS)
-"""The order of messages of equal times: the truth before sensors."""
-_TOPICS_OF: Final = {
-    "imu": (IMU_DATA, IMU_BIAS),
-    "magnetometer": (MAG,),
-    "attitude_sensor": (ATTITUDE,),
-    "sun_sensor": (SUN,),
-}
+
+SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS: STRING}, SENSORS.topics)
+"""Message types of the topics of all sensors, by their relative names; a view, as the table of sensors may grow.
+
+Messages of equal times come in this order, after those of the truth.
+"""
 
 
 @dataclass(frozen=True)
@@ -76,9 +39,9 @@ class Messages:
     Parameters
     ----------
     topic : str
-        Its relative name.
+        Relative name of the topic.
     times_ns : ndarray of int64, shape (N,)
-        When each is sent and logged, ns: its stamp, or later if it is delayed, or otherwise if its clock is off.
+        Time at which each is sent and logged, ns; its stamp may be another, where it is late or a clock is wrong.
     payloads : Payloads, N of them
     """
 
@@ -90,7 +53,7 @@ class Messages:
 
     @classmethod
     def joined(cls, parts: Sequence[Messages]) -> Messages:
-        """Messages of one topic and one template, one after the other."""
+        """Join messages of one topic and one template."""
         if len(parts) == 1:
             return parts[0]
         template, words = parts[0].payloads.template, np.concatenate([part.payloads.words for part in parts])
@@ -117,7 +80,7 @@ class Batch:
 
     @property
     def topics(self) -> tuple[Messages, ...]:
-        """The messages of every topic, in the order in which those of equal times come: the truth before sensors."""
+        """Messages of every topic. Messages of equal times come in this order: the truth before sensors."""
         stamps_ns = self.samples.stamps_ns
         return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
 
@@ -139,11 +102,12 @@ class Batch:
 
 
 class Gathering:
-    """Messages of small batches that wait to be laid out together, as if they were those of a larger one.
+    """Messages of small batches that wait to be laid out together, as if they were messages of a larger batch.
 
     Attributes
     ----------
     message_count : int
+        Number of messages that wait.
     """
 
     def __init__(self) -> None:
@@ -152,11 +116,11 @@ class Gathering:
 
     @property
     def sample_count(self) -> int:
-        """How many samples of the truth are among them."""
+        """Number of samples of the truth that wait."""
         return sum(len(messages.payloads) for messages in self._parts.get(POSE, ()))
 
     def fits(self, topics: Sequence[Messages]) -> bool:
-        """Whether messages have the templates of those of their topics that wait."""
+        """Whether messages have the templates of the messages of their topics that wait."""
         return all(
             parts[0].payloads.template is messages.payloads.template
             for messages in topics
@@ -164,20 +128,20 @@ class Gathering:
         )
 
     def add(self, topics: Sequence[Messages]) -> None:
-        """Take the messages of the next batch, which fit, some of each topic."""
+        """Take messages of the next batch, which fit."""
         for messages in topics:
             self._parts.setdefault(messages.topic, []).append(messages)
             self.message_count += len(messages.payloads)
 
     def take(self) -> list[Messages]:
-        """All that wait, by topic, in the order in which those of equal times come."""
+        """Take all messages that wait, by topic, in the order in which messages of equal times come."""
         parts, self._parts, self.message_count = self._parts, {}, 0
-        return [Messages.joined(parts[topic]) for topic in sorted(parts, key=_ORDER.index)]
+        return [Messages.joined(parts[topic]) for topic in (POSE, TWIST, *SENSOR_TOPICS) if topic in parts]
 
 
 def sensor_topics(sensors: Sensors) -> list[str]:
     """Relative names of the topics that the sensors of a scenario have."""
-    topics = [topic for name in sensors.on for topic in _TOPICS_OF[name]]
+    topics = [topic.name for name in sensors.on for topic in SENSORS[name].topics]
     return [*topics, FAULTS] if sensors.have_faults else topics
 
 
@@ -187,7 +151,7 @@ class BatchEncoder:
     Parameters
     ----------
     scenario : Scenario
-        Of what does not tell its own.
+        Scenario of samples that do not tell their own.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -196,10 +160,13 @@ class BatchEncoder:
     def _begin(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._truth = PoseTwistEncoder(scenario)
-        self._sensors = {name: _encoder(model, scenario) for name, model in scenario.sensors.on.items()}
+        self._sensors = {
+            name: [ReadingEncoder(topic, model, scenario) for topic in SENSORS[name].topics]
+            for name, model in scenario.sensors.on.items()
+        }
 
     def encode(self, taken: Taken) -> Batch:
-        """The messages of samples and readings that were taken at once, with the frames of their own scenario."""
+        """Encode samples and readings that were taken at once, with the frames of their own scenario."""
         if taken.scenario is not None and taken.scenario is not self._scenario:
             self._begin(taken.scenario)
         samples = taken.samples
@@ -207,70 +174,14 @@ class BatchEncoder:
 
     def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
         for name, samples in taken.sensors.items():
-            if len(samples):
-                yield from self._sensors[name].messages(samples)
+            for encoder in self._sensors[name] if len(samples) else ():
+                payloads = encoder.encode(samples.stamps_ns, samples.readings)
+                yield Messages(encoder.topic.name, samples.times_ns, payloads)
         if taken.faults:
             yield _told(taken.faults)
 
 
 def _told(faults: tuple[Fault, ...]) -> Messages:
-    """The faults, each at its begin."""
+    """Encode faults, each as a message at its begin."""
     times = np.array([fault.begin_ns for fault in faults], dtype=np.int64)
     return Messages(FAULTS, times, encode_strings([fault.to_json() for fault in faults], LONGEST_TEXT))
-
-
-class _SensorMessages(Protocol):
-    """The messages of a sensor."""
-
-    def messages(self, samples: SensorSamples[Any]) -> Iterator[Messages]:
-        """Those of some readings."""
-        ...
-
-
-def _encoder(model: SensorModel, scenario: Scenario) -> _SensorMessages:
-    if isinstance(model, ImuModel):
-        return _ImuMessages(model)
-    if isinstance(model, MagnetometerModel):
-        return _VectorMessages(MAG, MagneticFieldEncoder(model.frame, model.variance))
-    if isinstance(model, AttitudeSensorModel):
-        return _AttitudeMessages(model, scenario.world_frame)
-    return _VectorMessages(SUN, VectorEncoder(scenario.body_frame))
-
-
-class _ImuMessages:
-    """The messages of an IMU: its readings, and their true bias."""
-
-    def __init__(self, model: ImuModel) -> None:
-        variances = model.angular_velocity_variance, model.linear_acceleration_variance
-        oriented = () if model.orientation is None else (model.orientation.covariance,)
-        self._data = ImuEncoder(model.frame, *variances, *oriented)
-        self._bias = ImuEncoder(model.frame)
-
-    def messages(self, samples: SensorSamples[ImuReadings]) -> Iterator[Messages]:
-        at, readings = samples.stamps_ns, samples.readings
-        data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration, readings.orientation_xyzw)
-        bias = self._bias.encode(at, readings.gyro_bias, readings.accelerometer_bias)
-        yield Messages(IMU_DATA, samples.times_ns, data)
-        yield Messages(IMU_BIAS, samples.times_ns, bias)
-
-
-class _AttitudeMessages:
-    """The messages of an attitude sensor."""
-
-    def __init__(self, model: AttitudeSensorModel, frame: str) -> None:
-        self._model, self._encoder = model, AttitudeEncoder(frame)
-
-    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
-        covariance = self._model.covariance(samples.readings)
-        data = self._encoder.encode(samples.stamps_ns, samples.readings, covariance)
-        yield Messages(ATTITUDE, samples.times_ns, data)
-
-
-class _VectorMessages:
-    """The messages of a sensor that reads a vector."""
-
-    def __init__(self, topic: str, encoder: MagneticFieldEncoder | VectorEncoder) -> None:
-        self._topic, self._encoder = topic, encoder
-
-    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
-        yield Messages(self._topic, samples.times_ns, self._encoder.encode(samples.stamps_ns, samples.readings))

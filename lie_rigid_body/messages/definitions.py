@@ -1,8 +1,9 @@
-"""Message types as a bag describes them: names, definitions, and the quality of service they were offered with."""
+"""Message types as a bag describes them: names, definitions, and the quality of service of their publishers."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -68,6 +69,9 @@ _PARTS: Final = {
     VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
 _SEPARATOR: Final = "=" * 80 + "\n"
+"""Line between the types of a definition."""
+_NUMBER: Final = "float64"
+"""Type of the numbers of messages, perhaps with a length in brackets behind it."""
 
 
 def definition(message_type: str) -> str:
@@ -100,7 +104,7 @@ def has_fields_of(text: str, message_type: str) -> bool:
 
 @lru_cache(maxsize=64)
 def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
-    """Type and name of every field, by the type that has them; types without their package, the first without name."""
+    """Type and name of every field, by the type that has the field: types without packages, the first unnamed."""
     found = {}
     for part in re.split(r"^=+[ \t\r]*$", text, flags=re.MULTILINE):
         lines = [line.split("#")[0].split() for line in part.splitlines()]
@@ -110,19 +114,49 @@ def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
     return found
 
 
+@lru_cache(maxsize=64)
+def places(message_type: str) -> Mapping[str, range]:
+    """Places of each field's float64 numbers among all float64 numbers of a message, by names with dots between them.
+
+    Parameters
+    ----------
+    message_type : str
+        One of the names of this module.
+
+    Returns
+    -------
+    mapping of str to range
+        The empty name has all places.
+    """
+    found: dict[str, range] = {}
+    types = _fields(definition(message_type))
+
+    def add(kind: str, name: str, first: int) -> int:
+        end = first
+        if kind.startswith(_NUMBER):
+            end += int(kind.removeprefix(_NUMBER).strip("[]") or 1)
+        for part, field in types.get(kind, ()):
+            end = add(part, f"{name}.{field}".lstrip("."), end)
+        found[name] = range(first, end)
+        return end
+
+    add("", "", 0)
+    return found
+
+
 def _base(message_type: str) -> str:
     return message_type.rpartition("/")[2]
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:
-    """The channel metadata from which ``ros2 bag play`` takes its quality of service: a YAML list with one profile.
+    """Channel metadata from which ``ros2 bag play`` takes its quality of service: a YAML list with one profile.
 
     Parameters
     ----------
     latched : bool
-        Transient local, so that late subscribers get the last message; else volatile.
+        Whether late subscribers get the last message: transient local, else volatile.
     depth : int
-        Of the history.
+        Depth of the history.
 
     Returns
     -------

@@ -127,8 +127,8 @@ class MoserVeselovDrift:
 
     Parameters
     ----------
-    rate_bound, step : float
-        Ω, rad/s, and h, s.
+    rate_bound, fastest, step : float
+        Ω and the largest body rate, which of a slender body is far smaller, rad/s, and h, s.
     truncation : float
         Turn that a step lacks, rad.
     growth : float
@@ -136,6 +136,7 @@ class MoserVeselovDrift:
     """
 
     rate_bound: float
+    fastest: float
     step: float
     truncation: float
     growth: float
@@ -158,15 +159,21 @@ class MoserVeselovDrift:
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
-            return cls(rate_bound, step, 2.0 * implicit * missing, _growth(frame, step))
+            return cls(rate_bound, quickest, step, 2.0 * implicit * missing, _growth(frame, step))
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error at time t, as a rotation angle, rad."""
-        way = self.rate_bound * self.step * self.rate_bound * t
+        way = self.fastest * self.step * self.fastest * t
         round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + BIAS * way)
         return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
-    rate = attitude_step = rate_step = attitude
+    attitude_step = attitude
+
+    def rate(self, t: Array) -> Array:
+        """Bound of the body-rate error, divided by Ω: energy and momentum are kept, and with the phase it moves."""
+        return np.asarray(self.attitude(t) * (self.fastest / self.rate_bound))
+
+    rate_step = rate
 
     def momentum(self, t: Array) -> Array:
         """0: kept to round-off."""

@@ -31,8 +31,8 @@ from lie_rigid_body.recording.second_reading import (
     parts_of,
     pieces_again,
 )
+from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
-    VALUES,
     FaultMessages,
     SensorMessages,
     SensorTopic,
@@ -40,12 +40,11 @@ from lie_rigid_body.recording.sensor_reader import (
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
 from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack, joined
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 
-__all__ = ["MOST_SEGMENTS", "NO_TOPICS", "Bag", "Recording", "read_bag"]
+__all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
 
-MOST_SEGMENTS: Final = 10_000
-"""Most segments of a bag: each takes up to 1 ms."""
 _TEXTS_AT_ONCE: Final = 1000
 """Messages about faults that are taken together."""
 _BATCH: Final = 65_536
@@ -101,7 +100,7 @@ class Bag:
         in_memory: bool = False,
     ) -> None:
         files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
-        contents = files.contents(of_types((*_OF_THE_TRUTH, *VALUES)) if in_memory else nothing)
+        contents = files.contents(of_types((*_OF_THE_TRUTH, *SENSORS.topics.values())) if in_memory else nothing)
         body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
         self._take(files, contents, body, in_memory=in_memory)
 
@@ -165,7 +164,7 @@ class Bag:
         self._kept_readings = {
             name: self._decoded((track.topic, track.message_type), track.take(), 0)
             for name, track in sensors.items()
-            if in_memory and track.message_type in VALUES
+            if in_memory and track.message_type in SENSORS.topics.values()
         }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)

@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import Figure
 from lie_rigid_body.report.plotly_parts import layout, line, space
 from lie_rigid_body.report.recorded_motion import COLOURS, RED, times, usable, world_rates

@@ -63,6 +63,8 @@ def verdict(certificate: Certificate) -> str:
         f"world momentum to {_momentum(certificate):.2g} (relative).",
         *_worst_sample(certificate),
     ]
+    if certificate.to_the_bit is not None:
+        lines.append(f"  It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here.")
     if certificate.sensors:
         lines.append(
             _wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  ")
@@ -122,6 +124,7 @@ def _accuracy_json(certificate: Certificate) -> dict[str, object]:
             "stamp_ns": law.stamp_ns,
             "time_s": segment.time_s(law),
         },
+        "to_the_bit": certificate.to_the_bit,
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.segments import RecordedSegment
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import Figure
 from lie_rigid_body.report.plotly_parts import axis, coordinates, layout, line, mark, over_time, space
 from lie_rigid_body.report.recorded_motion import (

@@ -9,9 +9,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.wording import short_repr
 
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")

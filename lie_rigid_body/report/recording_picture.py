@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.segments import RecordedSegment
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,

@@ -11,7 +11,6 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans
-from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
@@ -23,6 +22,7 @@ from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTra
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
+from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of

@@ -10,15 +10,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from tampering import at, flipped, on, scaled_rate, tamper
 
-from lie_rigid_body.certificate import certify, pairing
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-from lie_rigid_body.certificate.segments import recorded_segments, thinned_segments
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.recording import bag_reader
+from lie_rigid_body.recording import bag_reader, pairing, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import recorded_segments, thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Simulation, Taken
 
@@ -33,7 +33,7 @@ def honest(request, tmp_path_factory):
     with BagWriter(path, stamped_twist=request.param, chunk_size=10_000) as bag:
         for rate in ([1.0, 2.0, 0.5], [0.3, 1.0, 0.2]):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT), None, None)))
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT))))
             simulation.reset(Scenario.from_parameters({**parameters, "initial_body_rate": rate}))
     return path
 
@@ -115,10 +115,8 @@ def test_every_pass_tells_how_far_it_is(honest):
 
 
 def test_a_thinned_bag_keeps_its_envelope(honest, monkeypatch):
-    from lie_rigid_body.certificate import segments
-
-    monkeypatch.setattr(segments, "_ALL_OF", 10)
-    monkeypatch.setattr(segments, "_BUCKETS", 12)
+    monkeypatch.setattr(samples, "_ALL_OF", 10)
+    monkeypatch.setattr(samples, "_BUCKETS", 12)
     for whole, thin in zip(recorded_segments(read_bag(honest)), thinned_segments(Bag(honest)), strict=True):
         assert thin.count == COUNT
         assert thin.close >= 10

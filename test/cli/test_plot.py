@@ -63,6 +63,6 @@ def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
     assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
     assert capsys.readouterr().err == ""

@@ -21,14 +21,14 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
 
-from lie_rigid_body.certificate.survey import declared_segments
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import mcap_contents
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
+from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
 from lie_rigid_body.recording.mcap_contents import of_types
+from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
 
@@ -45,7 +45,8 @@ MEMORY = 200 * 2**20
 READ = f"""
 import resource, sys
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.bag_reader import MOST_SEGMENTS, read_bag
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.segments import MOST_SEGMENTS
 pages = int(open("/proc/self/statm").read().split()[0])
 resource.setrlimit(resource.RLIMIT_AS, (pages * {resource.getpagesize()} + {MEMORY},) * 2)
 for path in sys.argv[1:]:

@@ -18,13 +18,13 @@ from tampering import at, on, tamper, with_numbers
 from test_check import write_bag
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.segments import thinned_segments
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import body_figure, html_page, motion_figures
 from lie_rigid_body.report.overview import Verdict
 from lie_rigid_body.report.overview_page import MOST_LINES, Line, page, verdicts_page
@@ -186,7 +186,7 @@ def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys:
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
     assert main([str(tmp_path / "bag.mcap"), "--report", str(tmp_path / "out.html")]) == 1
     assert capsys.readouterr().err == ""
     for content in re.findall(r"json\">(.*?)</script>", (tmp_path / "out.html").read_text(encoding="utf-8")):

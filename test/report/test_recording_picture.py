@@ -12,12 +12,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from test_check import write_bag
 
-from lie_rigid_body.certificate.segments import recorded_segments
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import recorded_segments
 from lie_rigid_body.report.recorded_motion import Ellipsoid
 from lie_rigid_body.report.recording_picture import INTERVALS, draw, envelope
 from lie_rigid_body.scenario import Scenario
@@ -128,10 +128,10 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets, said):
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         for _ in range(resets):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5), None, None)))
+            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
             simulation.reset(scenario)
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5), None, None)))
+        bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
     figure = draw(recorded_segments(read_bag(tmp_path / "bag.mcap")))
     assert said in title(figure)
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]

@@ -13,10 +13,10 @@ import pytest
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.sensors import GRADES, SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.sensors import GRADES, SENSORS, Sensors
 
 ON = {"imu_rate": 100.0, "magnetometer_rate": 50.0}
-DEFAULTS = {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
+DEFAULTS = {parameter.name: parameter.default for parameter in SENSORS.parameters.values()}
 ERRORS = [name for name in DEFAULTS if re.search("noise|bias|scale|misalignment|iron|resolution|_range", name)]
 PAGE = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
 
@@ -85,8 +85,9 @@ def test_a_grade_in_a_file_and_an_error_in_an_assignment(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("grade", ["cheap", 3, ["mems"]])
 def test_other_grades_are_refused(grade: object) -> None:
-    with pytest.raises(ParameterError, match="sensor_grade: "):
+    with pytest.raises(ParameterError) as refusal:
         read_parameters({"sensor_grade": grade})
+    assert refusal.value.name == "sensor_grade"
 
 
 def test_the_page_has_a_column_for_each_grade() -> None:

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.certificate.stamps import number_samples
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.recording.segments import number_samples
 from lie_rigid_body.recording.tracks import PoseTrack, TwistTrack
 from lie_rigid_body.simulation import SampleClock
 

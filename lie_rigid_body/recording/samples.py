@@ -1,0 +1,266 @@
+"""A bag as samples: poses and twists of one stamp together, numbered, segment by segment."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.pairing import Block, Pairing, StampedValues, stamped_values
+from lie_rigid_body.recording.segments import (
+    as_written,
+    declared_segments,
+    number_samples,
+    segment_parts,
+    segments_with_samples,
+    with_inertia,
+)
+from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr
+
+Batches: TypeAlias = Iterable[tuple[PoseTrack, TwistTrack]]
+"""Poses and twists in file order."""
+Topics: TypeAlias = tuple[StampedValues, ...]
+"""Poses and twists with their stamps, or none of either."""
+_ALL_OF: Final = 20_000
+"""Number of samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
+_BUCKETS: Final = 2000
+"""Number of pieces of a long bag of which the extreme samples are drawn: a picture has as many columns."""
+_CLOSE: Final = 0.05
+"""Largest turn, rad, that a line may stand for."""
+
+
+@dataclass(frozen=True)
+class RecordedSegment:
+    """Samples of one segment, as recorded.
+
+    Parameters
+    ----------
+    segment : Segment
+        As the bag declares it.
+    samples : ndarray of int64, shape (N,)
+        Numbers of the samples that have both pose and twist, rising.
+    stamps_ns : ndarray of int64, shape (N,)
+        Their stamps.
+    states : State
+        Their states, of shapes (N, 4) and (N, 3), not normalised.
+    count : int
+        Number of samples that the bag has of it: more than N where they were thinned.
+    close : int
+        Number of samples, from the first one on, that follow each other so closely that a line between them is a curve.
+    """
+
+    segment: Segment
+    samples: Integers
+    stamps_ns: Integers
+    states: State
+    count: int
+    close: int
+
+    __repr__ = short_repr
+
+
+def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
+    """Segments that a bag declares, in the order of their starts.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    inertia : sequence of float, optional
+        Principal moments in place of the declared inertia, kg m².
+
+    Raises
+    ------
+    BagError
+        If a scenario message cannot be read.
+    ParameterError
+        If a declared scenario or the given inertia is impossible.
+    """
+    declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
+    return [with_inertia(segment, inertia) for segment in declared.values()]
+
+
+def paired(
+    bag: Bag | Recording, segments: Sequence[Segment], batches: Batches
+) -> Iterator[tuple[Topics, Block, Integers]]:
+    """Put poses and twists together.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    segments : sequence of Segment
+        See `bag_segments`.
+    batches : iterable of (PoseTrack, TwistTrack)
+        Poses and twists of the bag, in file order.
+
+    Yields
+    ------
+    topics : Topics
+        Poses and twists that were read; none behind the last ones.
+    block : Block
+        Samples that are complete by that, not numbered.
+    alone : ndarray of int64
+        Stamps among them that only one of the two topics has.
+    """
+    pairing = Pairing()
+    for topics in stamped_values(batches, segments[0].clock(), bag.name, logged_at_stamps=as_written(bag)):
+        yield topics, pairing.add(*topics), pairing.alone
+    yield (), pairing.finish(), pairing.alone
+
+
+def numbered(segments: Sequence[Segment], samples: Iterable[Block]) -> Iterator[tuple[int, Block]]:
+    """Number samples, and cut blocks at the starts of segments; each comes with its segment's place."""
+    for block in samples:
+        for i, rows in segment_parts(segments, block.stamps_ns):
+            part = block[rows]
+            yield i, replace(part, samples=number_samples(segments[i].clock(), part.stamps_ns))
+
+
+def numbered_blocks(
+    bag: Bag | Recording,
+    segments: Sequence[Segment],
+    sensors: Collection[str] = (),
+    take: TakeReadings = lambda readings: None,
+) -> Iterator[tuple[int, Block]]:
+    """Samples that have both pose and twist, in the order of their stamps, each block with its segment's place.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    segments : sequence of Segment
+    sensors, take : optional
+        Topics that are read as well, and what takes their messages; see `Bag.batches`.
+    """
+    return numbered(segments, (block for _, block, _ in paired(bag, segments, bag.batches(sensors, take))))
+
+
+def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count: int) -> None:
+    """Refuse a bag without samples, or with some that no scenario explains.
+
+    Parameters
+    ----------
+    name : str
+        Name of the bag.
+    segments : sequence of Segment
+    first_ns : int
+        Earliest stamp in a header, ns.
+    count : int
+        Number of samples with pose and twist in the segments.
+
+    Raises
+    ------
+    BagError
+    """
+    if first_ns < segments[0].start_ns:
+        raise BagError(
+            f"{name}: a sample is stamped {first_ns} ns, before the first scenario message's start at "
+            f"{segments[0].start_ns} ns: record the scenario topic from the start"
+        )
+    if not count:
+        raise BagError(f"{name}: no sample has both a pose and a twist of the same stamp: record both topics together")
+
+
+def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+    """Segments of a bag with all their samples, in memory; those without a sample, that a reset followed, left out.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    inertia : sequence of float, optional
+        Principal moments in place of the declared inertia, kg m².
+
+    Raises
+    ------
+    BagError
+        If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
+    ParameterError
+        If a declared scenario or the given inertia is impossible.
+    """
+    segments = bag_segments(bag, inertia)
+    blocks: list[list[Block]] = [[Block.empty()] for _ in segments]
+    places = _read(bag, segments, lambda i, block: blocks[i].append(block))
+    joined = [(segments[i], blocks[i][0].joined(*blocks[i][1:])) for i in places]
+    return [_recorded(segment, whole, len(whole.samples), len(whole.samples)) for segment, whole in joined]
+
+
+def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+    """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
+
+    Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
+    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments`.
+    """
+    segments = bag_segments(bag, inertia)
+    counts = Counter[int]()
+    places = _read(bag, segments, lambda i, block: counts.update({i: len(block.samples)}))
+    size = -(-counts.total() // _BUCKETS)
+    thinning = [_Thinning(segment, counts[i], size) for i, segment in enumerate(segments)]
+    for i, block in numbered_blocks(bag, segments):
+        thinning[i].add(block)
+    return [thinning[i].result() for i in places]
+
+
+def _read(bag: Bag | Recording, segments: Sequence[Segment], take: Callable[[int, Block], object]) -> list[int]:
+    """Read a bag, and have its numbered samples taken; return the places of the segments that have or lack samples."""
+    seen, count, first_ns = set[int](), 0, int(np.iinfo(np.int64).max)
+    for topics, block, _ in paired(bag, segments, bag.batches()):
+        for topic in topics:
+            seen.update(i for i, _ in segment_parts(segments, topic.stamps_ns))
+        for topic in topics[: 1 + bag.stamped]:
+            first_ns = int(topic.stamps_ns.min(initial=first_ns))
+        for i, part in numbered(segments, [block]):
+            count += len(part.samples)
+            take(i, part)
+    require_samples(bag.name, segments, first_ns, count)
+    return [i for i, _ in segments_with_samples(segments, seen, whole=as_written(bag))]
+
+
+class _Thinning:
+    """Samples of a segment as they come: of the first ones enough for a curve, of all the extreme ones."""
+
+    def __init__(self, segment: Segment, count: int, size: int) -> None:
+        scenario = segment.scenario
+        turn = scenario.rate_bound() / scenario.rate
+        self._segment, self._count, self._size, self._body = segment, count, size, scenario.body()
+        self._stride = 1 if count <= _ALL_OF else max(1, int(min(_CLOSE, count * turn) / (turn or 1.0)))
+        self._resolved = _ALL_OF * self._stride
+        self._kept = [Block.empty()]
+        self._taken = self._close = 0
+
+    def add(self, block: Block) -> None:
+        """Take the samples that come next."""
+        for i in range(0, len(block.samples), self._size):
+            bucket = block[i : i + self._size]
+            places = self._taken + np.arange(len(bucket.samples))
+            of_curve = np.flatnonzero((places % self._stride == 0) & (places < self._resolved))
+            chosen = np.union1d(self._extreme(bucket), of_curve)
+            self._close += int(np.count_nonzero(places[chosen] < self._resolved))
+            self._kept.append(bucket[chosen])
+            self._taken += len(places)
+
+    def _extreme(self, bucket: Block) -> Integers:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
+            energy = self._body.kinetic_energy(bucket.states)
+            momentum = self._body.angular_momentum(bucket.states)
+        columns = np.column_stack([bucket.states.body_rate, energy, momentum])
+        return np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])
+
+    def result(self) -> RecordedSegment:
+        """Return the segment with what was kept."""
+        return _recorded(self._segment, self._kept[0].joined(*self._kept[1:]), self._count, self._close)
+
+
+def _recorded(segment: Segment, block: Block, count: int, close: int) -> RecordedSegment:
+    return RecordedSegment(segment, block.samples, block.stamps_ns, block.states, count, close)
+
+
+def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:
+    """Times since the segment's start, s."""
+    return np.asarray((stamps_ns - segment.start_ns) * 1e-9, dtype=np.float64)

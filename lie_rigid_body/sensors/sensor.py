@@ -1,0 +1,374 @@
+"""Sensors in general: model, instrument that measures, readings, topics, and entry in the table."""
+
+from __future__ import annotations
+
+import copy
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.parameters import Parameter, Value, Vector
+from lie_rigid_body.sensors.delivery import Delivery
+from lie_rigid_body.sensors.fault import Faulty
+from lie_rigid_body.sensors.parameters import delivery_parameters
+from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.wording import short_repr
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Readings of a sensor, one row of each array for each reading.
+
+    Parameters
+    ----------
+    arrays : mapping of str to ndarray, shape (N, ...)
+        Arrays by the names of `Field.array`.
+    """
+
+    arrays: Mapping[str, Array]
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(next(iter(self.arrays.values())))
+
+    def __getitem__(self, rows: slice | Booleans) -> Readings:
+        return Readings({name: array[rows] for name, array in self.arrays.items()})
+
+    def joined(self, later: Readings) -> Readings:
+        """Join these readings and later ones of the same arrays."""
+        return Readings({name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()})
+
+
+class Instrument(ABC):
+    """A sensor at work: readings in order, the same to the bit in batches of any size."""
+
+    __copy__ = copy.deepcopy  # it goes on by itself
+
+    @abstractmethod
+    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+        """The next readings before their converters, by the names of their arrays; see `measure`."""
+
+    def measure(self, times_ns: Integers, states: State) -> Readings:
+        """The next readings.
+
+        Parameters
+        ----------
+        times_ns : ndarray of int64, shape (N,)
+            Times since the segment's start, ns.
+        states : State
+            The body's states at those times, of shapes (N, 4) and (N, 3).
+
+        Returns
+        -------
+        Readings
+
+        Raises
+        ------
+        InputError
+            If the instrument integrates over time and the times do not rise.
+        """
+        return Readings({name: signal.read() for name, signal in self.signals(times_ns, states).items()})
+
+    @abstractmethod
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`.
+
+        Parameters
+        ----------
+        count : int
+        before_ns : int
+            Time of the last of them since the segment's start, ns.
+        before : State
+            The body's state at that time. Only an instrument that integrates over time looks at it.
+        """
+
+    @property
+    def walks(self) -> bool:
+        """Whether readings that are left out take time, as a bias walks through them."""
+        return False
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that have to be measured, for whoever begins after a reading, as an axis that is stuck repeats them.
+
+        Parameters
+        ----------
+        number : int
+            Number of the reading before those that are wanted.
+        elapsed_ns : callable
+            Gives the time of a reading since the segment's start, ns.
+        number_before : callable
+            Gives the number of the last reading before a time since the segment's start, ns.
+        """
+        return iter(())
+
+
+@dataclass(frozen=True)
+class VectorAid:
+    """A vector known in the world that a sensor reads in the body frame: it tells of the attitude.
+
+    Parameters
+    ----------
+    reference : tuple of float, length 3
+        The vector in the world frame, in any unit.
+    noise : float
+        Standard deviation of a reading on each axis, same unit.
+    turn_on_bias : float
+        Standard deviation of the bias at the start on each axis, same unit.
+    bias_step : float
+        Standard deviation of the bias' change from one reading to the next on each axis, same unit.
+    """
+
+    reference: Vector
+    noise: float
+    turn_on_bias: float = 0.0
+    bias_step: float = 0.0
+
+    __repr__ = short_repr
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether there is no noise."""
+        return not self.noise
+
+
+@dataclass(frozen=True)
+class AttitudeAid:
+    """An attitude that a sensor reads, worst about one axis of the body.
+
+    Parameters
+    ----------
+    axis : tuple of float, length 3
+        A unit vector in the body frame.
+    about, across : float
+        Standard deviations of a small rotation about that axis and about each one across it, rad.
+    """
+
+    axis: Vector
+    about: float
+    across: float
+
+    __repr__ = short_repr
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether a rotation about some axis has no noise."""
+        return not (self.about and self.across)
+
+
+@dataclass(frozen=True)
+class SensorModel(ABC):
+    """A sensor as its parameters describe it; each kind adds what is particular to it.
+
+    Parameters
+    ----------
+    rate : float
+        Readings per second.
+    seed : int
+        Seed of its noise.
+    delivery : Delivery or None
+        Faults on the way of its readings; None: there are none.
+    """
+
+    rate: float
+    seed: int
+    _: KW_ONLY
+    delivery: Delivery | None = None
+
+    __repr__ = short_repr
+
+    @classmethod
+    @abstractmethod
+    def from_values(cls, values: Mapping[str, Value]) -> SensorModel:
+        """Make the model of the parameters' values, and validate it.
+
+        Raises
+        ------
+        ParameterError
+            If a value is invalid.
+        """
+
+    @property
+    def faulty(self) -> tuple[Faulty | None, ...]:
+        """Parts of the model that can have faults; None where one has none."""
+        return (self.delivery,)
+
+    @property
+    def aids(self) -> tuple[VectorAid | AttitudeAid, ...]:
+        """Vectors and attitudes that its readings tell, from which the smallest error of an estimator follows."""
+        return ()
+
+    def refusal(self, fastest: float) -> ParameterError | None:
+        """The error of a body whose rate reaches ``fastest``, rad/s, if the sensor cannot follow it."""
+        return None
+
+
+class _ExactMotion(Protocol):
+    def at(self, t_ns: int) -> State:
+        """The state at a time since the start, ns."""
+        ...
+
+
+class Carrier(Protocol):
+    """The body that carries a sensor, and its motion, as a `Scenario` has them."""
+
+    def body(self) -> RigidBody:
+        """The body."""
+        ...
+
+    def start(self) -> State:
+        """The state at the start."""
+        ...
+
+    def exact_motion(self) -> _ExactMotion:
+        """The exact motion from the start, at times before it as well."""
+        ...
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a sensor's message that differs from reading to reading.
+
+    Parameters
+    ----------
+    array : str
+        Name of the array with its values, in `Readings` and in `Run`.
+    place : str
+        Name of the field in the message, with dots between its parts, such as ``pose.pose.orientation``.
+    unit : str
+        Unit of its numbers; empty for quaternions and unit vectors.
+    quantity : str
+        Name of the quantity, by which the certificate calls its law.
+    covariance : str
+        Name of the field with its covariance. Where that begins with −1, the message does not tell this field
+        (REP-145). Empty: every message tells it.
+    numbers : tuple of int
+        Numbers of the message's field that belong to it; empty: all.
+    shape : tuple of int
+        Shape of a row of the array; empty: a vector.
+    """
+
+    array: str
+    place: str
+    unit: str
+    quantity: str
+    covariance: str = ""
+    numbers: tuple[int, ...] = ()
+    shape: tuple[int, ...] = ()
+
+    __repr__ = short_repr
+
+
+def diagonal(variance: float) -> tuple[float, ...]:
+    """Covariance, row by row, of three independent components of one variance."""
+    return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
+
+
+def _nothing(model: Any) -> Mapping[str, tuple[float, ...]]:
+    return {}
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a sensor: messages of a std_msgs/Header and float64 numbers.
+
+    Parameters
+    ----------
+    name : str
+        Relative name of the topic.
+    message_type : str
+        Name of the type in ROS, such as ``sensor_msgs/msg/Imu``.
+    title : str
+        Name of the certificate's law of the frame, and of the fields that are the same in every message.
+    fields : tuple of Field
+        Fields that differ from message to message.
+    frame : str
+        Name of the parameter whose value is the frame of the headers.
+    fixed : callable
+        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names.
+    """
+
+    name: str
+    message_type: str
+    title: str
+    fields: tuple[Field, ...]
+    frame: str = "body_frame"
+    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] = _nothing
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """An entry of the table of sensors: everything particular to one sensor.
+
+    Parameters
+    ----------
+    name : str
+        Name, with which the names of its parameters begin. The parameter ``NAME_rate`` switches it on.
+    title : str
+        Name of the sensor in tables and sentences.
+    model : type of SensorModel
+    make : callable
+        ``make(model, carrier, before_ns)`` gives the `Instrument` of a segment. Its first reading comes one interval
+        after ``before_ns``, ns since the start, which may be negative.
+    topics : tuple of Topic
+        Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
+    parameters : tuple of Parameter
+        Parameters that the text of a scenario leaves out at their defaults: it is then that of before the sensor was.
+    told : tuple of Parameter
+        Parameters that the text of a scenario always tells.
+    faults : tuple of Parameter
+        Parameters of its faults, without those of the delivery, which every sensor has.
+    parts : tuple of str
+        Parts of it that have faults of their own. The order is part of the keys of the random numbers.
+    attribute : str
+        Name of its readings in `Run`; empty: ``name``.
+    prefixes : tuple of str
+        Begins of the names of parameters that have no effect while it is off; empty: ``NAME_``.
+    switches : mapping of str to tuple of str
+        Further parameters that switch something on, with the begins of names of parameters that have no effect without.
+    """
+
+    name: str
+    title: str
+    model: type[SensorModel]
+    make: Callable[[Any, Carrier, int], Instrument]
+    topics: tuple[Topic, ...]
+    parameters: tuple[Parameter, ...] = ()
+    told: tuple[Parameter, ...] = ()
+    faults: tuple[Parameter, ...] = ()
+    parts: tuple[str, ...] = ()
+    attribute: str = ""
+    prefixes: tuple[str, ...] = ()
+    switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    __repr__ = short_repr
+
+    @property
+    def switch(self) -> str:
+        """Name of the parameter that switches it on."""
+        return f"{self.name}_rate"
+
+    @property
+    def key(self) -> str:
+        """Name of its readings in `Run`."""
+        return self.attribute or self.name
+
+    @property
+    def all_faults(self) -> tuple[Parameter, ...]:
+        """Parameters of its delivery and of its other faults."""
+        return (*delivery_parameters(self.name, self.title), *self.faults)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters of this sensor alone."""
+        return tuple(parameter.name for parameter in (*self.told, *self.parameters, *self.all_faults))
