@@ -1,8 +1,9 @@
 """The segments that readings of a sensor belong to, and their numbers, by the clocks that stamp them.
 
 The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
-segment's scenario. `Delivery.measured_ns` inverts this to 2 ns, so that the nearest reading of the sensor's grid is the
-right one, and what the clock shows at that reading is compared with the stamp to the nanosecond.
+segment's scenario. `Delivery.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid is the
+right one up to 60 million readings in a second, and what the clock shows at that reading is compared with the stamp
+to the nanosecond.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
-_ROUNDING_NS: Final = 2
+_ROUNDING_NS: Final = 8
 """Largest error of the time at which a clock that errs shows a stamp, ns."""
 _FAR: Final = np.iinfo(np.int64).max
 

@@ -135,15 +135,13 @@ class Delivery:
         return np.asarray(self.clock_offset_ns + drift)
 
     def measured_ns(self, stamps_ns: Integers, epoch_ns: int) -> Integers:
-        """Times at which the sensor's clock shows some stamps, to 2 ns; see `stamps_ns`.
+        """Times at which the sensor's clock shows some stamps, to 8 ns; see `stamps_ns`.
 
-        The inverse in doubles is less than 20 ns off, with a skew of at most 0.01 and times below 2³¹ s. What the clock
-        shows then is off the stamp by as much, to 2 ns.
+        With a skew of at most 0.01 and times below 2³¹ s, roundings to doubles made 6 ns at most in 600 000 stamps.
         """
         since = stamps_ns - self.clock_offset_ns - epoch_ns
         drift = np.rint(since * (self.clock_skew / (1.0 + self.clock_skew))).astype(np.int64)
-        near = epoch_ns + since - drift
-        return np.asarray(stamps_ns - self.error_ns(near, epoch_ns))
+        return np.asarray(epoch_ns + since - drift)
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
         """Faults of the delivery in a stretch of time; see `Faulty`."""

@@ -135,7 +135,7 @@ def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():
     for _ in range(50):
         epoch = int(random.integers(0, 2**30)) * 1_000_000_000 + int(random.integers(10**9))
         rate, skew = (
-            float(random.choice([1.0, 333.3, 1e6, 9.9e6, 1e8])),
+            float(random.choice([1.0, 333.3, 1e6, 9.9e6, 5e7])),
             float(random.choice([0.0, 1e-9, -0.01, 0.01, 0.003])),
         )
         given = {
