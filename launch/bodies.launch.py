@@ -51,7 +51,7 @@ RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid
 TRANSFORM = ("tf2_ros", "static_transform_publisher")
 OF_EACH_BODY = ("/markers", "/pose")
 OF_ONE_NODE = ("world_frame", "body_frame", "imu_frame", "record_path", "publish_clock")
-PARAMETERS = {name: text for name, text in launching.DESCRIPTIONS.items() if name not in OF_ONE_NODE}
+PARAMETERS = {name: text for name, text in launching.descriptions().items() if name not in OF_ONE_NODE}
 
 
 def generate_launch_description() -> LaunchDescription:

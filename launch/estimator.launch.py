@@ -78,7 +78,7 @@ OPTIONS = {
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the launch."""
-    texts = {**ARGUMENTS, **{name: ("", text) for name, text in {**OPTIONS, **launching.DESCRIPTIONS}.items()}}
+    texts = {**ARGUMENTS, **{name: ("", text) for name, text in {**OPTIONS, **launching.descriptions()}.items()}}
     given = [
         DeclareLaunchArgument(name, default_value=default, description=text) for name, (default, text) in texts.items()
     ]
@@ -87,7 +87,7 @@ def generate_launch_description() -> LaunchDescription:
 
 def nodes(context: LaunchContext) -> list[Node]:
     """Return the simulator, the filter and the evaluator, once all that they need is found."""
-    known = (*ARGUMENTS, *OPTIONS, *launching.DESCRIPTIONS)
+    known = (*ARGUMENTS, *OPTIONS, *launching.descriptions())
     launching.require_known(__file__, context.argv, known)
     given = {name: LaunchConfiguration(name).perform(context) for name in known}
     words = simulator_words(given)
@@ -102,7 +102,7 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 def simulator_words(given: dict[str, str]) -> list[str]:
     """Return the arguments of the simulator, with sensors where none are given."""
-    parameters = {name: given[name] for name in launching.DESCRIPTIONS}
+    parameters = {name: given[name] for name in launching.descriptions()}
     words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
     if launching.scenario_of_node(words, PACKAGE, given["namespace"]).sensors.imu is None:
         parameters = {**BENCH, **{name: value for name, value in parameters.items() if value}}

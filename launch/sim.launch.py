@@ -48,7 +48,7 @@ def generate_launch_description() -> LaunchDescription:
     """Describe the launch."""
     given = [
         DeclareLaunchArgument(name, default_value="", description=text)
-        for name, text in {**ARGUMENTS, **launching.DESCRIPTIONS}.items()
+        for name, text in {**ARGUMENTS, **launching.descriptions()}.items()
     ]
     switches = [
         DeclareLaunchArgument(name, default_value="false", description=text, choices=["true", "false"])
@@ -59,13 +59,13 @@ def generate_launch_description() -> LaunchDescription:
 
 def nodes(context: LaunchContext) -> list[Node]:
     """Return the nodes, with what was given, once all that they need is found."""
-    known = (*ARGUMENTS, *SWITCHES, *launching.DESCRIPTIONS)
+    known = (*ARGUMENTS, *SWITCHES, *launching.descriptions())
     launching.require_known(__file__, context.argv, known)
     given = {name: LaunchConfiguration(name).perform(context) for name in known}
     given["name"] = given["name"] or PACKAGE
     if given["record"] == "true" and not given["record_path"]:
         given["record_path"] = dated_bag(given["namespace"], given["name"])
-    parameters = {name: given[name] for name in launching.DESCRIPTIONS}
+    parameters = {name: given[name] for name in launching.descriptions()}
     words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
     world_frame = launching.scenario_of_node(words, given["name"], given["namespace"]).world_frame
     with_rviz = given["rviz"] == "true"

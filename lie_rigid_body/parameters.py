@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
@@ -176,12 +176,12 @@ class Parameter:
         return value
 
 
-def read_table(table: Sequence[Parameter], given: Mapping[str, object]) -> dict[str, Value]:
+def read_table(table: Collection[Parameter], given: Mapping[str, object]) -> dict[str, Value]:
     """The value of every parameter of a table: the given ones in their own types, the rest at their defaults.
 
     Parameters
     ----------
-    table : sequence of Parameter
+    table : collection of Parameter
     given : mapping of str to object
 
     Returns

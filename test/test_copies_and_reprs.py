@@ -33,6 +33,7 @@ from lie_rigid_body import (
     simulate,
 )
 from lie_rigid_body import errors as errors_room
+from lie_rigid_body import sensors as table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.messages.batch import BatchEncoder
@@ -107,12 +108,11 @@ def of_a_run(path: Path) -> list[Any]:
     certificate = certify(recording)
     encoders: list[Any] = [
         messages.PoseTwistEncoder(scenario),
-        messages.ImuEncoder("imu_link"),
         messages.TransformEncoder("a", "b"),
     ]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
-    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.imu.readings, *sensors]
+    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.sensors["imu"].readings, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
     return [
         *readings,
@@ -120,13 +120,20 @@ def of_a_run(path: Path) -> list[Any]:
         *(first, simulation.clock, simulation),
         *laws,
         *encoders,
-        messages.MagneticFieldEncoder("imu_link"),
-        *(messages.AttitudeEncoder("world"), messages.VectorEncoder("base_link")),
+        *of_the_table(scenario),
         poses,
         recording,
         *of_arrays(Run.from_bag(path)),
         *of_arrays(simulate(duration=2.0, **SENSORS)),
     ]
+
+
+def of_the_table(scenario: Scenario) -> list[Any]:
+    sensors = list(table.SENSORS.values())
+    pairs = [(topic, scenario.sensors.on[sensor.name]) for sensor in sensors for topic in sensor.topics]
+    signal = table.Signal(np.zeros((3, 3)), scenario.sensors.imu.gyro.converter)
+    encoders = [messages.ReadingEncoder(topic, model, scenario) for topic, model in pairs]
+    return [*sensors, *(topic for topic, _ in pairs), pairs[0][0].fields[0], signal, *encoders]
 
 
 def of_arrays(run: Run) -> list[Any]:

@@ -12,7 +12,7 @@ import pytest
 
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
-from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS
+from lie_rigid_body.sensors import GRADE, SENSORS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -71,8 +71,8 @@ def test_parameter_tables_name_every_parameter_with_its_default():
     pages = (README, ROS_PAGE, SENSORS_PAGE)
     rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in pages}
     for parameter in PARAMETERS:
-        own_page = parameter.name in QUIET and parameter.name != GRADE
-        rows = rows_of[SENSORS_PAGE if own_page else ROS_PAGE if parameter in SENSOR_PARAMETERS else README]
+        own_page = parameter.name in SENSORS.quiet and parameter.name != GRADE
+        rows = rows_of[SENSORS_PAGE if own_page else ROS_PAGE if parameter.name in SENSORS.parameters else README]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default
         if isinstance(default, tuple):

@@ -87,7 +87,7 @@ def test_launch_files_have_their_arguments(command: str) -> None:
     assert package == "lie_rigid_body"
     text = (ROOT / "launch" / file).read_text(encoding="utf-8")
     names = {word.partition(":=")[0] for word in words}
-    assert {name for name in names - set(launching.DESCRIPTIONS) if f'"{name}"' not in text} == set()
+    assert {name for name in names - set(launching.descriptions()) if f'"{name}"' not in text} == set()
 
 
 def test_topics_and_services_are_those_of_the_node() -> None:

@@ -54,13 +54,9 @@ class ImuReadings(Readings):
             model.accelerometer, model.rate, 2.0 * fastest * fastest * arm + model.support
         )
 
-    def _skip(self, first: int, count: int) -> None:
-        before_ns = self._times.before(first)
-        self._sensor.skip(count, before_ns, self._times.motion.at(before_ns))
-
     def _signal(self, elapsed_ns: Integers) -> Any:
-        signals = self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
-        self._biases.keep(elapsed_ns, signals.gyro_bias, signals.accelerometer_bias)
+        signals = super()._signal(elapsed_ns)
+        self._biases.keep(elapsed_ns, signals["gyro_bias"].values, signals["accelerometer_bias"].values)
         return signals
 
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
@@ -71,12 +67,14 @@ class ImuReadings(Readings):
         force = np.asarray(self._force_of_rate * relative)
         if model.support:
             force += model.support * limits.attitude(t)
-        attitude = signal.orientation_xyzw
-        oriented = () if attitude is None else (turned(attitude, limits.attitude(t), self._of_orientation),)
+        attitude = signal.get("orientation_xyzw")
+        oriented = () if attitude is None else (turned(attitude.values, limits.attitude(t), self._of_orientation),)
         return (
             *oriented,
-            Expected(signal.angular_velocity, self._gyro.at(rate, before), model.gyro.converter),
-            Expected(signal.linear_acceleration, self._accelerometer.at(force, before), model.accelerometer.converter),
+            Expected(signal["gyro"].values, self._gyro.at(rate, before), model.gyro.converter),
+            Expected(
+                signal["specific_force"].values, self._accelerometer.at(force, before), model.accelerometer.converter
+            ),
         )
 
 
@@ -146,8 +144,7 @@ def _walks(model: ImuModel) -> bool:
 
 
 def _imu_of(segment: Segment) -> ImuModel:
-    model = segment.scenario.sensors.imu
-    assert model is not None
+    model: ImuModel = segment.scenario.sensors.imu
     return model
 
 

@@ -25,19 +25,12 @@ class AttitudeReadings(Readings):
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """The attitude and its covariance, which depends on the attitude that is read."""
         model, angle = self._model, self._tolerance.attitude(seconds(elapsed_ns))
-        attitude = turned(signal, angle, model.cross_noise + model.roll_noise)
-        covariance = model.covariance(signal).reshape(len(signal), 9)
+        attitude = turned(signal["attitude_xyzw"].values, angle, model.cross_noise + model.roll_noise)
+        covariance = signal["covariance"].values.reshape(-1, 9)
         size = model.cross_noise**2 + model.roll_noise**2
         # the boresight turns by the angle, which is twice the error of the quaternion, and stands in it twice
         uncertainty = np.broadcast_to(size * (4.0 * attitude.uncertainty[:, :1] + ROUNDINGS * U), covariance.shape)
-        return attitude, Expected(_of_pose(covariance), _of_pose(uncertainty))
-
-
-def _of_pose(rotation: Array) -> Array:
-    """The covariance of a pose whose translation is known, row by row, shape (N, 36), of that of its rotation."""
-    whole = np.zeros((len(rotation), 6, 6))
-    whole[:, 3:, 3:] = rotation.reshape(-1, 3, 3)
-    return whole.reshape(-1, 36)
+        return attitude, Expected(covariance, uncertainty)
 
 
 class SunReadings(Readings):
@@ -53,4 +46,5 @@ class SunReadings(Readings):
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """The direction of the sun."""
         uncertainty = self._tolerance.attitude(seconds(elapsed_ns)) + self._rounding
-        return (Expected(signal, np.broadcast_to(uncertainty[:, np.newaxis], signal.shape)),)
+        direction = signal["direction"].values
+        return (Expected(direction, np.broadcast_to(uncertainty[:, np.newaxis], direction.shape)),)

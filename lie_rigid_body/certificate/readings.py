@@ -176,11 +176,12 @@ class Readings(ABC):
 
     def _skip(self, first: int, count: int) -> None:
         """Leave out so many readings before one."""
-        self._sensor.skip(count)
+        before_ns = self._times.before(first)
+        self._sensor.skip(count, before_ns, self._times.motion.at(before_ns))
 
     def _signal(self, elapsed_ns: Integers) -> Any:
         """What the sensor makes of the exact motion, before its converter, at its next readings."""
-        return self._sensor.measure(elapsed_ns, self._times.motion.at(elapsed_ns))
+        return self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
 
     @abstractmethod
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
@@ -203,13 +204,10 @@ class FieldReadings(Readings):
             ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + size_of(model.faults, model.rate))
         )
 
-    def _signal(self, elapsed_ns: Integers) -> Any:
-        return self._sensor.signal(elapsed_ns, self._times.motion.at(elapsed_ns))
-
     def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
         """The field."""
         angle = self._tolerance.attitude(seconds(elapsed_ns))[:, np.newaxis]
-        return (Expected(signal, self._gain * angle + self._rounding, self._converter),)
+        return (Expected(signal["field"].values, self._gain * angle + self._rounding, self._converter),)
 
 
 def seconds(elapsed_ns: Integers) -> Array:

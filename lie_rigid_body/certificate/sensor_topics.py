@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -24,17 +24,14 @@ from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
-from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages import decode
-from lie_rigid_body.messages.batch import ATTITUDE, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, BatchEncoder
+from lie_rigid_body.messages import ReadingEncoder
+from lie_rigid_body.messages.encoding import told_fields
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.segments import number_samples
-from lie_rigid_body.recording.sensor_reader import VALUES as FIELDS
-from lie_rigid_body.recording.sensor_reader import SensorMessages, varying_fields
+from lie_rigid_body.recording.sensor_reader import SensorMessages, value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import ImuReadings as ReadingsOfImu
-from lie_rigid_body.sensors import SensorModel
-from lie_rigid_body.simulation import SampleClock, Samples, Segment, SensorSamples, Taken
+from lie_rigid_body.sensors import SENSORS, Sensor, SensorModel, Topic
+from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.arrivals import Arrivals
 
 MOST_LEFT_OUT: Final = 200_000_000
@@ -45,41 +42,15 @@ MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
 _HELD_BACK: Final = 1024
 """Readings that wait for others which stand behind them in the file, though they come first."""
-_LAWS: Final = {
-    IMU_DATA: (
-        ("IMU orientation", "", "orientation", slice(0, 4)),
-        ("gyro", "rad/s", "angular velocity", slice(4, 7)),
-        ("accelerometer", "m/s²", "linear acceleration", slice(7, 10)),
-    ),
-    IMU_BIAS: (
-        ("gyro bias", "rad/s", "angular velocity", slice(4, 7)),
-        ("accelerometer bias", "m/s²", "linear acceleration", slice(7, 10)),
-    ),
-    MAG: (("magnetometer", "T", "magnetic field", slice(0, 3)),),
-    ATTITUDE: (
-        ("attitude sensor", "", "orientation", slice(0, 4)),
-        ("attitude sensor covariance", "rad²", "covariance", slice(4, 40)),
-    ),
-    SUN: (("sun sensor", "", "direction", slice(0, 3)),),
-}
-"""Of each topic the laws of its readings: name, unit, field of the message, and its columns in `SensorMessages`."""
 _READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
-    IMU_DATA: ImuReadings,
-    IMU_BIAS: BiasReadings,
-    MAG: FieldReadings,
-    ATTITUDE: AttitudeReadings,
-    SUN: SunReadings,
+    "imu/data_raw": ImuReadings,
+    "imu/bias": BiasReadings,
+    "imu/mag": FieldReadings,
+    "attitude/pose": AttitudeReadings,
+    "sun/direction": SunReadings,
 }
-_ALIKE: Final = {
-    IMU_DATA: "IMU frame and covariances",
-    IMU_BIAS: "IMU bias frame and covariances",
-    MAG: "magnetometer frame and covariances",
-    ATTITUDE: "attitude sensor frame and position",
-    SUN: "sun sensor frame",
-}
-"""Of each topic the law of its fields that are the same in every message."""
 _OFF: Final = "{field} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
-VALUES: Final = frozenset(law[0] for laws in _LAWS.values() for law in laws)
+VALUES: Final = frozenset(f.quantity for sensor in SENSORS.values() for topic in sensor.topics for f in topic.fields)
 """The laws of readings, which depend on how this software computes noise."""
 
 
@@ -156,15 +127,25 @@ class TopicLaws:
             self.clock, self.first = sensor_clock(segment, model.rate)
             self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
         self.tally = StampTally(self.clock or segment.clock(), "reading", partial(shown_ns, segment, model))
-        self._alike = Judgement(_ALIKE[name], "", "frame or covariances are not as declared, at {where}", "reading")
-        laws = _LAWS[name][_tells_no_orientation(segment.scenario, name) :]
-        self._columns = [columns for *_, columns in laws]
+        self.sensor, self._table_topic = entry_of(name)
+        self._alike = Judgement(
+            self._table_topic.title, "", "frame or covariances are not as declared, at {where}", "reading"
+        )
+        model = model or self.sensor.model.from_values(dict(segment.scenario.sensor_parameters))
+        fields = told_fields(self._table_topic, model)
+        self._columns = [value_columns(self._table_topic, field) for field in fields]
         self._values = [
-            Judgement(law, unit, _OFF.format(field=field, unit=f" {unit}" if unit else ""), "reading", watch)
-            for law, unit, field, _ in laws
+            Judgement(
+                f.quantity,
+                f.unit,
+                _OFF.format(field=f.place.rpartition(".")[2].replace("_", " "), unit=f" {f.unit}" if f.unit else ""),
+                "reading",
+                watch,
+            )
+            for f in fields
         ]
         self._readings: Readings | None = None
-        none, width = np.empty(0, dtype=np.int64), sum(width for _, width in FIELDS[SENSOR_TOPICS[name]])
+        none, width = np.empty(0, dtype=np.int64), int(varying_fields(self._table_topic.message_type).sum())
         self._fixed = np.full(width, fill_value=True)
         for columns in self._columns:
             self._fixed[columns] = False
@@ -307,31 +288,23 @@ class _Recorded:
         return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
 
 
+def entry_of(name: str) -> tuple[Sensor, Topic]:
+    """The sensor of a topic, and the topic, in the table."""
+    return next((sensor, topic) for sensor in SENSORS.values() for topic in sensor.topics if topic.name == name)
+
+
 def model_of(scenario: Scenario, name: str) -> SensorModel | None:
     """The sensor of a topic, if the scenario has it."""
-    sensors = scenario.sensors
-    if name in (IMU_DATA, IMU_BIAS):
-        return sensors.imu
-    return {MAG: sensors.magnetometer, ATTITUDE: sensors.attitude_sensor, SUN: sensors.sun_sensor}[name]
-
-
-def _tells_no_orientation(scenario: Scenario, name: str) -> bool:
-    imu = scenario.sensors.imu
-    return name == IMU_DATA and imu is not None and imu.orientation is None
+    return scenario.sensors.on.get(entry_of(name)[0].name)
 
 
 @lru_cache(maxsize=4)
 def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
     """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
-    at, zero = np.zeros(1, dtype=np.int64), np.zeros((1, 3))
-    truth = Samples(at[:0], State.trusted(np.empty((0, 4)), zero[:0]))
-    row = partial(SensorSamples[Any], at, at, np.zeros(1, dtype=np.bool_))
-    imu, identity = ReadingsOfImu(zero, zero, zero, zero), np.array([[0.0, 0.0, 0.0, 1.0]])
-    readings = {"imu": imu, "magnetometer": zero, "attitude_sensor": identity, "sun_sensor": zero}
-    rows: dict[str, Any] = {name: row(readings[name]) for name in scenario.sensors.on}
     found = {}
-    for messages in BatchEncoder(scenario).encode(Taken(truth, **rows)).sensors:
-        fields = varying_fields(SENSOR_TOPICS[messages.topic])
-        decoded = decode(messages.payloads, len(fields), stamped=True)
-        found[messages.topic] = decoded.frame_ids[0], decoded.numbers[0, ~fields], decoded.numbers[0, fields]
+    for name, model in scenario.sensors.on.items():
+        for topic in SENSORS[name].topics:
+            encoder, varying = ReadingEncoder(topic, model, scenario), varying_fields(topic.message_type)
+            numbers = np.array(encoder.numbers)
+            found[topic.name] = encoder.frame, numbers[~varying], numbers[varying]
     return found

@@ -15,22 +15,17 @@ from lie_rigid_body.certificate.sensor_topics import MOST_LOST, VALUES, TopicLaw
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
-from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SENSOR_TOPICS, SUN, sensor_topics
+from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.segments import declared_segments, segment_parts
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.recording.tracks import OfSensor, Recording
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
-_SENSORS: Final = {
-    "IMU": (IMU_DATA, IMU_BIAS),
-    "magnetometer": (MAG,),
-    "attitude sensor": (ATTITUDE,),
-    "sun sensor": (SUN,),
-}
 _COMPUTED: Final = VALUES | {FAULT_LAW}
 """The laws that depend on how this software computes noise and faults."""
 
@@ -253,11 +248,12 @@ class SensorLaws:
         self._silent.append([])
         if self._found[i] is self._surveyed.segments[0]:
             yield from self._strays()
-        for sensor, names in _SENSORS.items():
+        for sensor in SENSORS.values():
+            names = [topic.name for topic in sensor.topics]
             topics = [self._laws(i, name) for name in names if name in self._held]
             ended = {name for name in names if not self._surveyed.as_written and i >= self._ends.get(name, 0)}
             if topics:
-                yield from self._sensor_laws(f"{sensor} stamps", topics, begun, ended, is_last=is_last)
+                yield from self._sensor_laws(f"{sensor.title} stamps", topics, begun, ended, is_last=is_last)
 
     def _strays(self) -> Iterator[LawResult]:
         if self._early and self._surveyed.as_written:

@@ -27,9 +27,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
-    from lie_rigid_body.recording.bodies import TYPES
+    from lie_rigid_body.recording.bodies import topic_types
 
-    topics = console.topic_names(given.topic, TYPES)
+    topics = console.topic_names(given.topic, topic_types())
     inertia = None if given.inertia is None else _inertia(given.inertia)
     if given.report is not None:
         from lie_rigid_body.recording.bag_folders import files_of

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
 from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import GRADE, SENSOR_PARAMETERS
+from lie_rigid_body.sensors import GRADE, SENSORS
 
 Row = tuple[str, str]
 
@@ -253,21 +253,11 @@ def _conservation_lines(description: Description) -> Iterator[str]:
         yield from _wrapped(_NO_AXIS)
 
 
-_OF_SENSOR: Final = {
-    "imu": ("gyro", "accel", "imu_"),
-    "magnetometer": ("magnet",),
-    "attitude_sensor": ("attitude_sensor",),
-    "sun_sensor": ("sun_",),
-}
-"""How the names of the parameters begin that are of one sensor alone; imu_frame is of two."""
-
-
 def _sensor_rows(scenario: Scenario) -> Iterator[Row]:
     """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
-    default = {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
-    off = tuple(prefix for name, own in _OF_SENSOR.items() if name not in scenario.sensors.on for prefix in own)
+    off = {name for sensor in SENSORS.values() if sensor.name not in scenario.sensors.on for name in sensor.names}
     for name, value in scenario.sensor_parameters:
-        if name != GRADE and value != default[name] and (name == "imu_frame" or not name.startswith(off)):
+        if name != GRADE and value != SENSORS.parameters[name].default and name not in off:
             yield name, _vector(value) if isinstance(value, tuple) else _text(value)
 
 

@@ -22,9 +22,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
     from lie_rigid_body.recording.bag_folders import files_of
-    from lie_rigid_body.recording.bodies import TYPES
+    from lie_rigid_body.recording.bodies import topic_types
 
-    topics = console.topic_names(given.topic, TYPES)
+    topics = console.topic_names(given.topic, topic_types())
     require_room(given.out, files_of(given.bag), overwrite=given.force)
 
     import numpy as np

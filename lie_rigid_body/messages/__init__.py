@@ -13,30 +13,28 @@ a multiple of n. Padding is written as zeros; rclpy leaves there what the memory
 
 from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
 from lie_rigid_body.messages.encoding import (
-    AttitudeEncoder,
-    ImuEncoder,
-    MagneticFieldEncoder,
+    NOT_GIVEN,
     PoseTwistEncoder,
+    ReadingEncoder,
     TransformEncoder,
-    VectorEncoder,
     encode_string,
     encode_strings,
+    numbers_of,
 )
 from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 
 __all__ = [
+    "NOT_GIVEN",
     "POSE_NUMBERS",
     "TWIST_NUMBERS",
-    "AttitudeEncoder",
     "Decoded",
-    "ImuEncoder",
-    "MagneticFieldEncoder",
     "PoseTwistEncoder",
+    "ReadingEncoder",
     "TransformEncoder",
-    "VectorEncoder",
     "decode",
     "decode_places",
     "decode_string",
     "encode_string",
     "encode_strings",
+    "numbers_of",
 ]

@@ -2,71 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any, Final, Protocol
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.messages import (
-    AttitudeEncoder,
-    ImuEncoder,
-    MagneticFieldEncoder,
-    PoseTwistEncoder,
-    VectorEncoder,
-    encode_strings,
-)
-from lie_rigid_body.messages.definitions import (
-    IMU,
-    MAGNETIC_FIELD,
-    POSE_WITH_COVARIANCE_STAMPED,
-    STRING,
-    VECTOR3_STAMPED,
-)
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.messages import PoseTwistEncoder, ReadingEncoder, encode_strings
+from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import (
-    AttitudeSensorModel,
-    Fault,
-    ImuModel,
-    ImuReadings,
-    MagnetometerModel,
-    SensorModel,
-    Sensors,
-)
+from lie_rigid_body.sensors import SENSORS, Fault, Sensors
 from lie_rigid_body.sensors.fault import LONGEST_TEXT
-from lie_rigid_body.simulation import Samples, SensorSamples, Taken
+from lie_rigid_body.simulation import Samples, Taken
 from lie_rigid_body.wording import short_repr
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
-IMU_DATA: Final = "imu/data_raw"
-IMU_BIAS: Final = "imu/bias"
-MAG: Final = "imu/mag"
-
-ATTITUDE: Final = "attitude/pose"
-SUN: Final = "sun/direction"
 FAULTS: Final = "~/faults"
 
-SENSOR_TOPICS: Final = {
-    IMU_DATA: IMU,
-    IMU_BIAS: IMU,
-    MAG: MAGNETIC_FIELD,
-    ATTITUDE: POSE_WITH_COVARIANCE_STAMPED,
-    SUN: VECTOR3_STAMPED,
-    FAULTS: STRING,
-}
-"""The topics of the sensors by their relative names, and their message types."""
-_ORDER: Final = (POSE, TWIST, *SENSOR_TOPICS)
-"""The order of messages of equal times: the truth before sensors."""
-_TOPICS_OF: Final = {
-    "imu": (IMU_DATA, IMU_BIAS),
-    "magnetometer": (MAG,),
-    "attitude_sensor": (ATTITUDE,),
-    "sun_sensor": (SUN,),
-}
+
+class _SensorTopics(Mapping[str, str]):
+    """A view of the table of sensors, which may grow."""
+
+    def __getitem__(self, name: str) -> str:
+        return self._types()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._types())
+
+    def __len__(self) -> int:
+        return len(self._types())
+
+    @staticmethod
+    def _types() -> dict[str, str]:
+        of_readings = {topic.name: topic.message_type for sensor in SENSORS.values() for topic in sensor.topics}
+        return {**of_readings, FAULTS: STRING}
+
+
+SENSOR_TOPICS: Final = _SensorTopics()
+"""The message types of the topics of all sensors, by their relative names; messages of equal times come in the same
+order, after those of the truth."""
 
 
 @dataclass(frozen=True)
@@ -172,12 +150,12 @@ class Gathering:
     def take(self) -> list[Messages]:
         """All that wait, by topic, in the order in which those of equal times come."""
         parts, self._parts, self.message_count = self._parts, {}, 0
-        return [Messages.joined(parts[topic]) for topic in sorted(parts, key=_ORDER.index)]
+        return [Messages.joined(parts[topic]) for topic in (POSE, TWIST, *SENSOR_TOPICS) if topic in parts]
 
 
 def sensor_topics(sensors: Sensors) -> list[str]:
     """Relative names of the topics that the sensors of a scenario have."""
-    topics = [topic for name in sensors.on for topic in _TOPICS_OF[name]]
+    topics = [topic.name for name in sensors.on for topic in SENSORS[name].topics]
     return [*topics, FAULTS] if sensors.have_faults else topics
 
 
@@ -196,7 +174,10 @@ class BatchEncoder:
     def _begin(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._truth = PoseTwistEncoder(scenario)
-        self._sensors = {name: _encoder(model, scenario) for name, model in scenario.sensors.on.items()}
+        self._sensors = {
+            name: [ReadingEncoder(topic, model, scenario) for topic in SENSORS[name].topics]
+            for name, model in scenario.sensors.on.items()
+        }
 
     def encode(self, taken: Taken) -> Batch:
         """The messages of samples and readings that were taken at once, with the frames of their own scenario."""
@@ -207,8 +188,9 @@ class BatchEncoder:
 
     def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
         for name, samples in taken.sensors.items():
-            if len(samples):
-                yield from self._sensors[name].messages(samples)
+            for encoder in self._sensors[name] if len(samples) else ():
+                payloads = encoder.encode(samples.stamps_ns, samples.readings)
+                yield Messages(encoder.topic.name, samples.times_ns, payloads)
         if taken.faults:
             yield _told(taken.faults)
 
@@ -217,60 +199,3 @@ def _told(faults: tuple[Fault, ...]) -> Messages:
     """The faults, each at its begin."""
     times = np.array([fault.begin_ns for fault in faults], dtype=np.int64)
     return Messages(FAULTS, times, encode_strings([fault.to_json() for fault in faults], LONGEST_TEXT))
-
-
-class _SensorMessages(Protocol):
-    """The messages of a sensor."""
-
-    def messages(self, samples: SensorSamples[Any]) -> Iterator[Messages]:
-        """Those of some readings."""
-        ...
-
-
-def _encoder(model: SensorModel, scenario: Scenario) -> _SensorMessages:
-    if isinstance(model, ImuModel):
-        return _ImuMessages(model)
-    if isinstance(model, MagnetometerModel):
-        return _VectorMessages(MAG, MagneticFieldEncoder(model.frame, model.variance))
-    if isinstance(model, AttitudeSensorModel):
-        return _AttitudeMessages(model, scenario.world_frame)
-    return _VectorMessages(SUN, VectorEncoder(scenario.body_frame))
-
-
-class _ImuMessages:
-    """The messages of an IMU: its readings, and their true bias."""
-
-    def __init__(self, model: ImuModel) -> None:
-        variances = model.angular_velocity_variance, model.linear_acceleration_variance
-        oriented = () if model.orientation is None else (model.orientation.covariance,)
-        self._data = ImuEncoder(model.frame, *variances, *oriented)
-        self._bias = ImuEncoder(model.frame)
-
-    def messages(self, samples: SensorSamples[ImuReadings]) -> Iterator[Messages]:
-        at, readings = samples.stamps_ns, samples.readings
-        data = self._data.encode(at, readings.angular_velocity, readings.linear_acceleration, readings.orientation_xyzw)
-        bias = self._bias.encode(at, readings.gyro_bias, readings.accelerometer_bias)
-        yield Messages(IMU_DATA, samples.times_ns, data)
-        yield Messages(IMU_BIAS, samples.times_ns, bias)
-
-
-class _AttitudeMessages:
-    """The messages of an attitude sensor."""
-
-    def __init__(self, model: AttitudeSensorModel, frame: str) -> None:
-        self._model, self._encoder = model, AttitudeEncoder(frame)
-
-    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
-        covariance = self._model.covariance(samples.readings)
-        data = self._encoder.encode(samples.stamps_ns, samples.readings, covariance)
-        yield Messages(ATTITUDE, samples.times_ns, data)
-
-
-class _VectorMessages:
-    """The messages of a sensor that reads a vector."""
-
-    def __init__(self, topic: str, encoder: MagneticFieldEncoder | VectorEncoder) -> None:
-        self._topic, self._encoder = topic, encoder
-
-    def messages(self, samples: SensorSamples[Array]) -> Iterator[Messages]:
-        yield Messages(self._topic, samples.times_ns, self._encoder.encode(samples.stamps_ns, samples.readings))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -68,6 +69,7 @@ _PARTS: Final = {
     VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
 _SEPARATOR: Final = "=" * 80 + "\n"
+_NUMBER: Final = "float64"
 
 
 def definition(message_type: str) -> str:
@@ -107,6 +109,36 @@ def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
         name = next((_base(line[1]) for line in lines if line[:1] == ["MSG:"] and len(line) > 1), "")
         fields = [line for line in lines if len(line) > 1 and line[0] != "MSG:" and "=" not in "".join(line[1:3])]
         found[name] = [(_base(line[0]), line[1]) for line in fields]
+    return found
+
+
+@lru_cache(maxsize=64)
+def places(message_type: str) -> Mapping[str, range]:
+    """Where the float64 numbers of each field are among all of a message's, by names with dots between them.
+
+    Parameters
+    ----------
+    message_type : str
+        One of the names of this module.
+
+    Returns
+    -------
+    mapping of str to range
+        The empty name stands for all of them.
+    """
+    found: dict[str, range] = {}
+    types = _fields(definition(message_type))
+
+    def add(kind: str, name: str, first: int) -> int:
+        end = first
+        if kind.startswith(_NUMBER):
+            end += int(kind.removeprefix(_NUMBER).strip("[]") or 1)
+        for part, field in types.get(kind, ()):
+            end = add(part, f"{name}.{field}".lstrip("."), end)
+        found[name] = range(first, end)
+        return end
+
+    add("", "", 0)
     return found
 
 

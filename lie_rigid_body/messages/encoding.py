@@ -5,11 +5,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import compress
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.messages import definitions
 from lie_rigid_body.messages.layout import (
     ENCAPSULATION,
     POSE_NUMBERS,
@@ -22,12 +24,11 @@ from lie_rigid_body.messages.layout import (
 from lie_rigid_body.messages.template import Template
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import Field, Readings, SensorModel, Topic
 from lie_rigid_body.simulation import Samples
 
-_VECTOR: Final = [0.0, 0.0, 0.0]
-_IDENTITY: Final = [0.0, 0.0, 0.0, 1.0]
-_NOT_GIVEN: Final = [-1.0, *[0.0] * 8]
-"""Covariance of what is not given (REP-145)."""
+NOT_GIVEN: Final = -1.0
+"""First number of the covariance of what a message does not give (REP-145)."""
 _ONE_TRANSFORM: Final = struct.pack("<I", 1)
 _TRANSLATION: Final = 3
 
@@ -44,8 +45,8 @@ class PoseTwistEncoder:
     def __init__(self, scenario: Scenario) -> None:
         twist_frame = scenario.body_frame if scenario.stamped_twist else None
         # position and linear velocity stay zero; the rotation's numbers follow them
-        self._pose = Layout(scenario.world_frame, [0.0] * POSE_NUMBERS, [(3, 4)])
-        self._twist = Layout(twist_frame, [0.0] * TWIST_NUMBERS, [(3, 3)])
+        self._pose = Layout(scenario.world_frame, [0.0] * POSE_NUMBERS, [range(3, 7)])
+        self._twist = Layout(twist_frame, [0.0] * TWIST_NUMBERS, [range(3, 6)])
 
     def poses(self, samples: Samples) -> Payloads:
         """One geometry_msgs/PoseStamped a sample, position 0."""
@@ -56,136 +57,69 @@ class PoseTwistEncoder:
         return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
 
 
-class ImuEncoder:
-    """Readings of an IMU, or its true bias, as sensor_msgs/Imu (REP-145).
+class ReadingEncoder:
+    """Readings of a sensor as the messages of one of its topics.
 
     Parameters
     ----------
-    frame : str
-        The sensor's frame.
-    angular_velocity_variance : float
-        On each axis, (rad/s)²; 0: unknown.
-    linear_acceleration_variance : float
-        On each axis, (m/s²)²; 0: unknown.
-    orientation_covariance : sequence of float, length 9
-        Row by row, rad²; by default no orientation is given.
-    """
+    topic : Topic
+    model : SensorModel
+    scenario : Scenario
+        Gives the frame name.
 
-    def __init__(
-        self,
-        frame: str,
-        angular_velocity_variance: float = 0.0,
-        linear_acceleration_variance: float = 0.0,
-        orientation_covariance: Sequence[float] = _NOT_GIVEN,
-    ) -> None:
-        velocity, acceleration = _diagonal(angular_velocity_variance), _diagonal(linear_acceleration_variance)
-        numbers = [*_IDENTITY, *orientation_covariance, *_VECTOR, *velocity, *_VECTOR, *acceleration]
-        self._layout = Layout(frame, numbers, [(13, 3), (25, 3)])
-        self._oriented = Layout(frame, numbers, [(13, 3), (25, 3), (0, 4)])
-
-    def encode(
-        self,
-        stamps_ns: Integers,
-        angular_velocity: Array,
-        linear_acceleration: Array,
-        orientation_xyzw: Array | None = None,
-    ) -> Payloads:
-        """One sensor_msgs/Imu a sample.
-
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-        angular_velocity : ndarray, shape (N, 3)
-            rad/s.
-        linear_acceleration : ndarray, shape (N, 3)
-            m/s².
-        orientation_xyzw : ndarray, shape (N, 4), optional
-            The identity by default.
-
-        Returns
-        -------
-        Payloads
-        """
-        if orientation_xyzw is None:
-            return self._layout.encode(stamps_ns, angular_velocity, linear_acceleration)
-        return self._oriented.encode(stamps_ns, angular_velocity, linear_acceleration, orientation_xyzw)
-
-
-class MagneticFieldEncoder:
-    """Readings of a magnetometer as sensor_msgs/MagneticField.
-
-    Parameters
+    Attributes
     ----------
+    topic : Topic
     frame : str
-        The sensor's frame.
-    variance : float
-        On each axis, T²; 0: unknown.
+        Name of the frame of their headers.
+    numbers : list of float
+        The float64 fields of a message, with any values in those that differ.
+    fields : tuple of Field
+        Those of the topic that the sensor tells.
     """
 
-    def __init__(self, frame: str, variance: float = 0.0) -> None:
-        self._layout = Layout(frame, [*_VECTOR, *_diagonal(variance)], [(0, 3)])
+    def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
+        self.topic, self.frame = topic, scenario.frame(topic.frame)
+        self.numbers, self.fields = fixed_numbers(topic, model), told_fields(topic, model)
+        places = [numbers_of(topic, field) for field in self.fields]
+        self._layout, self._widths = Layout(self.frame, self.numbers, places), list(map(len, places))
 
-    def encode(self, stamps_ns: Integers, magnetic_field: Array) -> Payloads:
-        """One sensor_msgs/MagneticField a sample.
-
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-        magnetic_field : ndarray, shape (N, 3)
-            T.
-
-        Returns
-        -------
-        Payloads
-        """
-        return self._layout.encode(stamps_ns, magnetic_field)
-
-
-class AttitudeEncoder:
-    """Readings of an attitude sensor as geometry_msgs/PoseWithCovarianceStamped, position 0.
-
-    Parameters
-    ----------
-    frame : str
-        The world frame.
-    """
-
-    def __init__(self, frame: str) -> None:
-        self._layout = Layout(frame, [0.0] * (POSE_NUMBERS + 36), [(3, 4), (POSE_NUMBERS, 36)])
-
-    def encode(self, stamps_ns: Integers, attitude_xyzw: Array, covariance: Array) -> Payloads:
+    def encode(self, stamps_ns: Integers, readings: Readings) -> Payloads:
         """One message a reading.
 
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
-        attitude_xyzw : ndarray, shape (N, 4)
-        covariance : ndarray, shape (N, 3, 3)
-            Of small rotations about the fixed axes of the frame, rad²; that of the position is 0.
+        readings : Readings, N of them
 
         Returns
         -------
         Payloads
         """
-        whole = np.zeros((len(stamps_ns), 6, 6))
-        whole[:, 3:, 3:] = covariance
-        return self._layout.encode(stamps_ns, attitude_xyzw, whole.reshape(-1, 36))
+        pairs = zip(self.fields, self._widths, strict=True)
+        return self._layout.encode(stamps_ns, *(readings.arrays[f.array].reshape(-1, width) for f, width in pairs))
 
 
-class VectorEncoder:
-    """Vectors as geometry_msgs/Vector3Stamped.
+def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
+    """The float64 numbers of a message of a topic, 0 in the fields that differ from reading to reading."""
+    places = definitions.places(topic.message_type)
+    numbers = [0.0] * len(places[""])
+    for name, values in topic.fixed(model).items():
+        numbers[places[name].start : places[name].stop] = values
+    return numbers
 
-    Parameters
-    ----------
-    frame : str
-    """
 
-    def __init__(self, frame: str) -> None:
-        self._layout = Layout(frame, _VECTOR, [(0, 3)])
+def told_fields(topic: Topic, model: SensorModel) -> tuple[Field, ...]:
+    """The fields of a topic that a sensor tells: not those whose covariance says that they are not given."""
+    places, numbers = definitions.places(topic.message_type), fixed_numbers(topic, model)
+    is_told = [not f.covariance or numbers[places[f.covariance].start] != NOT_GIVEN for f in topic.fields]
+    return tuple(compress(topic.fields, is_told))
 
-    def encode(self, stamps_ns: Integers, vectors: Array) -> Payloads:
-        """One message a vector, shape (N, 3)."""
-        return self._layout.encode(stamps_ns, vectors)
+
+def numbers_of(topic: Topic, field: Field) -> Sequence[int]:
+    """Which of the float64 numbers of a topic's messages a field has."""
+    place = definitions.places(topic.message_type)[field.place]
+    return [place[i] for i in field.numbers] or place
 
 
 class TransformEncoder:
@@ -248,8 +182,3 @@ def encode_strings(values: Sequence[str], length: int) -> Payloads:
 def _text_template(size: int) -> Template:
     """Words all along; the last one has bytes of the one before."""
     return Template(bytes(size), [(0, size // 8), (size - 8, 1)])
-
-
-def _diagonal(variance: float) -> list[float]:
-    """The covariance of three independent components, row by row."""
-    return [variance if i % 4 == 0 else 0.0 for i in range(9)]

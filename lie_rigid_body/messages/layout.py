@@ -79,19 +79,20 @@ class Layout:
         Frame name of its header; None: it has no header.
     numbers : sequence of float
         Its float64 fields in order.
-    places : sequence of (int, int)
-        Which of them each sample sets: where a vector begins among the numbers, and its length.
+    places : sequence of sequence of int
+        Which of them each sample sets: of each vector the numbers that it goes to, rising.
     """
 
-    def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[tuple[int, int]]) -> None:
+    def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[Sequence[int]]) -> None:
         head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
         start = numbers_after(len(head))
         template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
         # the stamp's two halves, sec and nanosec, are one word
         stamp = [] if frame is None else [(len(ENCAPSULATION), 1)]
-        self._template = Template(template, [*stamp, *((start + 8 * first, length) for first, length in places)])
+        words = [(start + 8 * first, length) for vector in places for first, length in _runs(vector)]
+        self._template = Template(template, [*stamp, *words])
         self._stamped = len(stamp)
-        ends = list(accumulate((length for _, length in places), initial=self._stamped))
+        ends = list(accumulate(map(len, places), initial=self._stamped))
         self._columns = [slice(*bounds) for bounds in pairwise(ends)]
 
     def encode(self, stamps_ns: Integers, *vectors: Array) -> Payloads:
@@ -115,3 +116,10 @@ class Layout:
         for columns, values in zip(self._columns, vectors, strict=True):
             numbers[:, columns] = values
         return Payloads(self._template, words)
+
+
+def _runs(numbers: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """First and length of each run of rising numbers that follow each other."""
+    begins = [i for i, number in enumerate(numbers) if not i or number != numbers[i - 1] + 1]
+    for begin, end in pairwise([*begins, len(numbers)]):
+        yield numbers[begin], end - begin

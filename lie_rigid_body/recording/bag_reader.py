@@ -33,10 +33,10 @@ from lie_rigid_body.recording.second_reading import (
 )
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
-    VALUES,
     FaultMessages,
     SensorMessages,
     SensorTopic,
+    reading_types,
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
@@ -100,7 +100,7 @@ class Bag:
         in_memory: bool = False,
     ) -> None:
         files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
-        contents = files.contents(of_types((*_OF_THE_TRUTH, *VALUES)) if in_memory else nothing)
+        contents = files.contents(of_types((*_OF_THE_TRUTH, *reading_types())) if in_memory else nothing)
         body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
         self._take(files, contents, body, in_memory=in_memory)
 
@@ -164,7 +164,7 @@ class Bag:
         self._kept_readings = {
             name: self._decoded((track.topic, track.message_type), track.take(), 0)
             for name, track in sensors.items()
-            if in_memory and track.message_type in VALUES
+            if in_memory and track.message_type in reading_types()
         }
         self.sensors = {
             name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)

@@ -19,18 +19,17 @@ from lie_rigid_body.recording.track_decoding import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
-TYPES: Final[dict[str, tuple[str, ...]]] = {
-    POSE: (POSE_STAMPED,),
-    TWIST: (TWIST_STAMPED, BARE_TWIST),
-    SCENARIO: (STRING,),
-    **{name: (kind,) for name, kind in SENSOR_TOPICS.items()},
-}
-"""The topics of a body by their relative names, and the message types that each may have."""
 OfScenario: TypeAlias = Callable[[RawTrack], bool]
 """Whether a topic of texts is one of scenarios."""
 _TOLD: Final = {SCENARIO: ": body, motion, frames"}
 _LONGEST_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
+
+
+def topic_types() -> dict[str, tuple[str, ...]]:
+    """The topics of a body by their relative names, and the message types that each may have."""
+    of_sensors = {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
+    return {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,), **of_sensors}
 
 
 @dataclass(frozen=True)
@@ -86,8 +85,8 @@ def bodies(
         Of the bag, for errors.
     contents : McapContents
     topics : mapping of str to str
-        Topics that are called otherwise, by their relative names (the keys of `TYPES`). With one of the first three
-        there is one body, that to which it belongs.
+        Topics that are called otherwise, by their relative names (the keys of `topic_types`). With one of the first
+        three there is one body, that to which it belongs.
     is_ours : callable, optional
         Whether a topic of texts is one of scenarios, or another node's of that name. It is asked where two are in one
         namespace, or pose or twist is missing beside one.
@@ -156,7 +155,7 @@ def _complete(
                 continue
             if len(own) == 1 and is_ours(scenario):
                 name = TWIST if POSE in own else POSE
-                none = RawTrack(f"{namespace}/{name}", TYPES[name][0], "cdr")
+                none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
                 lacking[namespace] = {**own, name: none, SCENARIO: scenario}
                 faults[namespace] = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
             elif len(own) == 2 and namespace in found:
@@ -207,7 +206,7 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        wanted = f"topic .../{name} ({' or '.join(map(_last, TYPES[name]))}{_TOLD.get(name, '')})"
+        wanted = f"topic .../{name} ({' or '.join(map(_last, topic_types()[name]))}{_TOLD.get(name, '')})"
         there = shortened(listed([topic for topic, _ in contents.tracks]), _LONGEST_LIST)
         remedy = _remedy(path, f"record it; there are {there}" if there else "record it; there is no topic at all")
         raise BagError(f"{path} has no {wanted}: {remedy}")
@@ -235,7 +234,7 @@ def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
 
 
 def require_topics(topics: Mapping[str, str]) -> None:
-    """Refuse an argument ``topics`` of Python that gives no names of `TYPES` their topics.
+    """Refuse an argument ``topics`` of Python that gives no names of `topic_types` their topics.
 
     Raises
     ------
@@ -244,8 +243,8 @@ def require_topics(topics: Mapping[str, str]) -> None:
     if not isinstance(topics, Mapping) or not all(isinstance(text, str) for pair in topics.items() for text in pair):
         raise InputError(f'topics {shown(topics)}: not names and topics; give for example topics={{"pose": "/a/pose"}}')
     for name in topics:
-        if name not in TYPES:
-            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, TYPES, 'topics of a body')}")
+        if name not in topic_types():
+            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, topic_types(), 'topics of a body')}")
 
 
 def for_python(error: BagError) -> BagError:
@@ -264,7 +263,7 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
         return track
     if track is not None:
         raise BagError(f"{path}: --topic {name}:={topic}: it has no message: record it while the body is published")
-    types, known = " or ".join(map(_last, TYPES[name])), [track.topic for track in _of_types(contents, name)]
+    types, known = " or ".join(map(_last, topic_types()[name])), [track.topic for track in _of_types(contents, name)]
     others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
     what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
     hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
@@ -272,12 +271,12 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
 
 
 def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
-    found = [track for kind in TYPES[name] if (track := contents.tracks.get((topic, kind)))]
+    found = [track for kind in topic_types()[name] if (track := contents.tracks.get((topic, kind)))]
     return max(found, key=lambda track: track.count, default=None)
 
 
 def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
-    alike = [track for (_, kind), track in contents.tracks.items() if kind in TYPES[name]]
+    alike = [track for (_, kind), track in contents.tracks.items() if kind in topic_types()[name]]
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS)]  # texts as well
 
 

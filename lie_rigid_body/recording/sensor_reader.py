@@ -5,39 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.messages.batch import SENSOR_TOPICS
-from lie_rigid_body.messages.definitions import (
-    IMU,
-    MAGNETIC_FIELD,
-    POSE_WITH_COVARIANCE_STAMPED,
-    VECTOR3_STAMPED,
-)
+from lie_rigid_body.messages.definitions import places
 from lie_rigid_body.recording.mcap_contents import McapContents
 from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns
-from lie_rigid_body.sensors import Fault
+from lie_rigid_body.sensors import SENSORS, Fault, Field, Topic
 from lie_rigid_body.wording import short_repr
 
-_NUMBERS: Final = {IMU: 37, MAGNETIC_FIELD: 12, POSE_WITH_COVARIANCE_STAMPED: 43, VECTOR3_STAMPED: 3}
-"""How many float64 fields each type has."""
-VALUES: Final = {
-    IMU: ((0, 4), (13, 3), (25, 3)),
-    MAGNETIC_FIELD: ((0, 3),),
-    POSE_WITH_COVARIANCE_STAMPED: ((3, 4), (7, 36)),
-    VECTOR3_STAMPED: ((0, 3),),
-}
-"""Of each type the fields that differ from message to message: where each begins, and how many numbers it has.
-
-Of an IMU its orientation, angular velocity, rad/s, and specific force, m/s²; of a magnetometer the field, T; of an
-attitude sensor the attitude, scalar last, and its covariance, rad²; of a sun sensor the direction.
-"""
 SensorMessages: TypeAlias = TopicMessages
-"""Messages of a sensor's topic; their values are the fields of `VALUES` one after the other."""
+"""Messages of a sensor's topic; their values are the numbers of `varying_fields` one after the other."""
 
 
 @dataclass(frozen=True)
@@ -108,19 +91,29 @@ class SensorTrack:
     def without_messages(cls, name: str) -> SensorTrack:
         """That of a topic of which there is no message, by its relative name."""
         none = np.empty(0, dtype=np.int64)
-        return cls(f"/{name}", none, none, np.empty((0, _NUMBERS[SENSOR_TOPICS[name]])))
+        return cls(f"/{name}", none, none, np.empty((0, len(places(SENSOR_TOPICS[name])[""]))))
 
-    def columns(self, first: int, count: int) -> Array:
-        """So many fields from one on, shape (N, count)."""
-        return self.numbers[:, first : first + count].copy()
+
+def reading_types() -> frozenset[str]:
+    """The message types of the topics of readings."""
+    return frozenset(topic.message_type for sensor in SENSORS.values() for topic in sensor.topics)
 
 
 def varying_fields(message_type: str) -> Booleans:
-    """Which float64 fields of a type are those of `VALUES`."""
-    fields = np.full(_NUMBERS[message_type], fill_value=False)
-    for first, width in VALUES[message_type]:
-        fields[first : first + width] = True
-    return fields
+    """Which float64 numbers of a type differ from message to message on any topic of a sensor, shape (K,)."""
+    numbers = np.full(len(places(message_type)[""]), fill_value=False)
+    for sensor in SENSORS.values():
+        for topic in sensor.topics:
+            if topic.message_type == message_type:
+                for field in topic.fields:
+                    numbers[list(numbers_of(topic, field))] = True
+    return numbers
+
+
+def value_columns(topic: Topic, field: Field) -> Integers:
+    """Which columns of the values of a topic's `SensorMessages` are a field."""
+    varying = np.flatnonzero(varying_fields(topic.message_type))
+    return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 
 
 def sensor_track(path: Path, contents: McapContents, topic: SensorTopic | None) -> SensorTrack | None:
@@ -134,7 +127,7 @@ def sensor_track(path: Path, contents: McapContents, topic: SensorTopic | None) 
     if topic is None:
         return None
     track = contents.tracks[topic.topic, topic.message_type]
-    log_times, stamps, read = stamped_columns(path, track, _NUMBERS[track.message_type])
+    log_times, stamps, read = stamped_columns(path, track, len(places(track.message_type)[""]))
     return SensorTrack(track.topic, log_times, stamps, read.numbers)
 
 

@@ -14,9 +14,12 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
-DESCRIPTIONS: Final[Mapping[str, str]] = {parameter.name: parameter.description for parameter in PARAMETERS}
-"""What each parameter of the node means, by its name, which is that of a launch argument as well."""
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
+
+
+def descriptions() -> dict[str, str]:
+    """What each parameter of the node means, by its name, which is that of a launch argument as well."""
+    return {parameter.name: parameter.description for parameter in PARAMETERS}
 
 
 def require_known(file: str, argv: Iterable[str], known: Collection[str]) -> None:

@@ -29,8 +29,8 @@ from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
-TOPICS: Final = (POSE, TWIST, *SENSOR_TOPICS, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
-"""The topics of the node, wanted or not: each has a type of its own, or means something else."""
+TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, diagnostics.TOPIC, markers.TOPIC, *OF_EVERY_NODE)
+"""The topics of the node beside its sensors', wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
     *("~/reset", "~/pause", "~/resume", "~/step"),
     *("~/describe_parameters", "~/get_parameter_types", "~/get_parameters", "~/list_parameters", "~/set_parameters"),
@@ -72,7 +72,7 @@ class SimulatorNode(Node):
             raise
 
     def _furnish(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
-        _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in TOPICS})
+        _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)})
         _require_distinct("services", {service: self.resolve_service_name(service) for service in SERVICES})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         self._answers = AnsweringParameterService(self)

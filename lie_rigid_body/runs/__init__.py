@@ -10,16 +10,13 @@
 """
 
 from lie_rigid_body.runs.ensemble import simulate
-from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, SunSensorArrays
+from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import ScenarioTruth
 
 __all__ = [
-    "AttitudeSensorArrays",
-    "ImuArrays",
-    "MagnetometerArrays",
     "Run",
     "ScenarioTruth",
-    "SunSensorArrays",
+    "SensorArrays",
     "simulate",
 ]

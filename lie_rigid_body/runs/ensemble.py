@@ -16,20 +16,22 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Integers, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, require_memory
 from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
+from lie_rigid_body.sensors import SENSORS, Sensor
 from lie_rigid_body.simulation import Simulation, motions_of
 from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300
 """Memory that a sample of the truth takes at most while it is computed, bytes."""
-_READING_BYTES: Final = {"imu": 700}
-"""The same of a sensor's reading; of one that is not named as much as of the truth."""
+_NUMBER_BYTES: Final = 44
+"""Memory that a number of a sensor's reading takes at most while it is computed, bytes."""
 _KEPT_BYTES: Final = 160
 """Memory that a reading takes in a run, bytes."""
 _RUN_BYTES: Final = 2**16
@@ -152,10 +154,16 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     """Refuse runs that would take more memory than is allowed, before any is computed."""
     truth = SampleClock(0, scenario.rate).count_before(duration)
     readings = {name: SampleClock(0, model.rate).count_before(duration) for name, model in scenario.sensors.on.items()}
-    largest = max((_READING_BYTES.get(name, _TRUTH_BYTES) * count for name, count in readings.items()), default=0)
+    largest = max((_reading_bytes(SENSORS[name]) * count for name, count in readings.items()), default=0)
     kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
     samples = truth + runs * sum(readings.values())
     require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
+
+
+def _reading_bytes(sensor: Sensor) -> int:
+    """Memory that a reading takes at most while it is computed, bytes."""
+    numbers = sum(len(numbers_of(topic, field)) for topic in sensor.topics for field in topic.fields)
+    return max(_TRUTH_BYTES, _NUMBER_BYTES * numbers)
 
 
 def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection, Mapping
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.sensors import AttitudeSensorModel, ImuReadings
+from lie_rigid_body.messages import NOT_GIVEN, numbers_of
+from lie_rigid_body.messages.definitions import places
+from lie_rigid_body.sensors import Field, Readings, Sensor, Topic
 from lie_rigid_body.simulation import SensorSamples
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.sensor_reader import SensorTrack
+
+T = TypeVar("T")
 
 
 class ReadOnly:
@@ -23,218 +26,120 @@ class ReadOnly:
 
     def __post_init__(self) -> None:
         for name, array in vars(self).items():
-            if isinstance(array, np.ndarray):
-                view = array.view()
-                view.setflags(write=False)
-                object.__setattr__(self, name, view)
+            object.__setattr__(self, name, read_only(array))
 
 
-@dataclass(frozen=True, eq=False)
-class ImuArrays(ReadOnly):
-    """What an IMU read, on the sensor's axes. All arrays are read only.
+def read_only(value: T) -> T:
+    """A view of an array that cannot be written; anything else as it is."""
+    if isinstance(value, np.ndarray):
+        view = value.view()
+        view.setflags(write=False)
+        return view
+    return value
+
+
+class SensorArrays:
+    """What a sensor read. All arrays are read only.
+
+    Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading: of an IMU
+    ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and ``accelerometer_bias``, each
+    (M, 3), and ``orientation_xyzw``, (M, 4); of a magnetometer ``field``, T, (M, 3); of an attitude sensor
+    ``attitude_xyzw``, (M, 4), and ``covariance``, rad², (M, 3, 3); of a sun sensor ``direction``, (M, 3).
+    Vectors are on the sensor's axes, attitudes world-from-body, scalar last, covariances of small rotations about the
+    fixed axes of the world.
+
+    A bias is None where a bag does not tell it, and NaN at a reading for which a bag does not. An orientation is None
+    unless the parameter ``imu_orientation`` is true; the identity where it is not in the segment of a reading.
 
     Attributes
     ----------
     t_ns : ndarray of int64, shape (M,)
         Stamps, ns.
-    gyro : ndarray, shape (M, 3)
-        Angular velocity, rad/s.
-    specific_force : ndarray, shape (M, 3)
-        Acceleration less gravitation, m/s².
-    gyro_bias : ndarray, shape (M, 3), or None
-        The true bias in each angular velocity, rad/s. None if a bag does not tell it.
-    accelerometer_bias : ndarray, shape (M, 3), or None
-        The true bias in each specific force, m/s². None if a bag does not tell it.
     arrival_ns : ndarray of int64, shape (M,)
-        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder, whose
-        log times are of another clock, when it was measured.
-    orientation_xyzw : ndarray, shape (M, 4), or None
-        World-from-body, scalar last; None unless the parameter ``imu_orientation`` is true; the identity where
-        it is not in the segment of a reading.
+        When each reading arrives, ns: by its latency after it is measured. Of a bag by another recorder, whose log
+        times are of another clock, when it was measured.
     """
 
     t_ns: Integers
-    gyro: Array
-    specific_force: Array
-    gyro_bias: Array | None
-    accelerometer_bias: Array | None
     arrival_ns: Integers
-    orientation_xyzw: Array | None = None
 
-    __repr__ = short_repr
+    def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
+        everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
+        vars(self).update({name: read_only(array) for name, array in everything.items()})
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"the readings of a run are read only: make other ones to change {name}")
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"this sensor reads no {name}: it has {', '.join(vars(self))}")
+
+    def __repr__(self) -> str:
+        return call_repr(self, vars(self))
 
     @classmethod
-    def of_samples(cls, samples: SensorSamples[ImuReadings]) -> ImuArrays:
+    def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
         """Those of a simulation."""
-        readings = samples.readings
-        return cls(
-            samples.stamps_ns,
-            readings.angular_velocity,
-            readings.linear_acceleration,
-            readings.gyro_bias,
-            readings.accelerometer_bias,
-            samples.times_ns,
-            readings.orientation_xyzw,
-        )
+        arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
+        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
 
     @classmethod
-    def of_tracks(cls, data: SensorTrack, bias: SensorTrack | None, *, oriented: bool) -> ImuArrays:
-        """Those of the topics of a bag, which arrived at their log times.
+    def of_tracks(
+        cls, sensor: Sensor, tracks: Mapping[str, SensorTrack | None], declared: Collection[str]
+    ) -> SensorArrays | None:
+        """Those of the topics of a bag, by their relative names, which arrived at their log times.
 
-        Whether any tells an orientation the readings say, or, where there are none, ``oriented``.
+        Whether a field is told that need not be, the messages say, or, where there are none, whether its array is
+        among those ``declared``. None without the first topic.
         """
-        if len(data.numbers):
-            oriented = bool((data.numbers[:, 4] != -1.0).any())
-        return cls(
-            data.stamps_ns,
-            data.columns(13, 3),
-            data.columns(25, 3),
-            *_biases(data.stamps_ns, bias),
-            data.log_times_ns,
-            data.columns(0, 4) if oriented else None,
-        )
+        first = tracks[sensor.topics[0].name]
+        if first is None:
+            return None
+        arrays = {
+            field.array: _array(topic, field, tracks[topic.name], first.stamps_ns, declared)
+            for topic in sensor.topics
+            for field in topic.fields
+        }
+        return cls(first.stamps_ns, first.log_times_ns, arrays)
 
-    def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[ImuReadings]:
-        """Those that arrive in a time, with their biases."""
-        if self.gyro_bias is None or self.accelerometer_bias is None:
-            raise InputError("the run does not tell the biases of its IMU, which a bag holds: record imu/bias as well")
-        lost = int(np.isnan(self.gyro_bias + self.accelerometer_bias).any(axis=1).sum())
-        if lost:
-            raise InputError(
-                f"the run does not tell the biases of {lost} of {len(self.t_ns)} readings of its IMU, which a bag "
-                "holds: record all of imu/bias"
-            )
-        readings = ImuReadings(
-            self.gyro, self.specific_force, self.gyro_bias, self.accelerometer_bias, self.orientation_xyzw
-        )
-        return _arriving(self.arrival_ns, self.t_ns, readings, inside)
+    def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
+        """Those that arrive in a time, with all that messages tell of them.
 
-
-@dataclass(frozen=True, eq=False)
-class MagnetometerArrays(ReadOnly):
-    """What a magnetometer read, on the sensor's axes. All arrays are read only.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (L,)
-        Stamps, ns.
-    field : ndarray, shape (L, 3)
-        Magnetic field, T.
-    arrival_ns : ndarray of int64, shape (L,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    field: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
-
-    @classmethod
-    def of_samples(cls, samples: SensorSamples[Array]) -> MagnetometerArrays:
-        """Those of a simulation."""
-        return cls(samples.stamps_ns, samples.readings, samples.times_ns)
-
-    @classmethod
-    def of_track(cls, track: SensorTrack) -> MagnetometerArrays:
-        """Those of a bag's topic, as `ImuArrays.of_tracks`."""
-        return cls(track.stamps_ns, track.columns(0, 3), track.log_times_ns)
-
-    def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
-        """Those that arrive in a time."""
-        return _arriving(self.arrival_ns, self.t_ns, self.field, inside)
+        Raises
+        ------
+        InputError
+            If something that is told on a topic of its own, as biases are, is not known.
+        """
+        arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+        for topic in sensor.topics[1:]:
+            columns = [arrays[field.array] for field in topic.fields]
+            told = [np.isfinite(column).all(axis=1) for column in columns if column is not None]
+            missing = len(self.t_ns) - int(np.logical_and.reduce(told).sum()) * (len(told) == len(columns))
+            if missing or len(told) < len(columns):
+                raise InputError(
+                    f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
+                    f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
+                )
+        readings = Readings({name: array for name, array in arrays.items() if array is not None})
+        lost = np.zeros(len(self.t_ns), dtype=np.bool_)
+        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
 
 
-@dataclass(frozen=True, eq=False)
-class AttitudeSensorArrays(ReadOnly):
-    """What an attitude sensor read. All arrays are read only.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (K,)
-        Stamps, ns.
-    attitude_xyzw : ndarray, shape (K, 4)
-        World-from-body, scalar last.
-    covariance : ndarray, shape (K, 3, 3)
-        Of small rotations about the fixed axes of the world, rad².
-    arrival_ns : ndarray of int64, shape (K,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    attitude_xyzw: Array
-    covariance: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
-
-    @classmethod
-    def of_samples(cls, samples: SensorSamples[Array], model: AttitudeSensorModel) -> AttitudeSensorArrays:
-        """Those of a simulation, with the covariance that the sensor's model tells."""
-        return cls(samples.stamps_ns, samples.readings, model.covariance(samples.readings), samples.times_ns)
-
-    @classmethod
-    def of_track(cls, track: SensorTrack) -> AttitudeSensorArrays:
-        """Those of a bag's topic, as `ImuArrays.of_tracks`."""
-        covariance = track.numbers[:, 7:].reshape(-1, 6, 6)[:, 3:, 3:].copy()
-        return cls(track.stamps_ns, track.columns(3, 4), covariance, track.log_times_ns)
-
-    def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
-        """Those that arrive in a time."""
-        return _arriving(self.arrival_ns, self.t_ns, self.attitude_xyzw, inside)
-
-
-@dataclass(frozen=True, eq=False)
-class SunSensorArrays(ReadOnly):
-    """What a sun sensor read. All arrays are read only.
-
-    Attributes
-    ----------
-    t_ns : ndarray of int64, shape (J,)
-        Stamps, ns.
-    direction : ndarray, shape (J, 3)
-        Unit vectors to the sun in the body frame.
-    arrival_ns : ndarray of int64, shape (J,)
-        As of `ImuArrays`.
-    """
-
-    t_ns: Integers
-    direction: Array
-    arrival_ns: Integers
-
-    __repr__ = short_repr
-
-    @classmethod
-    def of_samples(cls, samples: SensorSamples[Array]) -> SunSensorArrays:
-        """Those of a simulation."""
-        return cls(samples.stamps_ns, samples.readings, samples.times_ns)
-
-    @classmethod
-    def of_track(cls, track: SensorTrack) -> SunSensorArrays:
-        """Those of a bag's topic, as `ImuArrays.of_tracks`."""
-        return cls(track.stamps_ns, track.columns(0, 3), track.log_times_ns)
-
-    def samples(self, inside: Callable[[Integers], Booleans]) -> SensorSamples[Array]:
-        """Those that arrive in a time."""
-        return _arriving(self.arrival_ns, self.t_ns, self.direction, inside)
-
-
-def _biases(t_ns: Integers, bias: SensorTrack | None) -> tuple[Array | None, Array | None]:
-    """Biases of gyro and accelerometer at the stamps of readings."""
-    if bias is None:
-        return (None, None) if len(t_ns) else (np.empty((0, 3)), np.empty((0, 3)))
-    vectors = bias.columns(13, 3), bias.columns(25, 3)
-    if np.array_equal(bias.stamps_ns, t_ns):
-        return vectors
-    order = np.argsort(bias.stamps_ns, kind="stable")
-    place = order[np.minimum(np.searchsorted(bias.stamps_ns[order], t_ns), len(order) - 1)]
-    told = (bias.stamps_ns[place] == t_ns)[:, np.newaxis]
-    gyro, accelerometer = (np.where(told, values[place], np.nan) for values in vectors)
-    return gyro, accelerometer
-
-
-def _arriving(
-    arrival_ns: Integers, stamps_ns: Integers, readings: Any, inside: Callable[[Integers], Booleans]
-) -> SensorSamples[Any]:
-    whole = SensorSamples(arrival_ns, stamps_ns, np.zeros(len(stamps_ns), dtype=np.bool_), readings)
-    return whole[inside(arrival_ns)]
+def _array(
+    topic: Topic, field: Field, track: SensorTrack | None, t_ns: Integers, declared: Collection[str]
+) -> Array | None:
+    """A field at the stamps of readings: None if it is not told, NaN where it is not."""
+    numbers = list(numbers_of(topic, field))
+    shape = field.shape or (len(numbers),)
+    if track is None:
+        return None if len(t_ns) else np.empty((0, *shape))
+    if field.covariance:
+        given = track.numbers[:, places(topic.message_type)[field.covariance].start] != NOT_GIVEN
+        if not (given.any() if len(given) else field.array in declared):
+            return None
+    values = track.numbers[:, numbers].reshape(-1, *shape)
+    if np.array_equal(track.stamps_ns, t_ns):
+        return values
+    order = np.argsort(track.stamps_ns, kind="stable")
+    place = order[np.minimum(np.searchsorted(track.stamps_ns[order], t_ns), len(order) - 1)]
+    told = (track.stamps_ns[place] == t_ns)[:, np.newaxis]
+    return np.where(told, values[place], np.nan)

@@ -19,11 +19,11 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.runs.readings import AttitudeSensorArrays, ImuArrays, MagnetometerArrays, ReadOnly, SunSensorArrays
+from lie_rigid_body.runs.readings import ReadOnly, SensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Fault
+from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.simulation import Samples, Segment, Taken
 from lie_rigid_body.wording import call_repr
 
@@ -44,45 +44,42 @@ class Run(ReadOnly):
         Stamps of the truth, ns.
     truth : State
         Attitudes world-from-body, scalar last, shape (N, 4), and body rates, rad/s, shape (N, 3).
-    imu : ImuArrays or None
-    magnetometer : MagnetometerArrays or None
-        None where there is no such sensor.
+    imu, magnetometer, attitude_sensor, sun : SensorArrays or None
+        What each sensor of `SENSORS` read; None where there is no such sensor.
+    sensors : mapping of str to SensorArrays
+        Those that there are, by the same names.
     segments : tuple of Segment
         The scenario in force from the start, and after each reset.
-    attitude_sensor : AttitudeSensorArrays or None
-    sun : SunSensorArrays or None
-        None where there is no such sensor.
     faults : tuple of Fault
         What went wrong with the sensors, in the order in which it began.
     """
 
     t_ns: Integers
     truth: State
-    imu: ImuArrays | None
-    magnetometer: MagnetometerArrays | None
+    sensors: Mapping[str, SensorArrays]
     segments: tuple[Segment, ...]
-    attitude_sensor: AttitudeSensorArrays | None = None
-    sun: SunSensorArrays | None = None
     faults: tuple[Fault, ...] = ()
     _recording: Recording | None = None
 
     def __repr__(self) -> str:
-        parts = {"t_ns": self.t_ns, "imu": self.imu, "magnetometer": self.magnetometer, "segments": len(self.segments)}
-        return call_repr(self, parts)
+        return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments)})
+
+    def __getattr__(self, name: str) -> SensorArrays | None:
+        if any(name == sensor.key for sensor in SENSORS.values()):
+            return self.sensors.get(name)
+        raise AttributeError(f"a run has no {name}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(sensor.key for sensor in SENSORS.values())]
 
     @classmethod
     def of(cls, taken: Taken, segment: Segment) -> Run:
         """The run of what was taken from a simulation in one segment."""
-        imu, field, attitude, sun = taken.imu, taken.magnetometer, taken.attitude_sensor, taken.sun_sensor
-        model = segment.scenario.sensors.attitude_sensor
         return cls(
             taken.samples.stamps_ns,
             taken.samples.states,
-            None if imu is None else ImuArrays.of_samples(imu),
-            None if field is None else MagnetometerArrays.of_samples(field),
+            {SENSORS[name].key: SensorArrays.of_samples(SENSORS[name], some) for name, some in taken.sensors.items()},
             (segment,),
-            None if model is None or attitude is None else AttitudeSensorArrays.of_samples(attitude, model),
-            None if sun is None else SunSensorArrays.of_samples(sun),
             taken.faults,
         )
 
@@ -110,7 +107,8 @@ class Run(ReadOnly):
             If it declares a scenario that cannot be.
         """
         from lie_rigid_body.certificate.sensors import measured_ns
-        from lie_rigid_body.messages.batch import ATTITUDE, FAULTS, IMU_BIAS, IMU_DATA, MAG, SUN, sensor_topics
+        from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
+        from lie_rigid_body.messages.encoding import told_fields
         from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
         from lie_rigid_body.recording.bodies import for_python, require_topics
         from lie_rigid_body.recording.samples import recorded_segments
@@ -124,21 +122,23 @@ class Run(ReadOnly):
         except BagError as error:
             raise for_python(error) from None
         path = Path(path)
-        sensors = {name: bag.sensors.get(name) for name in (IMU_DATA, IMU_BIAS, MAG, ATTITUDE, SUN)}
+        sensors = {name: bag.sensors.get(name) for name in SENSOR_TOPICS if name != FAULTS}
         keys = {(sensor.topic, sensor.message_type) for sensor in sensors.values() if sensor}
         contents, own = bag.messages_of(lambda *key: key in keys), as_written(bag)
         tracks = {name: sensor_track(path, contents, sensor) for name, sensor in sensors.items()}
         recording = bag.load()
         pieces = recorded_segments(recording)
         declared = [piece.segment.scenario.sensors for piece in pieces]
-        wanted = {topic for models in declared for topic in sensor_topics(models)}
-        for name in wanted & {IMU_DATA, MAG, ATTITUDE, SUN}:
+        models = [(name, model) for sensors in declared for name, model in sensors.on.items()]
+        for name in {SENSORS[name].topics[0].name for name, _ in models}:
             tracks[name] = tracks[name] or SensorTrack.without_messages(name)
         for name, track in () if own else list(tracks.items()):
             if track is not None and name in recording.readings:
                 tracks[name] = replace(track, log_times_ns=measured_ns(recording, name))
-        data, bias, field, attitude, sun = tracks.values()
-        oriented = any(models.imu is not None and models.imu.orientation is not None for models in declared)
+        fields = {
+            f.array for name, model in models for topic in SENSORS[name].topics for f in told_fields(topic, model)
+        }
+        found = {sensor.key: SensorArrays.of_tracks(sensor, tracks, fields) for sensor in SENSORS.values()}
         has_faults = any(models.have_faults for models in declared)  # else they are of others
         told = recording.readings.get(FAULTS) if has_faults else None
         return cls(
@@ -147,11 +147,8 @@ class Run(ReadOnly):
                 np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
                 np.concatenate([piece.states.body_rate for piece in pieces]),
             ),
-            None if data is None else ImuArrays.of_tracks(data, bias, oriented=oriented),
-            None if field is None else MagnetometerArrays.of_track(field),
+            {key: arrays for key, arrays in found.items() if arrays is not None},
             tuple(piece.segment for piece in pieces),
-            None if attitude is None else AttitudeSensorArrays.of_track(attitude),
-            None if sun is None else SunSensorArrays.of_track(sun),
             recorded_faults(bag.name, told) if isinstance(told, FaultMessages) else (),
             recording,
         )
@@ -363,13 +360,13 @@ class Run(ReadOnly):
 
         kept = inside(self.t_ns)
         states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
-        imu, field, attitude, sun = self.imu, self.magnetometer, self.attitude_sensor, self.sun
         taken = Taken(
             Samples(self.t_ns[kept], states),
-            None if imu is None else imu.samples(inside),
-            None if field is None else field.samples(inside),
-            None if attitude is None else attitude.samples(inside),
-            None if sun is None else sun.samples(inside),
+            {
+                name: self.sensors[sensor.key].samples(sensor, inside)
+                for name, sensor in SENSORS.items()
+                if sensor.key in self.sensors
+            },
             tuple(fault for fault in self.faults if begin <= fault.begin_ns < end),
         )
         for name, samples in taken.sensors.items():

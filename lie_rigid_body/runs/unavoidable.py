@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Truth
 from lie_rigid_body.evaluation.unavoidable import (
@@ -18,8 +18,8 @@ from lie_rigid_body.evaluation.unavoidable import (
     VectorReadings,
     unavoidable_error,
 )
-from lie_rigid_body.sensors import AttitudeSensorModel, ImuModel, Sensors, SunSensorModel
-from lie_rigid_body.sensors.triad import TriadModel
+from lie_rigid_body.sensors import Sensors
+from lie_rigid_body.sensors.sensor import AttitudeAid, VectorAid
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.sample_clock import SampleClock
 
@@ -92,16 +92,16 @@ def _of_segment(segment: Segment, last_ns: int, most: int | None) -> Unavoidable
     every = _stamps(segment, imu.rate, last_ns)
     if not len(every):
         return UnavoidableError(np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty((0, 3, 3)), every)
-    vectors, attitudes = _others(segment, last_ns)
-    others: list[VectorReadings | AttitudeReadings] = [*vectors, *attitudes]
-    numbers = _kept(every, [np.asarray(sensor.stamps_ns) for sensor in others], most)
+    vectors, attitudes = _aids(segment, last_ns)
+    others = [*(np.asarray(aid.stamps_ns) for aid in vectors), *(np.asarray(aid.stamps_ns) for aid in attitudes)]
+    numbers = _kept(every, others, most)
     stamps = every[numbers]
     return unavoidable_error(
         stamps,
         scenario.exact_motion().at(stamps - segment.start_ns).attitude_xyzw,
         gyro_noise=imu.gyro.noise_density * np.sqrt(imu.rate),
-        gyro_bias=_walk(imu.gyro, imu.rate),
-        vectors=[*([_gravity(imu, every)] if imu.support else []), *vectors],
+        gyro_bias=BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
+        vectors=vectors,
         attitudes=attitudes,
         gyro_readings=np.diff(numbers, prepend=-1),
     )
@@ -124,46 +124,31 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int | None) -> Int
     return numbers[numbers >= 0]
 
 
-def _others(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
-    """What the sensors beside the IMU read."""
+def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
+    """What the sensors read of the attitude."""
     vectors, attitudes = [], []
     for model in segment.scenario.sensors.on.values():
         stamps = _stamps(segment, model.rate, last_ns)
-        if isinstance(model, ImuModel) or not len(stamps):
-            continue
-        if isinstance(model, SunSensorModel):
-            vectors.append(VectorReadings(stamps, model.sun, model.noise))
-        elif isinstance(model, AttitudeSensorModel):
-            across, along = model.cross_noise**2, model.roll_noise**2
-            sight = np.outer(model.boresight, model.boresight)
-            attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (along - across) * sight))
-        elif any(model.field):
-            iron = BiasNoise(max(map(abs, model.hard_iron)))  # who knows its size is granted that
-            vectors.append(VectorReadings(stamps, model.field, model.noise_density * np.sqrt(model.rate), iron))
+        for aid in model.aids if len(stamps) else ():
+            if isinstance(aid, VectorAid):
+                bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
+                vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias))
+            else:
+                attitudes.append(AttitudeReadings(stamps, _covariance(aid)))
     return vectors, attitudes
 
 
-def _gravity(imu: ImuModel, stamps: Integers) -> VectorReadings:
-    noise = imu.accelerometer.noise_density * np.sqrt(imu.rate)
-    return VectorReadings(stamps, [0.0, 0.0, imu.support], noise, _walk(imu.accelerometer, imu.rate))
-
-
-def _walk(triad: TriadModel, rate: float) -> BiasNoise:
-    return BiasNoise(triad.turn_on_bias, float(triad.bias_random_walk / np.sqrt(rate)))
+def _covariance(aid: AttitudeAid) -> Array:
+    across, about = aid.across**2, aid.about**2
+    return np.asarray(across * np.eye(3) + (about - across) * np.outer(aid.axis, aid.axis))
 
 
 def _has_noise(sensors: Sensors) -> bool:
     """Whether each sensor that tells of the attitude has white noise: none would leave no error."""
-    imu, field, attitude, sun = sensors.imu, sensors.magnetometer, sensors.attitude_sensor, sensors.sun_sensor
-    assert imu is not None
-    noises = [
-        imu.gyro.noise_density,
-        *([imu.accelerometer.noise_density] if imu.support else []),
-        *([field.noise_density] if field and any(field.field) else []),
-        *([attitude.cross_noise, attitude.roll_noise] if attitude else []),
-        *([sun.noise] if sun else []),
-    ]
-    return imu.orientation is None and all(noises)
+    aids = [aid for model in sensors.on.values() for aid in model.aids]
+    return bool(
+        sensors.imu.orientation is None and sensors.imu.gyro.noise_density and not any(aid.is_exact for aid in aids)
+    )
 
 
 def _stamps(segment: Segment, rate: float, last_ns: int) -> Integers:

@@ -6,7 +6,7 @@ import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from decimal import ROUND_FLOOR, Context
 from functools import cached_property
 from typing import Final
 
@@ -19,18 +19,14 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.parameters import Value, require_frame_name
-from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
-from lie_rigid_body.sensors import GRADE, QUIET, SENSOR_PARAMETERS, Sensors, without_effect
+from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
+from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 from lie_rigid_body.wording import shortened, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
 their steps themselves."""
 
-LARGEST_TURN_PER_READING: Final = 3.0
-"""rad: a rotation by more than half a turn reads as a shorter one the other way."""
-
-_SENSORS: Final = tuple(parameter.name for parameter in SENSOR_PARAMETERS)
 _OWN: Final = (
     "inertia",
     "initial_attitude_xyzw",
@@ -44,7 +40,7 @@ _OWN: Final = (
     "stamped_twist",
     "epoch_ns",
 )
-OF_THE_NODE: Final = tuple(name for name in BY_NAME if name not in (*_OWN, *_SENSORS))
+OF_THE_NODE: Final = tuple(parameter.name for parameter in OWN if parameter.name not in _OWN)
 """Parameters that no scenario holds: they change when and where a live node sends its samples, and none of them."""
 
 
@@ -89,7 +85,7 @@ class Scenario:
             Naming the parameter, its value, its limit and the remedy.
         """
         values = read_parameters(given or {})
-        of_sensors = {name: values[name] for name in _SENSORS}
+        of_sensors = {name: values[name] for name in SENSORS.parameters}
         scenario = cls(
             **{name: values[name] for name in _OWN},  # type: ignore[arg-type]
             sensors=Sensors.from_values(of_sensors),
@@ -112,9 +108,15 @@ class Scenario:
         own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
         # what came later is left out at its default, so that a bag without it has the bytes that it had before
         sensors = {
-            name: value for name, value in self.sensor_parameters if name not in QUIET or value != BY_NAME[name].default
+            name: value
+            for name, value in self.sensor_parameters
+            if name not in SENSORS.quiet or value != SENSORS.parameters[name].default
         }
         return {**own, **sensors} if self.has_sensors else own
+
+    def frame(self, parameter: str) -> str:
+        """The name of the frame that a parameter names."""
+        return str(dict(self.sensor_parameters).get(parameter) or getattr(self, parameter))
 
     @property
     def has_sensors(self) -> bool:
@@ -238,13 +240,15 @@ class Scenario:
         if self.motion == "moving_chart":
             self._require_small_steps(fastest)
             self._require_possible_steps(fastest)
-        self._require_small_turns(fastest)
+        for model in self.sensors.on.values():
+            if error := model.refusal(fastest):
+                raise error
 
     def _require_distinct_frames(self) -> None:
         """Refuse a world that turns with the body: tf2 takes no frame that is its own parent."""
-        values = self.parameters()
-        for name in ("body_frame", "imu_frame"):
-            if values.get(name) == self.world_frame:
+        of_sensors = frame_parameters(SENSORS) if self.has_sensors else ()
+        for name in sorted({"body_frame", *of_sensors} - {"world_frame"}):
+            if self.frame(name) == self.world_frame:
                 raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")
 
     def _valid_start(self) -> State:
@@ -272,25 +276,11 @@ class Scenario:
                 f"{MOST_STEPS:g}: give a lower body rate, or use closed_form",
             )
 
-    def _require_small_turns(self, fastest: float) -> None:
-        imu = self.sensors.imu
-        if imu is not None and imu.gyro_rate == "integrated" and fastest > imu.rate * LARGEST_TURN_PER_READING:
-            raise ParameterError(
-                "imu_rate",
-                f"{imu.rate:g} Hz lets the body turn by up to {fastest / imu.rate:.3g} rad between readings, more than "
-                f"an integrated rate tells ({LARGEST_TURN_PER_READING:g}): give at least "
-                f"{_rounded(fastest / LARGEST_TURN_PER_READING, ROUND_CEILING):g} Hz, or gyro_rate instantaneous",
-            )
-
 
 def _shorter(longest: float) -> str:
     """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
-    step = _rounded(longest, ROUND_FLOOR)
+    step = float(Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(longest))
     return f"give at most {step:g} s, or " if step >= BY_NAME["max_step"].minimum else ""
-
-
-def _rounded(value: float, rounding: str) -> float:
-    return float(Context(prec=3, rounding=rounding).create_decimal_from_float(value))
 
 
 def _require_normal_inertia(body: RigidBody) -> None:

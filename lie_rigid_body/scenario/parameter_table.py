@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping
 from typing import Final
 
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
-from lie_rigid_body.sensors import SENSOR_PARAMETERS, graded
+from lie_rigid_body.sensors import SENSORS, graded
 
-PARAMETERS: Final = (
+OWN: Final = (
     Parameter(
         "inertia",
         "double_array",
@@ -87,12 +88,13 @@ PARAMETERS: Final = (
         minimum=0.0,
         maximum=1000.0,
     ),
-    *SENSOR_PARAMETERS,
 )
-"""Every parameter, in the order in which they are shown."""
+"""The parameters that are not of sensors."""
 
-
-BY_NAME: Final[Mapping[str, Parameter]] = {parameter.name: parameter for parameter in PARAMETERS}
+BY_NAME: Final[Mapping[str, Parameter]] = ChainMap(SENSORS.parameters, {p.name: p for p in OWN})
+"""Every parameter by its name, in the order in which they are shown; a view, as the table of sensors may grow."""
+PARAMETERS: Final = BY_NAME.values()
+"""Every parameter, in that order."""
 
 
 def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:

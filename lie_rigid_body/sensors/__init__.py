@@ -2,44 +2,53 @@
 
 In the order of a measurement:
 
-- `parameters`: the table of parameters, and the sensors of a scenario made of them, validated once;
+- `sensor`: what a sensor is: model, instrument, readings, topics; `table`: all sensors and their parameters;
+- `equipment`: the sensors of a scenario, validated once; `parameters`, `fault_parameters`: what several sensors have;
 - `grades`: the errors of real sensors, from data sheets;
 - `gyro_rate`, `specific_force`: the true quantities that gyro and accelerometer measure;
 - `noise`: random numbers from the seed alone, the same in batches of any size;
 - `triad`, `quantisation`: the errors of a sensor, its range and its resolution;
-- `fault`, `episodes`, `fault_parameters`: what goes wrong and when, and the parameters of that;
+- `fault`, `episodes`: what goes wrong and when;
 - `triad_faults`, `magnetic_disturbance`, `delivery`: with a sensor's axes, around it, and on the way of its readings;
 - `imu` and its `orientation`, `magnetometer`, `attitude_sensor`, `sun_sensor`: the sensors.
 """
 
 from lie_rigid_body.sensors.attitude_sensor import AttitudeSensor, AttitudeSensorModel
 from lie_rigid_body.sensors.delivery import Delivery
+from lie_rigid_body.sensors.equipment import Sensors, frame_parameters, without_effect
 from lie_rigid_body.sensors.fault import Fault
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
-from lie_rigid_body.sensors.imu import Imu, ImuModel, ImuReadings
+from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
-from lie_rigid_body.sensors.parameters import QUIET, SENSOR_PARAMETERS, SensorModel, Sensors, without_effect
+from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Readings, Sensor, SensorModel, Signal, Topic
 from lie_rigid_body.sensors.sun_sensor import SunSensor, SunSensorModel
+from lie_rigid_body.sensors.table import SENSORS
 
 __all__ = [
     "GRADE",
     "GRADES",
     "PERFECT",
-    "QUIET",
-    "SENSOR_PARAMETERS",
+    "SENSORS",
     "AttitudeSensor",
     "AttitudeSensorModel",
+    "Carrier",
     "Delivery",
     "Fault",
+    "Field",
     "Imu",
     "ImuModel",
-    "ImuReadings",
+    "Instrument",
     "Magnetometer",
     "MagnetometerModel",
+    "Readings",
+    "Sensor",
     "SensorModel",
     "Sensors",
+    "Signal",
     "SunSensor",
     "SunSensorModel",
+    "Topic",
+    "frame_parameters",
     "graded",
     "without_effect",
 ]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Final, cast
 
 import numpy as np
 
@@ -15,13 +14,14 @@ from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value, Vector, vector
 from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
+from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Signal, Topic
 from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
-class AttitudeSensorModel:
+class AttitudeSensorModel(SensorModel):
     """The model of an attitude sensor.
 
     ::
@@ -33,23 +33,17 @@ class AttitudeSensorModel:
 
     Parameters
     ----------
-    rate : float
-        Readings per second.
-    seed : int
-        Of the noise.
+    rate, seed, delivery
+        As of `SensorModel`.
     boresight : tuple of float, length 3
         b, a unit vector in the body frame.
     cross_noise, roll_noise : float
         σ_c and σ_r, standard deviations, rad.
-    delivery : Delivery or None
     """
 
-    rate: float
-    seed: int
     boresight: Vector
     cross_noise: float
     roll_noise: float
-    delivery: Delivery | None = None
 
     __repr__ = short_repr
 
@@ -67,13 +61,13 @@ class AttitudeSensorModel:
             direction(values, "attitude_sensor_boresight"),
             cast(float, values["attitude_sensor_cross_boresight_noise"]),
             cast(float, values["attitude_sensor_roll_noise"]),
-            Delivery.from_values("attitude_sensor", values),
+            delivery=Delivery.from_values("attitude_sensor", values),
         )
 
     @property
-    def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
-        return (self.delivery,)
+    def aids(self) -> tuple[AttitudeAid, ...]:
+        """The attitude."""
+        return (AttitudeAid(self.boresight, self.roll_noise, self.cross_noise),)
 
     def covariance(self, attitude_xyzw: Array) -> Array:
         """Covariance of small rotations about the fixed axes of the world, rad², shape (N, 3, 3).
@@ -99,15 +93,15 @@ def direction(values: Mapping[str, Value], name: str) -> Vector:
     ParameterError
         If the numbers have none, or are too large or small to tell it.
     """
-    numbers = vector(values, name)
-    size = float(so3.norm(numbers))
+    components = vector(values, name)
+    size = float(so3.norm(components))
     if not 1e-100 < size < 1e100:
-        raise ParameterError(name, f"{list(numbers)} tells no direction: give for example [0.0, 0.0, 1.0]")
-    return tuple(number / size for number in numbers)
+        raise ParameterError(name, f"{list(components)} tells no direction: give for example [0.0, 0.0, 1.0]")
+    return tuple(component / size for component in components)
 
 
-class AttitudeSensor:
-    """An attitude sensor: readings in order, the same to the bit in batches of any size.
+class AttitudeSensor(Instrument):
+    """An attitude sensor at work: attitudes, scalar last, and their covariances, rad².
 
     Parameters
     ----------
@@ -115,35 +109,76 @@ class AttitudeSensor:
     """
 
     def __init__(self, model: AttitudeSensorModel) -> None:
-        self._boresight = np.array(model.boresight)
+        self._model, self._boresight = model, np.array(model.boresight)
         self._across, self._about = model.cross_noise, model.roll_noise - model.cross_noise
         self._noise = BlockBuffer(WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0))
         self._is_perfect = not (model.cross_noise or model.roll_noise)
 
-    __copy__ = copy.deepcopy  # it goes on by itself
+    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+        """The next readings; see `Instrument.measure`."""
+        attitude = self._read(states.attitude_xyzw)
+        return {"attitude_xyzw": Signal(attitude), "covariance": Signal(self._model.covariance(attitude))}
 
-    def measure(self, times_ns: Integers, states: State) -> Array:
-        """The next readings.
-
-        Parameters
-        ----------
-        times_ns : ndarray of int64, shape (N,)
-            Times since the segment's start, ns.
-        states : State
-            The body's states at those times.
-
-        Returns
-        -------
-        ndarray, shape (N, 4)
-            World-from-body, scalar last.
-        """
+    def _read(self, attitude_xyzw: Array) -> Array:
         if self._is_perfect:
-            return states.attitude_xyzw
-        drawn, b = self._noise.take(len(times_ns)), self._boresight
+            return attitude_xyzw
+        drawn, b = self._noise.take(len(attitude_xyzw)), self._boresight
         roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
         error = self._across * drawn + self._about * roll[:, np.newaxis] * b
-        return quaternion.multiply(states.attitude_xyzw, quaternion.exp(error))
+        return quaternion.multiply(attitude_xyzw, quaternion.exp(error))
 
-    def skip(self, count: int) -> None:
-        """Leave out the next readings."""
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings; see `Instrument.skip`."""
         self._noise.skip(count)
+
+
+def _made(model: AttitudeSensorModel, carrier: Carrier, before_ns: int) -> AttitudeSensor:
+    return AttitudeSensor(model)
+
+
+_ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))
+"""The covariance of the rotation among the numbers of a pose's, whose position is known exactly."""
+ATTITUDE_SENSOR: Final = Sensor(
+    "attitude_sensor",
+    "attitude sensor",
+    AttitudeSensorModel,
+    _made,
+    (
+        Topic(
+            "attitude/pose",
+            "geometry_msgs/msg/PoseWithCovarianceStamped",
+            "attitude sensor frame and position",
+            (
+                Field("attitude_xyzw", "pose.pose.orientation", "", "attitude sensor"),
+                Field(
+                    "covariance",
+                    "pose.covariance",
+                    "rad²",
+                    "attitude sensor covariance",
+                    numbers=_ROTATION,
+                    shape=(3, 3),
+                ),
+            ),
+            "world_frame",
+        ),
+    ),
+    parameters=(
+        not_negative(
+            "attitude_sensor_rate", "Readings of the attitude sensor per second, from 1e-6; 0: no such sensor."
+        ),
+        numbers(
+            "attitude_sensor_boresight",
+            (0.0, 0.0, 1.0),
+            "Attitude sensor: its boresight in the body frame, of any length.",
+        ),
+        angle(
+            "attitude_sensor_cross_boresight_noise",
+            "Attitude sensor: standard deviation of a reading about each axis across the boresight, rad.",
+        ),
+        angle(
+            "attitude_sensor_roll_noise",
+            "Attitude sensor: standard deviation of a reading about the boresight, rad.",
+        ),
+    ),
+)
+"""The attitude sensor in the table of sensors."""

@@ -10,8 +10,6 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import short_repr, shown
 
-SENSORS: Final = ("imu", "gyro", "accelerometer", "magnetometer", "attitude_sensor", "sun_sensor")
-"""What can have a fault. The order is part of the keys of the random numbers."""
 KINDS: Final = (
     *("dropout", "outage", "latency", "latency_jitter", "clock_offset", "clock_skew"),
     *("spike", "noise_burst", "stuck", "saturation", "temperature_drift", "magnetic_disturbance"),
@@ -31,7 +29,7 @@ class Fault:
     kind : str
         One of `KINDS`.
     sensor : str
-        One of `SENSORS`.
+        The sensor, or the part of it, that has the fault: one of `SENSORS.parts`.
     axis : str
         ``x``, ``y`` or ``z``; empty where a fault is not of one axis.
     begin_ns : int
@@ -65,7 +63,7 @@ class Fault:
         """Whether it is a fault, and not only has the fields of one."""
         times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
         size = 0.0 if self.size is None else self.size
-        names = self.kind in KINDS and self.sensor in SENSORS and self.axis in (*AXES, "")
+        names = self.kind in KINDS and self.sensor in _parts() and self.axis in (*AXES, "")
         return names and all(type(time) is int for time in times) and type(size) in (int, float)
 
     @classmethod
@@ -106,4 +104,11 @@ class Faulty(Protocol):
 
 def stream(sensor: str, kind: str, part: int = 0) -> int:
     """Source of the random numbers of a fault; ``part`` is 1 for a second one."""
-    return 256 * (1 + SENSORS.index(sensor)) + 2 * KINDS.index(kind) + part
+    return 256 * (1 + _parts().index(sensor)) + 2 * KINDS.index(kind) + part
+
+
+def _parts() -> tuple[str, ...]:
+    """What can have faults, as the table of sensors has it, whose entries are made of this module."""
+    from lie_rigid_body.sensors.table import SENSORS
+
+    return SENSORS.parts

@@ -2,40 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.sensors.parameters import not_negative
 
 _LONGEST_S: Final = 1e9
-LARGEST: Final = 1e9
 _LONGEST_DELAY_S: Final = 10.0
 _LARGEST_OFFSET_S: Final = 2.2e9
 """That of a clock that begins at 0 when the sensor is switched on, in any year that ROS can stamp."""
 _LARGEST_SKEW: Final = 0.01
 
 
-def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST) -> Parameter:
-    """A parameter whose values are not below 0."""
-    return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
-
-
 def _either_sign(name: str, description: str, limit: float) -> Parameter:
     return Parameter(name, "double", 0.0, description, minimum=-limit, maximum=limit)
 
 
-def _episodes(name: str, what: str, duration: float) -> Iterator[Parameter]:
+def episode_parameters(name: str, what: str, duration: float) -> Iterator[Parameter]:
     """Interval and duration of episodes; ``what`` says what they are, and begins with a capital."""
     yield not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
     yield not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
 
 
-def _delivery(sensor: str, name: str) -> Iterator[Parameter]:
-    """How the readings of a sensor arrive."""
+def delivery_parameters(sensor: str, title: str) -> Iterator[Parameter]:
+    """Parameters of how the readings of a sensor arrive."""
+    name = capitalised(title)
     yield not_negative(
         f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
     )
-    yield from _episodes(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0)
+    yield from episode_parameters(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0)
     yield not_negative(
         f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
     )
@@ -52,8 +48,8 @@ def _delivery(sensor: str, name: str) -> Iterator[Parameter]:
     yield _either_sign(f"{sensor}_clock_skew", f"{name}: by how much its clock is too fast, s/s.", _LARGEST_SKEW)
 
 
-def _triad(sensor: str, unit: str, spike: float, density: float, level: float) -> Iterator[Parameter]:
-    """Faults of the axes of a sensor; sizes are defaults for when a fault is switched on."""
+def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> Iterator[Parameter]:
+    """Parameters of the faults of a sensor's axes; sizes are defaults for when a fault is switched on."""
     name = sensor.capitalize()
     yield not_negative(
         f"{sensor}_spike_probability",
@@ -61,10 +57,10 @@ def _triad(sensor: str, unit: str, spike: float, density: float, level: float) -
         maximum=1.0,
     )
     yield not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike)
-    yield from _episodes(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0)
+    yield from episode_parameters(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0)
     yield not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density)
-    yield from _episodes(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0)
-    yield from _episodes(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0)
+    yield from episode_parameters(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0)
+    yield from episode_parameters(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0)
     yield not_negative(
         f"{sensor}_saturation_level", f"{name}: largest size of a reading during a saturation, {unit}.", level
     )
@@ -80,35 +76,24 @@ def _triad(sensor: str, unit: str, spike: float, density: float, level: float) -
     )
 
 
-FAULT_PARAMETERS: Final = (
+def capitalised(title: str) -> str:
+    """A title at the begin of a sentence."""
+    return title[:1].upper() + title[1:]
+
+
+def fault_switches(parameters: Iterable[Parameter]) -> dict[str, tuple[str, ...]]:
+    """The parameters that switch a fault on, each with how the names of the others of that fault begin."""
+    names = [parameter.name for parameter in parameters]
+    some = {name: (f"{name.rpartition('_')[0]}_",) for name in names if name.endswith(("_interval", "_probability"))}
+    return {**some, **{name: (f"{name}_",) for name in names if name.endswith("_temperature_drift")}}
+
+
+WINDOW_PARAMETERS: Final = (
     not_negative(
         "fault_begin",
         "Lost readings, spikes and episodes of faults: from so many seconds after a start on.",
         maximum=_LONGEST_S,
     ),
     not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
-    *_delivery("imu", "IMU"),
-    *_triad("gyro", "rad/s", 1.0, 0.01, 0.5),
-    *_triad("accelerometer", "m/s²", 10.0, 0.1, 5.0),
-    *_delivery("magnetometer", "Magnetometer"),
-    *_triad("magnetometer", "T", 1e-4, 1e-6, 20e-6),
-    *_episodes("magnetic_disturbance", "Magnetic disturbance, a field that passes", 5.0),
-    not_negative(
-        "magnetic_disturbance_size", "Magnetic disturbance: its size at its height, in a direction drawn, T.", 20e-6
-    ),
-    *_delivery("attitude_sensor", "Attitude sensor"),
-    *_delivery("sun_sensor", "Sun sensor"),
 )
-"""Every parameter of faults, in the order in which they are shown."""
-
-FAULT_SWITCHES: Final = {
-    **{
-        parameter.name: f"{parameter.name.rpartition('_')[0]}_"
-        for parameter in FAULT_PARAMETERS
-        if parameter.name.endswith(("_interval", "_probability"))
-    },
-    **{p.name: f"{p.name}_" for p in FAULT_PARAMETERS if p.name.endswith("_temperature_drift")},
-}
-"""The parameters that switch a fault on, and how the names of the others of that fault begin."""
-WINDOW: Final = ("fault_begin", "fault_end")
-"""Names of the parameters that limit all faults that have a switch."""
+"""The parameters that limit all faults that have a switch."""

@@ -2,37 +2,51 @@
 
 from __future__ import annotations
 
-import copy
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
 from typing import Final, cast
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
+from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
+from lie_rigid_body.sensors.fault_parameters import triad_fault_parameters
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_parameters
+from lie_rigid_body.sensors.sensor import (
+    Carrier,
+    Field,
+    Instrument,
+    Sensor,
+    SensorModel,
+    Signal,
+    Topic,
+    VectorAid,
+    diagonal,
+)
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LEVER_ARM_M: Final = 1e6
+LARGEST_TURN_PER_READING: Final = 3.0
+"""Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 
 
 @dataclass(frozen=True)
-class ImuModel:
-    """The model of an IMU, made of its parameters.
+class ImuModel(SensorModel):
+    """The model of an IMU. Its frame has the body's axes, but for the misalignments, at the end of the lever arm.
 
     Parameters
     ----------
-    rate : float
-        Samples per second.
-    frame : str
-        Name of the sensor's frame: the body's axes but for the misalignments, its origin at the end of the lever arm.
-    seed : int
+    rate, seed, delivery
+        As of `SensorModel`.
     gyro_rate : str
         ``instantaneous``, or ``integrated`` over the interval that ends at each sample.
     gyro, accelerometer : TriadModel
@@ -44,12 +58,8 @@ class ImuModel:
         From the mass centre to the accelerometer in the body frame, m.
     orientation : OrientationModel or None
         None: it tells none.
-    delivery : Delivery or None
     """
 
-    rate: float
-    frame: str
-    seed: int
     gyro_rate: str
     gyro: TriadModel
     accelerometer: TriadModel
@@ -57,7 +67,6 @@ class ImuModel:
     gravity: float
     lever_arm: Vector
     orientation: OrientationModel | None = None
-    delivery: Delivery | None = None
 
     __repr__ = short_repr
 
@@ -73,7 +82,6 @@ class ImuModel:
         require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
         return cls(
             rate=cast(float, values["imu_rate"]),
-            frame=cast(str, values["imu_frame"]),
             seed=cast(int, values["sensor_seed"]),
             gyro_rate=cast(str, values["gyro_rate"]),
             gyro=TriadModel.from_values("gyro", values),
@@ -96,48 +104,30 @@ class ImuModel:
         return (self.delivery, self.gyro.faults, self.accelerometer.faults)
 
     @property
-    def angular_velocity_variance(self) -> float:
-        """Variance of an angular velocity on each axis, (rad/s)²; 0 ("unknown") without noise and resolution."""
-        return self.gyro.variance(self.rate)
+    def aids(self) -> tuple[VectorAid, ...]:
+        """The vertical, where something holds the body."""
+        if not self.support:
+            return ()
+        triad, up = self.accelerometer, (0.0, 0.0, self.support)
+        noise, step = triad.noise_density * math.sqrt(self.rate), triad.bias_random_walk / math.sqrt(self.rate)
+        return (VectorAid(up, noise, triad.turn_on_bias, step),)
 
-    @property
-    def linear_acceleration_variance(self) -> float:
-        """Variance of a specific force on each axis, (m/s²)²; 0 ("unknown") without noise and resolution."""
-        return self.accelerometer.variance(self.rate)
-
-
-@dataclass(frozen=True)
-class ImuReadings:
-    """Readings of an IMU and their true biases, on the sensor's axes.
-
-    Parameters
-    ----------
-    angular_velocity : ndarray, shape (N, 3)
-        rad/s.
-    linear_acceleration : ndarray, shape (N, 3)
-        Specific force, m/s².
-    gyro_bias : ndarray, shape (N, 3)
-        The true bias in each angular velocity, rad/s.
-    accelerometer_bias : ndarray, shape (N, 3)
-        The true bias in each specific force, m/s².
-    orientation_xyzw : ndarray, shape (N, 4), or None
-        World-from-body, scalar last; None where the IMU tells none.
-    """
-
-    angular_velocity: Array
-    linear_acceleration: Array
-    gyro_bias: Array
-    accelerometer_bias: Array
-    orientation_xyzw: Array | None = None
-
-    __repr__ = short_repr
-
-    def __len__(self) -> int:
-        return len(self.angular_velocity)
+    def refusal(self, fastest: float) -> ParameterError | None:
+        """The error of a body that may turn by half a turn between two readings of an integrated rate."""
+        if self.gyro_rate != "integrated" or fastest <= self.rate * LARGEST_TURN_PER_READING:
+            return None
+        upwards = Context(prec=3, rounding=ROUND_CEILING)
+        lowest = float(upwards.create_decimal_from_float(fastest / LARGEST_TURN_PER_READING))
+        return ParameterError(
+            "imu_rate",
+            f"{self.rate:g} Hz lets the body turn by up to {fastest / self.rate:.3g} rad between readings, more than "
+            f"an integrated rate tells ({LARGEST_TURN_PER_READING:g}): give at least {lowest:g} Hz, or gyro_rate "
+            "instantaneous",
+        )
 
 
-class Imu:
-    """An IMU: readings in order, the same to the bit in batches of any size.
+class Imu(Instrument):
+    """An IMU at work: the readings of gyro and accelerometer, their true biases, and the orientation if it tells one.
 
     Parameters
     ----------
@@ -172,56 +162,26 @@ class Imu:
         )
         self._orientation = None if model.orientation is None else Orientation(model.orientation, model.seed)
 
-    __copy__ = copy.deepcopy  # it goes on by itself
-
-    def measure(self, stamps_ns: Integers, states: State) -> ImuReadings:
-        """The next readings.
-
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Times of the samples since the segment's start, ns, on the clock of ``before_ns``.
-        states : State
-            The body's states at those times, of shapes (N, 4) and (N, 3).
-
-        Returns
-        -------
-        ImuReadings
-
-        Raises
-        ------
-        InputError
-            If the rate is integrated and the stamps do not rise.
-        """
-        signals, model = self.signals(stamps_ns, states), self._model
-        return replace(
-            signals,
-            angular_velocity=model.gyro.converter.read(signals.angular_velocity),
-            linear_acceleration=model.accelerometer.converter.read(signals.linear_acceleration),
-        )
-
-    def signals(self, stamps_ns: Integers, states: State) -> ImuReadings:
-        """The next readings before the converters; see `measure`."""
-        angular_velocity, gyro_bias = self._gyro.signal(stamps_ns, self._rate.over(stamps_ns, states))
-        linear_acceleration, accelerometer_bias = self._accelerometer.signal(stamps_ns, self._force.at(states))
-        orientation = None if self._orientation is None else self._orientation.measure(states)
-        return ImuReadings(angular_velocity, linear_acceleration, gyro_bias, accelerometer_bias, orientation)
+    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+        """The next readings before their converters; see `Instrument.measure`."""
+        gyro, gyro_bias = self._gyro.signal(times_ns, self._rate.over(times_ns, states))
+        force, force_bias = self._accelerometer.signal(times_ns, self._force.at(states))
+        signals = {
+            "gyro": Signal(gyro, self._model.gyro.converter),
+            "specific_force": Signal(force, self._model.accelerometer.converter),
+            "gyro_bias": Signal(gyro_bias),
+            "accelerometer_bias": Signal(force_bias),
+        }
+        if self._orientation is not None:
+            signals["orientation_xyzw"] = Signal(self._orientation.measure(states))
+        return signals
 
     def biases(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
         return self._gyro.bias(stamps_ns), self._accelerometer.bias(stamps_ns)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`.
-
-        Parameters
-        ----------
-        count : int
-        before_ns : int
-            Time of the last of them, ns.
-        before : State
-            The body's state at that time.
-        """
+        """Leave out the next readings; see `Instrument.skip`."""
         self._rate = _rate(self._model, before_ns, before)
         self._gyro.skip(count)
         self._accelerometer.skip(count)
@@ -232,3 +192,101 @@ class Imu:
 def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
     """What the gyro measures from a time, ns, and the state at it on."""
     return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
+
+
+def _made(model: ImuModel, carrier: Carrier, before_ns: int) -> Imu:
+    # an instantaneous rate does not look at the state before, to which no integrator goes
+    before = carrier.exact_motion().at(before_ns) if model.gyro_rate == "integrated" else carrier.start()
+    return Imu(model, carrier.body(), before_ns, before)
+
+
+def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
+    return _UNORIENTED
+
+
+def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
+    """The fields of a reading's message that are the same in all (REP-145)."""
+    return {
+        **_UNORIENTED,
+        **({} if model.orientation is None else {"orientation_covariance": model.orientation.covariance}),
+        "angular_velocity_covariance": diagonal(model.gyro.variance(model.rate)),
+        "linear_acceleration_covariance": diagonal(model.accelerometer.variance(model.rate)),
+    }
+
+
+_UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
+    "orientation": (0.0, 0.0, 0.0, 1.0),
+    "orientation_covariance": (-1.0, *[0.0] * 8),
+}
+"""An orientation that is not given (REP-145)."""
+_MESSAGE: Final = "sensor_msgs/msg/Imu"
+IMU: Final = Sensor(
+    "imu",
+    "IMU",
+    ImuModel,
+    _made,
+    (
+        Topic(
+            "imu/data_raw",
+            _MESSAGE,
+            "IMU frame and covariances",
+            (
+                Field("orientation_xyzw", "orientation", "", "IMU orientation", "orientation_covariance"),
+                Field("gyro", "angular_velocity", "rad/s", "gyro"),
+                Field("specific_force", "linear_acceleration", "m/s²", "accelerometer"),
+            ),
+            "imu_frame",
+            _fixed,
+        ),
+        Topic(
+            "imu/bias",
+            _MESSAGE,
+            "IMU bias frame and covariances",
+            (
+                Field("gyro_bias", "angular_velocity", "rad/s", "gyro bias"),
+                Field("accelerometer_bias", "linear_acceleration", "m/s²", "accelerometer bias"),
+            ),
+            "imu_frame",
+            _fixed_of_bias,
+        ),
+    ),
+    told=(
+        not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU."),
+        Parameter(
+            "gyro_rate",
+            "string",
+            "instantaneous",
+            "Gyro: the rate at the instant of a sample, or integrated: the mean turn over the interval that ends "
+            "there.",
+            choices=("instantaneous", "integrated"),
+        ),
+        *triad_parameters("gyro", "rad/s"),
+        Parameter(
+            "accelerometer_mode",
+            "string",
+            "free_fall",
+            "Accelerometer: free_fall reads no gravity, pivot_gravity that of a body held at its mass centre.",
+            choices=("free_fall", "pivot_gravity"),
+        ),
+        not_negative("gravity", "Standard gravity, against z of the world frame, m/s².", default=9.80665, maximum=1e6),
+        numbers(
+            "accelerometer_lever_arm",
+            (0.0, 0.0, 0.0),
+            "From the mass centre to the accelerometer in the body frame, m.",
+        ),
+        *triad_parameters("accelerometer", "m/s²"),
+    ),
+    parameters=(
+        Parameter("imu_orientation", "bool", False, "Whether the IMU tells its orientation, as an AHRS does."),
+        angle("imu_inclination_noise", "Its standard deviation about each horizontal axis, rad."),
+        angle("imu_heading_noise", "Its standard deviation about the vertical, rad."),
+    ),
+    faults=(
+        *triad_fault_parameters("gyro", "rad/s", 1.0, 0.01, 0.5),
+        *triad_fault_parameters("accelerometer", "m/s²", 10.0, 0.1, 5.0),
+    ),
+    parts=("gyro", "accelerometer"),
+    prefixes=("imu_", "gyro_", "accelerometer_"),
+    switches={"imu_orientation": ("imu_inclination_", "imu_heading_")},
+)
+"""The IMU in the table of sensors."""

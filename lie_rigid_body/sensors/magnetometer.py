@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,16 +9,29 @@ from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
+from lie_rigid_body.sensors.fault_parameters import episode_parameters, triad_fault_parameters
 from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import not_negative, numbers
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.sensor import (
+    Carrier,
+    Field,
+    Instrument,
+    Sensor,
+    SensorModel,
+    Signal,
+    Topic,
+    VectorAid,
+    diagonal,
+)
 from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
 from lie_rigid_body.wording import short_repr
 
@@ -30,7 +42,7 @@ LARGEST_SOFT_IRON: Final = 1e6
 
 
 @dataclass(frozen=True)
-class MagnetometerModel:
+class MagnetometerModel(SensorModel):
     """The model of a magnetometer in the field B of the world, at the attitude A.
 
     ::
@@ -42,12 +54,8 @@ class MagnetometerModel:
 
     Parameters
     ----------
-    rate : float
-        Samples per second.
-    frame : str
-        Name of the sensor's frame.
-    seed : int
-        Of the noise.
+    rate, seed, delivery
+        As of `SensorModel`.
     field : tuple of float, length 3
         B, in the world frame, T.
     noise_density : float
@@ -57,22 +65,17 @@ class MagnetometerModel:
     soft_iron : tuple of float, length 9
         C, row by row.
     converter : Converter
-    delivery : Delivery or None
     disturbance : MagneticDisturbance or None
         Added to B.
     faults : TriadFaults or None
         Of its axes; see `TriadModel`.
     """
 
-    rate: float
-    frame: str
-    seed: int
     field: Vector
     noise_density: float
     hard_iron: Vector
     soft_iron: Vector
     converter: Converter
-    delivery: Delivery | None = None
     disturbance: MagneticDisturbance | None = None
     faults: TriadFaults | None = None
 
@@ -96,17 +99,16 @@ class MagnetometerModel:
         require_at_most("magnetometer_hard_iron", hard_iron, STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_soft_iron", soft_iron, LARGEST_SOFT_IRON, "")
         return cls(
-            number["rate"],
-            cast(str, values["imu_frame"]),
-            cast(int, values["sensor_seed"]),
-            field,
-            number["noise_density"],
-            hard_iron,
-            soft_iron,
-            converter,
-            Delivery.from_values("magnetometer", values),
-            MagneticDisturbance.from_values(values),
-            TriadFaults.from_values("magnetometer", values),
+            rate=number["rate"],
+            seed=cast(int, values["sensor_seed"]),
+            field=field,
+            noise_density=number["noise_density"],
+            hard_iron=hard_iron,
+            soft_iron=soft_iron,
+            converter=converter,
+            delivery=Delivery.from_values("magnetometer", values),
+            disturbance=MagneticDisturbance.from_values(values),
+            faults=TriadFaults.from_values("magnetometer", values),
         )
 
     @property
@@ -119,12 +121,18 @@ class MagnetometerModel:
         """Variance of a reading on each axis, T²; 0 ("unknown") without noise and resolution."""
         return self.noise_density * self.noise_density * self.rate + self.converter.variance
 
+    @property
+    def aids(self) -> tuple[VectorAid, ...]:
+        """The magnetic field, if there is one. Who knows the size of the hard iron is granted that."""
+        noise, iron = self.noise_density * math.sqrt(self.rate), max(map(abs, self.hard_iron))
+        return (VectorAid(self.field, noise, iron),) if any(self.field) else ()
+
 
 _NUMBERS: Final = ("rate", "noise_density", "resolution", "range")
 
 
-class Magnetometer:
-    """A magnetometer: readings in order, the same to the bit in batches of any size.
+class Magnetometer(Instrument):
+    """A magnetometer at work: the field on the body's axes, which are the sensor's, T.
 
     Parameters
     ----------
@@ -142,39 +150,78 @@ class Magnetometer:
         self._disturbance = model.disturbance
         self._faults = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
 
-    __copy__ = copy.deepcopy  # it goes on by itself
-
-    def measure(self, times_ns: Integers, states: State) -> Array:
-        """The next readings.
-
-        Parameters
-        ----------
-        times_ns : ndarray of int64, shape (N,)
-            Times since the segment's start, ns.
-        states : State
-            The body's states, of shapes (N, 4) and (N, 3).
-
-        Returns
-        -------
-        ndarray, shape (N, 3)
-            T, on the body axes, which are the sensor's.
-        """
-        return self._converter.read(self.signal(times_ns, states))
-
-    def signal(self, times_ns: Integers, states: State) -> Array:
-        """The next readings before the converter; see `measure`."""
+    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+        """The next readings before the converter; see `Instrument.measure`."""
         world_field = self._field
         if self._disturbance is not None:
             world_field = world_field + self._disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
         distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
         signal = np.asarray(distorted + self._noise.take(len(field)))
-        if self._faults is None:
-            return signal
-        return self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns))
+        if self._faults is not None:
+            signal = self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns))
+        return {"field": Signal(signal, self._converter)}
 
-    def skip(self, count: int) -> None:
-        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`."""
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings; see `Instrument.skip`."""
         self._noise.skip(count)
         if self._faults is not None:
             self._faults.skip(count)
+
+
+def _made(model: MagnetometerModel, carrier: Carrier, before_ns: int) -> Magnetometer:
+    return Magnetometer(model)
+
+
+def _fixed(model: MagnetometerModel) -> dict[str, tuple[float, ...]]:
+    return {"magnetic_field_covariance": diagonal(model.variance)}
+
+
+_CENTRAL_EUROPE: Final = (1.5e-6, 21.0e-6, -43.5e-6)
+"""Magnetic field in Central Europe: east, north and up, T."""
+MAGNETOMETER: Final = Sensor(
+    "magnetometer",
+    "magnetometer",
+    MagnetometerModel,
+    _made,
+    (
+        Topic(
+            "imu/mag",
+            "sensor_msgs/msg/MagneticField",
+            "magnetometer frame and covariances",
+            (Field("field", "magnetic_field", "T", "magnetometer"),),
+            "imu_frame",
+            _fixed,
+        ),
+    ),
+    told=(
+        not_negative("magnetometer_rate", "Samples of the magnetometer per second, from 1e-6; 0: no magnetometer."),
+        numbers(
+            "magnetic_field",
+            _CENTRAL_EUROPE,
+            "Magnetic field in the world frame, T; the default is east, north, up.",
+        ),
+        not_negative("magnetometer_noise_density", "Magnetometer: white noise, T/√Hz; 0: none."),
+        numbers(
+            "magnetometer_hard_iron",
+            (0.0, 0.0, 0.0),
+            "Magnetometer: field of the body's own magnets in the body frame, T.",
+        ),
+        numbers(
+            "magnetometer_soft_iron",
+            (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+            "Magnetometer: matrix of the body's soft iron, row by row.",
+        ),
+        not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
+        not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
+    ),
+    faults=(
+        *triad_fault_parameters("magnetometer", "T", 1e-4, 1e-6, 20e-6),
+        *episode_parameters("magnetic_disturbance", "Magnetic disturbance, a field that passes", 5.0),
+        not_negative(
+            "magnetic_disturbance_size", "Magnetic disturbance: its size at its height, in a direction drawn, T.", 20e-6
+        ),
+    ),
+    prefixes=("magnetometer_", "magnetic_disturbance_"),
+)
+"""The magnetometer in the table of sensors."""

@@ -2,46 +2,40 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value, Vector
 from lie_rigid_body.sensors.attitude_sensor import direction
 from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
+from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Sensor, SensorModel, Signal, Topic, VectorAid
 from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
-class SunSensorModel:
+class SunSensorModel(SensorModel):
     """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
 
     Parameters
     ----------
-    rate : float
-        Readings per second.
-    seed : int
-        Of the noise.
+    rate, seed, delivery
+        As of `SensorModel`.
     sun : tuple of float, length 3
         s, a unit vector in the world frame.
     noise : float
         σ, standard deviation of the small rotation about each axis, rad; that about the sun itself shows nowhere.
-    delivery : Delivery or None
     """
 
-    rate: float
-    seed: int
     sun: Vector
     noise: float
-    delivery: Delivery | None = None
 
     __repr__ = short_repr
 
@@ -58,17 +52,17 @@ class SunSensorModel:
             cast(int, values["sensor_seed"]),
             direction(values, "sun_direction"),
             cast(float, values["sun_sensor_noise"]),
-            Delivery.from_values("sun_sensor", values),
+            delivery=Delivery.from_values("sun_sensor", values),
         )
 
     @property
-    def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
-        return (self.delivery,)
+    def aids(self) -> tuple[VectorAid, ...]:
+        """The direction of the sun."""
+        return (VectorAid(self.sun, self.noise),)
 
 
-class SunSensor:
-    """A sun sensor: readings in order, the same to the bit in batches of any size.
+class SunSensor(Instrument):
+    """A sun sensor at work: unit vectors to the sun in the body frame.
 
     Parameters
     ----------
@@ -80,28 +74,40 @@ class SunSensor:
         self._noise = BlockBuffer(WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise))
         self._is_perfect = not model.noise
 
-    __copy__ = copy.deepcopy  # it goes on by itself
-
-    def measure(self, times_ns: Integers, states: State) -> Array:
-        """The next readings.
-
-        Parameters
-        ----------
-        times_ns : ndarray of int64, shape (N,)
-            Times since the segment's start, ns.
-        states : State
-            The body's states at those times.
-
-        Returns
-        -------
-        ndarray, shape (N, 3)
-            Unit vectors in the body frame.
-        """
+    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+        """The next readings; see `Instrument.measure`."""
         sun = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._sun)
-        if self._is_perfect:
-            return sun
-        return quaternion.rotate(quaternion.exp(self._noise.take(len(sun))), sun)
+        if not self._is_perfect:
+            sun = quaternion.rotate(quaternion.exp(self._noise.take(len(sun))), sun)
+        return {"direction": Signal(sun)}
 
-    def skip(self, count: int) -> None:
-        """Leave out the next readings."""
+    def skip(self, count: int, before_ns: int, before: State) -> None:
+        """Leave out the next readings; see `Instrument.skip`."""
         self._noise.skip(count)
+
+
+def _made(model: SunSensorModel, carrier: Carrier, before_ns: int) -> SunSensor:
+    return SunSensor(model)
+
+
+SUN_SENSOR: Final = Sensor(
+    "sun_sensor",
+    "sun sensor",
+    SunSensorModel,
+    _made,
+    (
+        Topic(
+            "sun/direction",
+            "geometry_msgs/msg/Vector3Stamped",
+            "sun sensor frame",
+            (Field("direction", "vector", "", "sun sensor"),),
+        ),
+    ),
+    parameters=(
+        not_negative("sun_sensor_rate", "Readings of the sun sensor per second, from 1e-6; 0: no such sensor."),
+        numbers("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
+        angle("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad."),
+    ),
+    attribute="sun",
+)
+"""The sun sensor in the table of sensors."""

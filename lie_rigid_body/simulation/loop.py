@@ -3,29 +3,17 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import (
-    AttitudeSensor,
-    AttitudeSensorModel,
-    Fault,
-    Imu,
-    ImuModel,
-    ImuReadings,
-    Magnetometer,
-    MagnetometerModel,
-    SensorModel,
-    SunSensor,
-)
+from lie_rigid_body.sensors import SENSORS, Fault, Instrument
 from lie_rigid_body.simulation.arrivals import Arrivals
 from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.sample_clock import SampleClock
@@ -37,7 +25,6 @@ from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
 """Makes the motions of a start; see `motions_of`."""
-_Readings: TypeAlias = SensorSamples[Any]
 
 LOOK_AHEAD: Final = 64
 """Samples computed at once when fewer are wanted: the closed form takes almost as long for one as for all of them."""
@@ -53,8 +40,8 @@ class Taken:
     ----------
     samples : Samples
         The truth.
-    imu, magnetometer, attitude_sensor, sun_sensor : SensorSamples or None
-        The readings that arrived. None: there is no such sensor.
+    sensors : mapping of str to SensorSamples
+        The readings that arrived, by the names of the sensors that there are.
     faults : tuple of Fault
         Those that began.
     scenario : Scenario or None
@@ -62,18 +49,9 @@ class Taken:
     """
 
     samples: Samples
-    imu: SensorSamples[ImuReadings] | None = None
-    magnetometer: SensorSamples[Array] | None = None
-    attitude_sensor: SensorSamples[Array] | None = None
-    sun_sensor: SensorSamples[Array] | None = None
+    sensors: Mapping[str, SensorSamples] = field(default_factory=dict)
     faults: tuple[Fault, ...] = ()
     scenario: Scenario | None = None
-
-    @property
-    def sensors(self) -> dict[str, SensorSamples[Any]]:
-        """The readings of the sensors that there are, by name."""
-        names = ("imu", "magnetometer", "attitude_sensor", "sun_sensor")
-        return {name: samples for name in names if (samples := getattr(self, name)) is not None}
 
     __repr__ = short_repr
 
@@ -96,7 +74,7 @@ class Simulation:
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
         self._motions = motions or motions_of
-        self._sensors: dict[str, SensorQueue[_Readings]] = {}
+        self._sensors: dict[str, SensorQueue[SensorSamples]] = {}
         self._faults: FaultLog | None = None
         self._ended: list[tuple[Scenario, int]] = []
         self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else replace(scenario, epoch_ns=epoch_ns), 0)
@@ -111,7 +89,7 @@ class Simulation:
         segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
         motion = self._motions(scenario)
         truth = _truth(segment, clock, motion())
-        queues = {name: _sensor(segment, model, motion()) for name, model in scenario.sensors.on.items()}
+        queues = {name: _sensor(segment, name, motion()) for name in scenario.sensors.on}
         # only now: a scenario that is refused changes nothing
         self._sensors = {name: _followed(self._sensors.get(name), queue, segment) for name, queue in queues.items()}
         if self._faults is None:
@@ -146,7 +124,7 @@ class Simulation:
         return min(queue.stamp_ns(0) for queue in self._queues)
 
     @property
-    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[_Readings]]:
+    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[SensorSamples]]:
         return [self._truth, *self._sensors.values()]
 
     def take(self, count: int) -> Samples:
@@ -181,7 +159,7 @@ class Simulation:
         last_ns = max((int(of_one[-1]) for of_one in (truth.times_ns, *times) if len(of_one)), default=-1)
         assert self._faults is not None
         received = {name: rows.received() for name, rows in taken.items()}
-        return Taken(truth, faults=self._faults.take(last_ns), scenario=scenario, **received)
+        return Taken(truth, received, self._faults.take(last_ns), scenario)
 
     def _oldest(self, until_ns: int) -> tuple[Scenario, int]:
         """The scenario of what comes next, and the last time up to one at which it is in force, ns."""
@@ -226,8 +204,8 @@ class Simulation:
 
 
 def _followed(
-    sensor: SensorQueue[_Readings] | None, queue: SampleQueue[_Readings], segment: Segment
-) -> SensorQueue[_Readings]:
+    sensor: SensorQueue[SensorSamples] | None, queue: SampleQueue[SensorSamples], segment: Segment
+) -> SensorQueue[SensorSamples]:
     """Queue of a sensor, which may have been there before, that continues with the new segment."""
     if sensor is None:
         return SensorQueue(queue)
@@ -255,35 +233,15 @@ def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[
     )
 
 
-def _sensor(segment: Segment, model: SensorModel, motion: Motion) -> SampleQueue[_Readings]:
+def _sensor(segment: Segment, name: str, motion: Motion) -> SampleQueue[SensorSamples]:
     scenario, start_ns = segment.scenario, segment.start_ns
+    model = scenario.sensors.on[name]
     clock = SampleClock(scenario.epoch_ns, model.rate)
     first = clock.count_until(start_ns - 1)
-    sensor = _made(model, scenario, clock.stamp_ns(first - 1) - start_ns)
+    instrument = SENSORS[name].make(model, scenario, clock.stamp_ns(first - 1) - start_ns)
     arrivals = Arrivals(clock, first, start_ns, model.delivery)
-    compute = partial(_readings, sensor, motion, start_ns, arrivals)
+    compute = partial(_readings, instrument, motion, start_ns, arrivals)
     return SampleQueue(clock, first, compute, scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, model.rate), arrivals)
-
-
-class _Sensor(Protocol):
-    """A sensor that measures states."""
-
-    def measure(self, times_ns: Integers, states: State, /) -> Any:
-        """The next readings."""
-        ...
-
-
-def _made(model: SensorModel, scenario: Scenario, before_ns: int) -> _Sensor:
-    """The sensor of a model, before its first reading, which comes an interval after ``before_ns``."""
-    if isinstance(model, MagnetometerModel):
-        return Magnetometer(model)
-    if isinstance(model, AttitudeSensorModel):
-        return AttitudeSensor(model)
-    if not isinstance(model, ImuModel):
-        return SunSensor(model)
-    # an instantaneous rate does not look at the state before, to which no integrator goes
-    before = scenario.exact_motion().at(before_ns) if model.gyro_rate == "integrated" else scenario.start()
-    return Imu(model, scenario.body(), before_ns, before)
 
 
 # Functions of a module, not closures: a simulation is copied, and sent to other processes, with its queues.
@@ -293,6 +251,8 @@ def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
     return Samples(stamps, motion.at(stamps - start_ns))
 
 
-def _readings(sensor: _Sensor, motion: Motion, start_ns: int, arrivals: Arrivals, measured_ns: Integers) -> _Readings:
+def _readings(
+    instrument: Instrument, motion: Motion, start_ns: int, arrivals: Arrivals, measured_ns: Integers
+) -> SensorSamples:
     times = measured_ns - start_ns
-    return SensorSamples(*arrivals.of(measured_ns), sensor.measure(times, motion.at(times)))
+    return SensorSamples(*arrivals.of(measured_ns), instrument.measure(times, motion.at(times)))

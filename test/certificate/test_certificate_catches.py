@@ -46,7 +46,7 @@ def bag(request, tmp_path_factory):
     with BagWriter(path, stamped_twist=True) as writer:
         writer.begin_segment(simulation.segment)
         samples = simulation.take(COUNT)
-        writer.write(encoder.encode(Taken(samples, None, None)))
+        writer.write(encoder.encode(Taken(samples)))
     return path
 
 
@@ -303,7 +303,7 @@ def two_segments(tmp_path):
         for count in (20, 30):
             writer.begin_segment(simulation.segment)
             encoder = BatchEncoder(simulation.segment.scenario)
-            writer.write(encoder.encode(Taken(simulation.take(count), None, None)))
+            writer.write(encoder.encode(Taken(simulation.take(count))))
             simulation.reset(Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [1.0, 0.0, 0.5]}))
     return path
 

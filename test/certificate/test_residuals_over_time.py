@@ -55,7 +55,7 @@ def test_to_watch_changes_nothing_and_sees_the_worst(tmp_path):
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         for count in (1500, 700):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(count), None, None)))
+            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(count))))
             simulation.reset(scenario)
     recording, watch = read_bag(tmp_path / "bag.mcap"), ResidualsOverTime()
     certificate = certify(recording, watch=watch)

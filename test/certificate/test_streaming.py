@@ -33,7 +33,7 @@ def honest(request, tmp_path_factory):
     with BagWriter(path, stamped_twist=request.param, chunk_size=10_000) as bag:
         for rate in ([1.0, 2.0, 0.5], [0.3, 1.0, 0.2]):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT), None, None)))
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT))))
             simulation.reset(Scenario.from_parameters({**parameters, "initial_body_rate": rate}))
     return path
 

@@ -25,7 +25,7 @@ def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
         samples = simulation.take(count)
-        bag.write(encoder.encode(Taken(samples, None, None)))
+        bag.write(encoder.encode(Taken(samples)))
     return path
 
 

@@ -160,10 +160,10 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets, said):
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         for _ in range(resets):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5), None, None)))
+            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
             simulation.reset(scenario)
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5), None, None)))
+        bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
     figure = draw(recorded_segments(read_bag(tmp_path / "bag.mcap")))
     assert said in title(figure)
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
@@ -260,6 +260,6 @@ def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
     assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
     assert capsys.readouterr().err == ""

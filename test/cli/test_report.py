@@ -185,7 +185,7 @@ def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys:
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples, None, None)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
     assert main([str(tmp_path / "bag.mcap"), "--report", str(tmp_path / "out.html")]) == 1
     assert capsys.readouterr().err == ""
     for content in re.findall(r"json\">(.*?)</script>", (tmp_path / "out.html").read_text(encoding="utf-8")):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,14 +12,7 @@ from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lie_rigid_body.messages import (
-    AttitudeEncoder,
-    ImuEncoder,
-    MagneticFieldEncoder,
-    VectorEncoder,
-    decode_string,
-    encode_strings,
-)
+from lie_rigid_body.messages import ReadingEncoder, decode_string, encode_strings, numbers_of
 from lie_rigid_body.messages.definitions import (
     IMU,
     MAGNETIC_FIELD,
@@ -26,8 +20,11 @@ from lie_rigid_body.messages.definitions import (
     STRING,
     VECTOR3_STAMPED,
     definition,
+    places,
 )
-from lie_rigid_body.messages.layout import Payloads
+from lie_rigid_body.messages.layout import Layout, Payloads
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import SENSORS, Readings, Sensor
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 FRAMES = ["w", "ab", "imu", "imu_", "imu_l", "imu_li", "imu_lin", "imu_link", "å", "körper", "刚体"]
@@ -40,12 +37,30 @@ ATTITUDES = np.random.default_rng(1).normal(size=(len(STAMPS), 4))
 COVARIANCES = np.random.default_rng(2).normal(size=(len(STAMPS), 3, 3))
 
 
+NOISE: dict[str, Any] = {
+    "gyro_noise_density": 0.1,
+    "accelerometer_noise_density": 1 / 3,
+    "magnetometer_noise_density": 1e-8,
+}
+"""Deviations of readings, as each sensor has one in a second."""
+
+
+def encoder(sensor: str, frame: str = "imu_link", topic: int = 0, **given: object) -> ReadingEncoder:
+    wanted = SENSORS[sensor].topics[topic]
+    scenario = Scenario.from_parameters({f"{sensor}_rate": 1.0, "imu_frame": "elsewhere", wanted.frame: frame, **given})
+    return ReadingEncoder(wanted, scenario.sensors.on[sensor], scenario)
+
+
+def readings(**arrays: np.ndarray) -> Readings:
+    return Readings(arrays)
+
+
 def imu_messages(frame: str = "imu_link") -> Payloads:
-    return ImuEncoder(frame, 0.1, 1 / 3).encode(STAMPS, RATES, FORCES)
+    return encoder("imu", frame, **NOISE).encode(STAMPS, readings(gyro=RATES, specific_force=FORCES))
 
 
 def field_messages(frame: str = "imu_link") -> Payloads:
-    return MagneticFieldEncoder(frame, 1e-16).encode(STAMPS, FIELDS)
+    return encoder("magnetometer", frame, **NOISE).encode(STAMPS, readings(field=FIELDS))
 
 
 def decode_by_schema(message_type: str, payload: bytes) -> Any:
@@ -85,9 +100,9 @@ def test_others_read_the_imu(decode: object, frame: str) -> None:
         assert (xyz(message.orientation), message.orientation.w) == ([0.0, 0.0, 0.0], 1.0)
         assert list(message.orientation_covariance) == [-1.0, *[0.0] * 8]
         assert xyz(message.angular_velocity) == RATES[k].tolist()
-        assert list(message.angular_velocity_covariance) == diagonal(0.1)
+        assert list(message.angular_velocity_covariance) == diagonal(0.1**2)
         assert xyz(message.linear_acceleration) == FORCES[k].tolist()
-        assert list(message.linear_acceleration_covariance) == diagonal(1 / 3)
+        assert list(message.linear_acceleration_covariance) == diagonal((1 / 3) ** 2)
 
 
 @DECODERS
@@ -97,15 +112,17 @@ def test_others_read_the_magnetic_field(decode: object, frame: str) -> None:
         message = decode(MAGNETIC_FIELD, payload)  # type: ignore[operator]
         require_header(message, k, frame)
         assert xyz(message.magnetic_field) == FIELDS[k].tolist()
-        assert list(message.magnetic_field_covariance) == diagonal(1e-16)
+        assert list(message.magnetic_field_covariance) == diagonal(1e-8**2)
 
 
 @DECODERS
 @pytest.mark.parametrize("frame", FRAMES)
 def test_others_read_attitudes_vectors_and_orientations(decode: object, frame: str) -> None:
-    poses = AttitudeEncoder(frame).encode(STAMPS, ATTITUDES, COVARIANCES)
-    vectors = VectorEncoder(frame).encode(STAMPS, FIELDS)
-    oriented = ImuEncoder(frame, orientation_covariance=range(9)).encode(STAMPS, RATES, FORCES, ATTITUDES)
+    read = readings(attitude_xyzw=ATTITUDES, covariance=COVARIANCES)
+    poses = encoder("attitude_sensor", frame).encode(STAMPS, read)
+    vectors = encoder("sun_sensor", frame).encode(STAMPS, readings(direction=FIELDS))
+    ahrs = encoder("imu", frame, imu_orientation=True, imu_inclination_noise=0.5, imu_heading_noise=2.0)
+    oriented = ahrs.encode(STAMPS, readings(gyro=RATES, specific_force=FORCES, orientation_xyzw=ATTITUDES))
     for k in range(len(STAMPS)):
         pose = decode(POSE_WITH_COVARIANCE_STAMPED, poses[k])  # type: ignore[operator]
         vector = decode(VECTOR3_STAMPED, vectors[k])  # type: ignore[operator]
@@ -119,7 +136,7 @@ def test_others_read_attitudes_vectors_and_orientations(decode: object, frame: s
         assert covariance[3:, 3:].tolist() == COVARIANCES[k].tolist()
         assert not covariance[:3].any()
         assert not covariance[:, :3].any()
-        assert list(imu.orientation_covariance) == list(range(9))
+        assert list(imu.orientation_covariance) == np.diag([0.25, 0.25, 4.0]).ravel().tolist()
         assert xyz(imu.angular_velocity) == RATES[k].tolist()
         assert xyz(vector.vector) == FIELDS[k].tolist()
 
@@ -133,12 +150,17 @@ def test_others_read_texts_of_one_length(decode: object) -> None:
 
 
 def test_covariances_are_unknown_unless_given() -> None:
-    imu = decode_by_schema(IMU, ImuEncoder("imu_link").encode(STAMPS, RATES, FORCES)[0])
-    field = decode_by_schema(MAGNETIC_FIELD, MagneticFieldEncoder("imu_link").encode(STAMPS, FIELDS)[0])
-    assert list(imu.orientation_covariance) == [-1.0, *[0.0] * 8]
+    read = readings(gyro=RATES, specific_force=FORCES, gyro_bias=RATES, accelerometer_bias=FORCES, field=FIELDS)
+    imu, bias = (decode_by_schema(IMU, encoder("imu", topic=topic).encode(STAMPS, read)[0]) for topic in (0, 1))
+    field = decode_by_schema(MAGNETIC_FIELD, encoder("magnetometer").encode(STAMPS, read)[0])
+    for message in (imu, bias):
+        assert list(message.orientation_covariance) == [-1.0, *[0.0] * 8]
+        assert message.orientation.w == 1.0
     for covariance in (
         imu.angular_velocity_covariance,
         imu.linear_acceleration_covariance,
+        bias.angular_velocity_covariance,
+        bias.linear_acceleration_covariance,
         field.magnetic_field_covariance,
     ):
         assert list(covariance) == [0.0] * 9
@@ -151,11 +173,12 @@ def test_definitions_are_those_of_jazzy(message_type: str) -> None:
 
 
 def test_batches_of_any_size_give_the_same_bytes() -> None:
-    imu, field = ImuEncoder("imu_link", 0.1, 1 / 3), MagneticFieldEncoder("imu_link", 1e-16)
+    imu, field = encoder("imu", **NOISE), encoder("magnetometer", **NOISE)
     one_by_one = [slice(k, k + 1) for k in range(len(STAMPS))]
-    assert [imu.encode(STAMPS[k], RATES[k], FORCES[k])[0] for k in one_by_one] == list(imu_messages())
-    assert [field.encode(STAMPS[k], FIELDS[k])[0] for k in one_by_one] == list(field_messages())
-    assert len(imu.encode(STAMPS[:0], RATES[:0], FORCES[:0])) == 0
+    read = readings(gyro=RATES, specific_force=FORCES, field=FIELDS)
+    assert [imu.encode(STAMPS[k], read[k])[0] for k in one_by_one] == list(imu_messages())
+    assert [field.encode(STAMPS[k], read[k])[0] for k in one_by_one] == list(field_messages())
+    assert len(imu.encode(STAMPS[:0], read[:0])) == 0
 
 
 @pytest.mark.ros
@@ -171,9 +194,9 @@ def test_bytes_equal_rclpy_serialisation(frame: str) -> None:
             message.header.frame_id = frame
             message.header.stamp.sec, message.header.stamp.nanosec = divmod(STAMPS[k].item(), 10**9)
         imu.orientation_covariance[0] = -1.0
-        imu.angular_velocity_covariance[DIAGONAL] = 0.1
-        imu.linear_acceleration_covariance[DIAGONAL] = 1 / 3
-        field.magnetic_field_covariance[DIAGONAL] = 1e-16
+        imu.angular_velocity_covariance[DIAGONAL] = 0.1**2
+        imu.linear_acceleration_covariance[DIAGONAL] = (1 / 3) ** 2
+        field.magnetic_field_covariance[DIAGONAL] = 1e-8**2
         for vector, values in (
             (imu.angular_velocity, RATES),
             (imu.linear_acceleration, FORCES),
@@ -184,3 +207,17 @@ def test_bytes_equal_rclpy_serialisation(frame: str) -> None:
         assert without_padding(field_bytes, frame) == without_padding(serialize_message(field), frame)
         assert deserialize_message(imu_bytes, Imu) == imu
         assert deserialize_message(field_bytes, MagneticField) == field
+
+
+@pytest.mark.parametrize("sensor", SENSORS.values(), ids=SENSORS)
+def test_fields_lie_where_rosbags_reads_them(sensor: Sensor) -> None:
+    """Each number of each field, by its place in a message made of the numbers 0, 1, 2 and so on."""
+    for topic in sensor.topics:
+        numbers = np.arange(len(places(topic.message_type)[""]), dtype=np.float64)
+        payload = next(iter(Layout("f", [0.0] * len(numbers), [range(len(numbers))]).encode(STAMPS[:1], numbers)))
+        message = decode_by_rosbags(topic.message_type, payload)
+        for field in topic.fields:
+            content = reduce(getattr, field.place.split("."), message)
+            found = list(content) if isinstance(content, np.ndarray) else [*vars(content).values()][:-1]
+            wanted = [found[i] for i in field.numbers or range(len(found))]
+            assert list(numbers_of(topic, field)) == wanted

@@ -19,7 +19,7 @@ MakeBag = Callable[..., Path]
 
 
 def write_samples(bag: BagWriter, scenario: Scenario, samples: Samples) -> None:
-    bag.write(BatchEncoder(scenario).encode(Taken(samples, None, None)))
+    bag.write(BatchEncoder(scenario).encode(Taken(samples)))
 
 
 def write_bag(path: Path, count: int = 100, batch: int = 1024, **parameters: object) -> Path:

@@ -41,7 +41,7 @@ KILLED = """
     bag.begin_segment(simulation.segment)
     for last in (False, True):
         samples = simulation.take(150)
-        bag.write(encoder.encode(Taken(samples, None, None)))
+        bag.write(encoder.encode(Taken(samples)))
         if not last:
             bag.flush()
             bag.wait()
@@ -174,7 +174,7 @@ FULL = """
             bag.begin_segment(simulation.segment)
             for _ in range(20):
                 samples = simulation.take(500)
-                bag.write(encoder.encode(Taken(samples, None, None)))
+                bag.write(encoder.encode(Taken(samples)))
     except Exception as error:
         print(type(error).__name__, error)
 """

@@ -17,7 +17,7 @@ from lie_rigid_body import BagError, ClosedForm, InputError, Run, Scenario, simu
 from lie_rigid_body.evaluation import attitude_error
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.runs import ImuArrays
+from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import LONGEST_LINE
@@ -59,7 +59,7 @@ def arrays(run: Run) -> list[np.ndarray]:
     ]
 
 
-def imu_of(run: Run) -> ImuArrays:
+def imu_of(run: Run) -> SensorArrays:
     assert run.imu is not None
     return run.imu
 
@@ -283,7 +283,7 @@ def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
     assert imu.gyro.tobytes() == imu_of(run).gyro.tobytes()
     assert imu.gyro_bias is None
     assert imu.accelerometer_bias is None
-    with pytest.raises(InputError, match="record imu/bias as well"):
+    with pytest.raises(InputError, match=r"400 of 400 .* imu/bias"):
         read.to_bag(tmp_path / "c.mcap")
     assert not (tmp_path / "c.mcap").exists()
     without_topic(tmp_path / "a.mcap", tmp_path / "d.mcap", "/imu/bias", keep_every=4)
@@ -293,7 +293,7 @@ def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
     assert np.isnan(some[~told]).all()
     np.testing.assert_array_equal(some[told], np.asarray(imu_of(run).gyro_bias)[told])
     few = Run.from_bag(tmp_path / "d.mcap")
-    with pytest.raises(InputError, match="the biases of 300 of 400 readings of its IMU"):
+    with pytest.raises(InputError, match=r"300 of 400 .* imu/bias"):
         few.to_bag(tmp_path / "f.mcap")
     assert not (tmp_path / "f.mcap").exists()
     np.testing.assert_allclose(few.gyro_bias_at(imu.t_ns), run.gyro_bias_at(imu.t_ns), rtol=0, atol=1e-4)

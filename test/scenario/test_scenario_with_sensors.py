@@ -9,10 +9,10 @@ import pytest
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, scenario_files
-from lie_rigid_body.sensors import GRADES, QUIET, SENSOR_PARAMETERS
+from lie_rigid_body.sensors import GRADES, SENSORS
 from lie_rigid_body.simulation import Segment
 
-SENSOR_NAMES = {parameter.name for parameter in SENSOR_PARAMETERS} - QUIET
+SENSOR_NAMES = set(SENSORS.parameters) - SENSORS.quiet
 
 
 def test_text_of_a_scenario_brings_its_sensors_back() -> None:
@@ -43,7 +43,7 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
     """Else the text, and so the bag, is what it was before there were faults and other sensors."""
     given = {"imu_rate": 100.0, "gyro_stuck_interval": 5.0, "fault_begin": 0.0, "sun_direction": [0.0, 1.0, 0.0]}
     scenario = Scenario.from_parameters(given)
-    assert QUIET.intersection(scenario.parameters()) == {"gyro_stuck_interval", "sun_direction"}
+    assert SENSORS.quiet.intersection(scenario.parameters()) == {"gyro_stuck_interval", "sun_direction"}
     assert Segment.from_json(Segment(scenario, 0, 0).to_json()).scenario == scenario
 
 

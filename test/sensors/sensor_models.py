@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.sensors import Imu, ImuModel, ImuReadings, Magnetometer, MagnetometerModel, Sensors
+from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel, Readings, Sensors
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
 START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
@@ -64,7 +64,7 @@ def at_rest(count: int) -> State:
     return State(np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), np.zeros((count, 3)))
 
 
-def readings_at_rest(count: int, **given: object) -> ImuReadings:
+def readings_at_rest(count: int, **given: object) -> Readings:
     """What an IMU reads of a body at rest in free fall: its errors alone."""
     model = imu_model(**given)
     period = round(1e9 / model.rate)

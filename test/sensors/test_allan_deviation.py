@@ -13,7 +13,7 @@ STRIDES = np.array([20, 60, 200, 600, 2000])
 TAUS = STRIDES / RATE
 # of an overlapping deviation, three axes together, with about COUNT/stride independent pairs each
 FIVE_SIGMA = 5.0 / np.sqrt(2.0 * 3.0 * COUNT / STRIDES)
-READINGS = {"gyro": "angular_velocity", "accelerometer": "linear_acceleration"}
+READINGS = {"gyro": "gyro", "accelerometer": "specific_force"}
 
 
 def allan_deviation(values: np.ndarray) -> np.ndarray:
@@ -23,7 +23,7 @@ def allan_deviation(values: np.ndarray) -> np.ndarray:
 
 
 def readings(sensor: str, **given: object) -> np.ndarray:
-    return getattr(readings_at_rest(COUNT, imu_rate=RATE, sensor_seed=5, **given), READINGS[sensor])
+    return readings_at_rest(COUNT, imu_rate=RATE, sensor_seed=5, **given).arrays[READINGS[sensor]]
 
 
 @pytest.mark.parametrize(("sensor", "density"), [("gyro", 2e-4), ("accelerometer", 3e-3)])

@@ -12,10 +12,10 @@ from sensor_models import MOTION, imu_model, magnetometer, readings_at_rest, tim
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.runs import ImuArrays
-from lie_rigid_body.sensors import SENSOR_PARAMETERS, Fault, Sensors
+from lie_rigid_body.runs import SensorArrays
+from lie_rigid_body.sensors import SENSORS, Fault, Sensors
 from lie_rigid_body.sensors.episodes import END_OF_TIME, Episodes, Window
-from lie_rigid_body.sensors.fault import AXES, KINDS, LONGEST_TEXT, SENSORS, stream
+from lie_rigid_body.sensors.fault import AXES, KINDS, LONGEST_TEXT, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -27,7 +27,7 @@ def run(**given: Any) -> Run:
     return simulate(**{**SENSORS_ON, **given})
 
 
-def imu_of(found: Run) -> ImuArrays:
+def imu_of(found: Run) -> SensorArrays:
     assert found.imu is not None
     return found.imu
 
@@ -49,7 +49,7 @@ def clean() -> Run:
 
 def test_streams_are_these_for_ever_and_no_two_are_alike() -> None:
     """Else what is recorded today could not be recorded again."""
-    streams = [stream(sensor, kind, part) for sensor in SENSORS for kind in KINDS for part in (0, 1)]
+    streams = [stream(sensor, kind, part) for sensor in SENSORS.parts for kind in KINDS for part in (0, 1)]
     assert len({*streams, *NoiseSource}) == len(streams) + len(NoiseSource)
     assert stream("imu", "dropout") == 256
     assert stream("gyro", "spike", 1) == 525
@@ -180,7 +180,7 @@ def test_jitter_is_drawn_evenly_where_no_reading_waits_for_another() -> None:
 
 
 def test_a_spike_has_its_size_on_one_axis() -> None:
-    spiky = readings_at_rest(COUNT, gyro_spike_probability=0.05, gyro_spike_size=2.0).angular_velocity
+    spiky = readings_at_rest(COUNT, gyro_spike_probability=0.05, gyro_spike_size=2.0).arrays["gyro"]
     assert set(np.abs(spiky[spiky != 0.0]).tolist()) == {2.0}
     hit = np.flatnonzero(spiky.any(axis=1))
     assert ((spiky[hit] != 0.0).sum(axis=1) == 1).all()
@@ -190,7 +190,7 @@ def test_a_spike_has_its_size_on_one_axis() -> None:
 
 def test_a_burst_is_white_noise_of_its_density() -> None:
     given = {"gyro_noise_burst_interval": 40.0, "gyro_noise_burst_duration": 40.0, "gyro_noise_burst_density": 0.02}
-    burst = readings_at_rest(COUNT, **given).angular_velocity
+    burst = readings_at_rest(COUNT, **given).arrays["gyro"]
     assert np.abs(burst.var(axis=0) / (0.02**2 * 100.0) - 1.0).max() < 10.0 / np.sqrt(COUNT)
 
 
@@ -253,7 +253,9 @@ def test_a_drift_with_temperature_is_a_ramp_of_the_bias() -> None:
 def test_a_magnetic_disturbance_comes_and_goes_with_its_size_in_the_world() -> None:
     t, given = times(COUNT), {"magnetic_disturbance_interval": 20.0, "magnetic_disturbance_size": 3e-5}
     states = MOTION.at(t)
-    difference = magnetometer(**given).measure(t, states) - magnetometer().measure(t, states)
+    difference = (
+        magnetometer(**given).measure(t, states).arrays["field"] - magnetometer().measure(t, states).arrays["field"]
+    )
     size = np.linalg.norm(difference, axis=1)
     episodes = Episodes.from_values({**_defaults(), **given}, "magnetometer", "magnetic_disturbance", KINDS[-1])
     assert episodes is not None
@@ -266,12 +268,12 @@ def test_a_magnetic_disturbance_comes_and_goes_with_its_size_in_the_world() -> N
 
 
 def _defaults() -> dict[str, Any]:
-    return {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
+    return {parameter.name: parameter.default for parameter in SENSORS.parameters.values()}
 
 
 @given(
     kind=st.sampled_from(KINDS),
-    sensor=st.sampled_from(SENSORS),
+    sensor=st.sampled_from(SENSORS.parts),
     axis=st.sampled_from([*AXES, ""]),
     begin=st.integers(0, 2**61),
     end=st.none() | st.integers(0, 2**61),

@@ -13,10 +13,10 @@ import pytest
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.sensors import GRADES, SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.sensors import GRADES, SENSORS, Sensors
 
 ON = {"imu_rate": 100.0, "magnetometer_rate": 50.0}
-DEFAULTS = {parameter.name: parameter.default for parameter in SENSOR_PARAMETERS}
+DEFAULTS = {parameter.name: parameter.default for parameter in SENSORS.parameters.values()}
 ERRORS = [name for name in DEFAULTS if re.search("noise|bias|scale|misalignment|iron|resolution|_range", name)]
 PAGE = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
 

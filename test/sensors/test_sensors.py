@@ -9,11 +9,11 @@ import re
 import pytest
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.sensors import SENSOR_PARAMETERS, Sensors
+from lie_rigid_body.sensors import SENSORS, Sensors, frame_parameters
 
 TRIADS = ("gyro", "accelerometer")
-NOT_NEGATIVE = [p.name for p in SENSOR_PARAMETERS if p.kind == "double" and p.minimum == 0.0]
-ARRAYS = [p for p in SENSOR_PARAMETERS if p.kind == "double_array"]
+NOT_NEGATIVE = [p.name for p in SENSORS.parameters.values() if p.kind == "double" and p.minimum == 0.0]
+ARRAYS = [p for p in SENSORS.parameters.values() if p.kind == "double_array"]
 LIMITS = {
     "imu_rate too slow": ("imu_rate", {"imu_rate": 1e-7}, "1e-07 is below 1e-06 samples"),
     "magnetometer_rate too slow": ("magnetometer_rate", {"magnetometer_rate": 1e-7}, "or 0 for none"),
@@ -66,7 +66,7 @@ def refusal(given: dict[str, object]) -> ParameterError:
 
 
 def test_sensors_are_off_by_default() -> None:
-    assert Sensors.from_parameters() == Sensors(None, None)
+    assert Sensors.from_parameters() == Sensors()
 
 
 def test_each_is_turned_on_by_its_rate() -> None:
@@ -78,14 +78,14 @@ def test_each_is_turned_on_by_its_rate() -> None:
 
 
 def test_every_parameter_reaches_its_sensor() -> None:
-    """A value other than the default makes other sensors."""
-    on: dict[str, object] = {p.name: 100.0 for p in SENSOR_PARAMETERS if p.name.endswith("sensor_rate")}
+    """A value other than the default makes other sensors; names of frames go to their messages."""
+    on: dict[str, object] = {p.name: 100.0 for p in SENSORS.parameters.values() if p.name.endswith("sensor_rate")}
     on |= {"imu_rate": 100.0, "magnetometer_rate": 100.0, "imu_orientation": True}
-    on |= {p.name: 0.5 for p in SENSOR_PARAMETERS if p.name.endswith("_probability")}
-    on |= {p.name: 8.0 for p in SENSOR_PARAMETERS if p.name.endswith("_interval")}
-    on |= {p.name: 0.3 for p in SENSOR_PARAMETERS if p.name.endswith("_drift")}
+    on |= {p.name: 0.5 for p in SENSORS.parameters.values() if p.name.endswith("_probability")}
+    on |= {p.name: 8.0 for p in SENSORS.parameters.values() if p.name.endswith("_interval")}
+    on |= {p.name: 0.3 for p in SENSORS.parameters.values() if p.name.endswith("_drift")}
     plain = Sensors.from_parameters(on)
-    for parameter in SENSOR_PARAMETERS:
+    for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters(SENSORS)):
         other: object = 0.005 if parameter.name.endswith("_skew") else 9.0 if parameter.name in on else 0.25
         if parameter.name.endswith("_probability"):
             other = 0.75
@@ -104,13 +104,13 @@ def test_every_parameter_reaches_its_sensor() -> None:
 def test_sensors_are_frozen() -> None:
     sensors = Sensors.from_parameters({"imu_rate": 1.0})
     with pytest.raises(dataclasses.FrozenInstanceError):
-        sensors.imu = None  # type: ignore[misc]
+        sensors.models = ()  # type: ignore[misc]
 
 
 def test_names_are_distinct_and_defaults_are_allowed() -> None:
-    names = [parameter.name for parameter in SENSOR_PARAMETERS]
+    names = [parameter.name for parameter in SENSORS.parameters.values()]
     assert len(set(names)) == len(names)
-    for parameter in SENSOR_PARAMETERS:
+    for parameter in SENSORS.parameters.values():
         value = list(parameter.default) if isinstance(parameter.default, tuple) else parameter.default
         assert parameter.read(value) == parameter.default
 

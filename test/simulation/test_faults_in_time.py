@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.messages import decode_string
-from lie_rigid_body.messages.batch import FAULTS, IMU_DATA, BatchEncoder
+from lie_rigid_body.messages.batch import FAULTS, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Delivery, Fault
@@ -116,7 +116,7 @@ def test_a_reset_begins_anew_and_loses_what_is_under_way(tmp_path: Path) -> None
     while simulation.next_stamp_ns <= start + NS + 1:
         after += messages(simulation, simulation.take_until(start + NS + 1, 10**6))
     assert before[-1][0] <= EPOCH + NS + 1 < start
-    readings = [time for time, topic, _ in before + after if topic == IMU_DATA]
+    readings = [time for time, topic, _ in before + after if topic == "imu/data_raw"]
     assert not [time for time in readings if start <= time < start + 200_000_000]
     assert [time for time in readings if start - 50_000_000 < time < start]
     told = [Fault.from_json(decode_string(data)) for _, topic, data in before + after if topic == FAULTS]
@@ -157,8 +157,7 @@ def test_a_run_that_loses_every_reading_ends() -> None:
     simulation = Simulation(Scenario.from_parameters({"imu_rate": 100.0, "imu_dropout_probability": 1.0}))
     taken = simulation.take_until(2**63, 50)
     assert (len(taken.samples), len(taken.faults)) == (50, 50)
-    assert taken.imu is not None
-    assert not len(taken.imu)
+    assert not len(taken.sensors["imu"])
 
 
 @pytest.mark.parametrize("at_most", [1, 2, 1000])
@@ -191,6 +190,5 @@ def test_what_is_lost_after_a_reset_is_what_is_told() -> None:
     start = simulation.reset(scenario).start_ns
     taken = simulation.take_until(start + 2 * NS, 1000)
     lost = [fault.begin_ns for fault in taken.faults if fault.begin_ns >= start]
-    assert taken.imu is not None
-    received = taken.imu.stamps_ns[taken.imu.stamps_ns >= start].tolist()
+    received = taken.sensors["imu"].stamps_ns[taken.sensors["imu"].stamps_ns >= start].tolist()
     assert sorted(lost + received) == list(range(start, start + 2 * NS + 1, 10_000_000))

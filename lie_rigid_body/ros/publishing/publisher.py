@@ -4,33 +4,22 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from importlib import import_module
 from itertools import chain
 from typing import Final
 
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3Stamped
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, MagneticField
 from std_msgs.msg import String
 
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.batch import (
-    ATTITUDE,
-    FAULTS,
-    IMU_BIAS,
-    IMU_DATA,
-    MAG,
-    POSE,
-    SUN,
-    TWIST,
-    Batch,
-    sensor_topics,
-)
+from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.session import translated_errors
@@ -56,14 +45,6 @@ ON_TIME_NS: Final = 5_000_000
 LATE_NS: Final = NS
 """Lateness from which a warning is logged."""
 WARNING_INTERVAL_NS: Final = 10 * NS
-_SENSOR_TYPES: Final[Mapping[str, type]] = {
-    IMU_DATA: Imu,
-    IMU_BIAS: Imu,
-    MAG: MagneticField,
-    ATTITUDE: PoseWithCovarianceStamped,
-    SUN: Vector3Stamped,
-    FAULTS: String,
-}
 
 
 class SamplePublisher(Sink):
@@ -119,7 +100,7 @@ class SamplePublisher(Sink):
             if topic == FAULTS and topic not in self._publishers:
                 self._publishers[topic] = _publisher(self._node, String, FAULTS, _latched(DEPTH))
             elif topic not in self._publishers:
-                self._publishers[topic] = self._publisher(_SENSOR_TYPES[topic], topic)
+                self._publishers[topic] = self._publisher(_message_class(SENSOR_TOPICS[topic]), topic)
 
     @property
     def topics(self) -> tuple[str, str, str]:
@@ -129,7 +110,7 @@ class SamplePublisher(Sink):
     @property
     def sensor_topics(self) -> dict[str, str]:
         """Full names of the topics of all sensors, also of those that are off, as remapped, by their relative names."""
-        return {topic: self._node.resolve_topic_name(topic) for topic in _SENSOR_TYPES}
+        return {topic: self._node.resolve_topic_name(topic) for topic in SENSOR_TOPICS}
 
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
@@ -205,6 +186,13 @@ class SamplePublisher(Sink):
         for publisher in self._publishers.values():
             left = min(longest_ns, max(0, end - time.monotonic_ns()))
             publisher.wait_for_all_acked(Duration(nanoseconds=left))
+
+
+def _message_class(name: str) -> type:
+    """The class of a message type, by its name in ROS."""
+    package, _, kind = name.partition("/msg/")
+    found: type = getattr(import_module(f"{package}.msg"), kind)
+    return found
 
 
 def _clock(stamp_ns: int) -> bytes:

@@ -77,7 +77,7 @@ def test_a_motion_that_drifts_is_an_error(
     samples = Simulation(SCENARIO, NS).take(1)
     faster = (1.0 + drift * LARGEST_DRIFT) * samples.states.body_rate
     drifted = type(samples)(samples.stamps_ns, State(samples.states.attitude_xyzw, faster))
-    diagnostics.write(BatchEncoder(SCENARIO).encode(Taken(drifted, None, None)))
+    diagnostics.write(BatchEncoder(SCENARIO).encode(Taken(drifted)))
     diagnostics.tick(0, Punctuality())
     diagnostics.tick(NS, Punctuality())
     [report] = published

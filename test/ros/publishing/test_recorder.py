@@ -94,7 +94,7 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
         recorder.begin_segment(simulation.segment)
         samples = simulation.take(1)
         before = bag.path.stat().st_size
-        recorder.write(encoder.encode(Taken(samples, None, None)))
+        recorder.write(encoder.encode(Taken(samples)))
         recorder.tick(5 * NS, Punctuality())
         bag.wait()
         assert (bag.path.stat().st_size > before) == (wait_ns == 0)

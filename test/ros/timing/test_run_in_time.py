@@ -14,7 +14,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.messages.batch import IMU_BIAS, IMU_DATA, MAG
 from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
@@ -75,7 +74,7 @@ def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
 
     def look() -> None:
         sink = run.sink
-        seen.append((sink.stamps, sink.sensor_stamps(IMU_DATA), sink.sensor_stamps(MAG)))
+        seen.append((sink.stamps, sink.sensor_stamps("imu/data_raw"), sink.sensor_stamps("imu/mag")))
 
     steps = [(k * NS, action) for k in range(1, 5) for action in (lambda: run.live.step(1), nothing, look)]
     answers = run.play(*steps)
@@ -228,7 +227,7 @@ def test_the_first_sample_is_stamped_when_the_run_begins() -> None:
     [segment] = run.sink.segments
     assert (segment.start_ns, segment.scenario.epoch_ns, segment.first_sample) == (day + 34 * MS, day + 34 * MS, 0)
     assert run.sink.stamps == [day + at for at in run.sink.sent_at]
-    assert run.sink.sensor_stamps(IMU_DATA)[0] == segment.start_ns
+    assert run.sink.sensor_stamps("imu/data_raw")[0] == segment.start_ns
     assert len(run.sink.stamps) > 900
 
 
@@ -374,8 +373,8 @@ def test_no_stamp_is_lost_or_doubled_whatever_comes(rain: list[tuple[int, str]])
     assert [a for a in answers if isinstance(a, Exception) and not isinstance(a, ControlError)] == []
     for stamps, rate in (
         (run.sink.stamps, 333.3),
-        (run.sink.sensor_stamps(IMU_DATA), 1000.0),
-        (run.sink.sensor_stamps(IMU_BIAS), 1000.0),
-        (run.sink.sensor_stamps(MAG), 77.0),
+        (run.sink.sensor_stamps("imu/data_raw"), 1000.0),
+        (run.sink.sensor_stamps("imu/bias"), 1000.0),
+        (run.sink.sensor_stamps("imu/mag"), 77.0),
     ):
         assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
