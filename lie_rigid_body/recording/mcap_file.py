@@ -28,6 +28,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, Rows, record_bytes
+from lie_rigid_body.recording.indexes import attachment_index, chunk_index
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -160,18 +161,7 @@ class McapFile:
             end += _MESSAGE_INDEX.size + size
         self._write(b"".join(parts))
         self._note_times(chunk)
-        index = ChunkIndex(
-            message_start_time=chunk.message_start_time,
-            message_end_time=chunk.message_end_time,
-            chunk_start_offset=start,
-            chunk_length=length,
-            message_index_offsets=offsets,
-            message_index_length=end - start - length,
-            compression=chunk.compression,
-            compressed_size=len(chunk.data),
-            uncompressed_size=chunk.uncompressed_size,
-        )
-        self._note(index)
+        self._note(chunk_index(chunk, start, length, offsets, end - start - length))
 
     def _note_times(self, chunk: Chunk) -> None:
         first, last = self._times or (chunk.message_start_time, chunk.message_end_time)
@@ -200,17 +190,7 @@ class McapFile:
     def add_attachment(self, attachment: Attachment) -> None:
         """Write an attachment."""
         record = record_bytes(attachment)
-        self._note(
-            AttachmentIndex(
-                offset=self._position,
-                length=len(record),
-                log_time=attachment.log_time,
-                create_time=attachment.create_time,
-                data_size=len(attachment.data),
-                name=attachment.name,
-                media_type=attachment.media_type,
-            )
-        )
+        self._note(attachment_index(attachment, self._position, len(record)))
         self._write(record)
 
     def finish(self) -> None:

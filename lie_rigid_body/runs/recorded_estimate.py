@@ -250,7 +250,7 @@ def _true_motion(
     if scenario is not None:
         segments = tuple(
             declared_segments(
-                (text for _, text in texts(path, scenario.topic, taken(path, scenario))), f"{path}"
+                (text for _, text in texts(path, scenario.topic, [taken(path, scenario)])), f"{path}"
             ).values()
         )
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
@@ -265,7 +265,7 @@ def _true_motion(
 
 def _is_of_others(path: Path, track: RawTrack) -> bool:
     """Whether a topic of texts is that of another node, which calls something else a scenario."""
-    return track.message_type == STRING and not tells_of_body(path, track.topic, track.pieces)
+    return track.message_type == STRING and not tells_of_body(texts(path, track.topic, track.pieces))
 
 
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
