@@ -10,7 +10,7 @@ from typing import BinaryIO, Final, Protocol, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
@@ -52,8 +52,7 @@ class RawMessages:
         """Messages whose payloads stand between places of some data."""
         sizes = ends - starts
         if len(sizes) and (sizes == sizes[0]).all():
-            windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), int(sizes[0]))
-            return cls(windows[starts].tobytes(), sizes, log_times_ns)
+            return cls(windows(data, int(sizes[0]))[starts].tobytes(), sizes, log_times_ns)
         own = b"".join(data[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True))
         return cls(own, sizes, log_times_ns)
 

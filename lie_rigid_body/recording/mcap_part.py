@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,8 +52,14 @@ class McapPart:
     indexes: tuple[Place, ...]
 
     @classmethod
-    def of(cls, raw: bytes) -> McapPart:
+    def of(cls, raw: bytes, inflate: Callable[[Chunk], bytes] = inflated) -> McapPart:
         """Part that consists of some records.
+
+        Parameters
+        ----------
+        raw : bytes
+        inflate : callable, optional
+            Gives the records of a chunk.
 
         Raises
         ------
@@ -68,7 +75,7 @@ class McapPart:
         if chunk.uncompressed_size > LARGEST_CHUNK:
             raise ExcessError(f"a chunk of {chunk.uncompressed_size} bytes")
         try:
-            return cls(raw, chunk, inflated(chunk), first.end - first.begin, tuple(rest))
+            return cls(raw, chunk, inflate(chunk), first.end - first.begin, tuple(rest))
         except ValueError as error:
             raise ContradictionError(str(error)) from None
 

@@ -31,7 +31,7 @@ from mcap.records import (
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.chunk import HEAD, MAGIC
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, most_records
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated_unverified, most_records
 from lie_rigid_body.recording.inventory import Inventory, require_in_chunk
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
@@ -116,7 +116,7 @@ class McapOutline:
                 for number in numbers:
                     begin, end = self.parts[2 * number : 2 * number + 2]
                     stream.seek(begin)
-                    table, _ = McapPart.of(stream.read(end - begin)).messages(LARGEST_CHUNK)
+                    table, _ = McapPart.of(stream.read(end - begin), inflated_unverified).messages(LARGEST_CHUNK)
                     yield _by_track(table, channels)
                     progress(end - before)
                     before = end

@@ -15,7 +15,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.recording.chunk import HEAD, OPCODE_AND_LENGTH, Entries
 
 T = TypeVar("T")
@@ -139,8 +139,7 @@ def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
     """First bytes of message records."""
     if not len(starts):
         return np.empty(0, dtype=HEAD)
-    windows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), HEAD.itemsize)
-    heads: NDArray[np.void] = windows[starts].reshape(-1).view(HEAD)
+    heads: NDArray[np.void] = windows(data, HEAD.itemsize)[starts].reshape(-1).view(HEAD)
     return heads
 
 
