@@ -6,6 +6,7 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -34,12 +35,11 @@ from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
     FaultMessages,
     SensorMessages,
-    SensorTopic,
     reading_types,
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
-from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack, joined
+from lie_rigid_body.recording.tracks import BagFacts, OfSensor, PoseTrack, Recording, TakeReadings, TwistTrack, joined
 from lie_rigid_body.simulation import Segment
 
 __all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
@@ -53,8 +53,10 @@ NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 _OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
-class Bag:
+class Bag(BagFacts):
     """A bag that is read in batches, as often as they are wanted: its memory does not grow with its length.
+
+    See `BagFacts` for more attributes; the name is that of one of several bodies, too.
 
     Parameters
     ----------
@@ -72,11 +74,6 @@ class Bag:
     ----------
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
-    name : str
-        Its path; of one of several bodies also that body.
-    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
-    sensors
-        As in `Recording`.
     pose_topic, twist_topic : str
     pose_count, twist_count : int
         Messages of each.
@@ -134,26 +131,25 @@ class Bag:
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         if body.fault:
             raise BagError(body.fault)
-        self._path, self._contents, self._progress = files.path, contents, files.progress
-        self.body, self.name = body.name, str(files.path)
+        self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
         for track in body.all_tracks:
             require_cdr(self._path, track)
         pose, twist, scenario = body.tracks
         self._pose, self._twist = pose.key, twist.key
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
         self.pose_count, self.twist_count = pose.count, twist.count
-        self.library = contents.library
-        self.scenario_texts = _scenarios(self._texts(scenario.key))
-        self.expected_samples = _expected_samples(self._path, contents)
-        self.published_otherwise = sum(track.published_otherwise for track in body.tracks)
-        self.others = _others(contents, body.all_tracks)
-        self.undefined = tuple(track.topic for track in body.all_tracks if not _is_defined(self._path, track))
-        self.without_checksum = contents.without_checksum
-        self.was_cut_off = CUT_OFF in contents.metadata
-        self.sensors = {
-            name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
-            for name, track in body.sensors.items()
-        }
+        super().__init__(
+            library=contents.library,
+            scenario_texts=_scenarios(self._texts(scenario.key)),
+            expected_samples=_expected_samples(self._path, contents),
+            published_otherwise=sum(track.published_otherwise for track in body.tracks),
+            others=_others(contents, body.all_tracks),
+            undefined=tuple(track.topic for track in body.all_tracks if not _is_defined(self._path, track)),
+            without_checksum=contents.without_checksum,
+            was_cut_off=CUT_OFF in contents.metadata,
+            sensors=body.sensors,
+            name=str(files.path),
+        )
         self._kept: list[Found] | None = None
         if in_memory:
             self._kept = [{track.key: track.take() for track in body.all_tracks if track.message_type != STRING}]
@@ -214,26 +210,14 @@ class Bag:
     def load(self) -> Recording:
         """The whole bag in memory."""
         names = [name for name in self.sensors if name not in self._of_faults]
-        readings: list[Mapping[str, Any]] = []
-        poses, twists = zip(*self.batches(names, readings.append), strict=True)
-        return Recording(
-            self.library,
-            self.scenario_texts,
-            joined(poses),
-            joined(twists),
-            self.expected_samples,
-            self.published_otherwise,
-            self.others,
-            self.undefined,
-            self.without_checksum,
-            self.was_cut_off,
-            self.sensors,
-            {
-                **{name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
-                **{name: FaultMessages.of([*self._texts(self.sensors[name].key)]) for name in self._of_faults},
-            },
-            self.name,
-        )
+        batches: list[Mapping[str, Any]] = []
+        poses, twists = zip(*self.batches(names, batches.append), strict=True)
+        readings: dict[str, OfSensor] = {
+            name: SensorMessages.joined([some[name] for some in batches]) for name in names
+        }
+        told = {name: FaultMessages.of([*self._texts(self.sensors[name].key)]) for name in self._of_faults}
+        facts: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
+        return Recording(**facts, poses=joined(poses), twists=joined(twists), readings=readings | told)
 
     def _layout(self, key: TrackKey) -> tuple[Booleans, bool]:
         """Which numbers of a topic's messages are values, and whether these have stamps."""

@@ -278,7 +278,7 @@ class BagWriter:
 
     def _finish(self) -> None:
         if self._end is not None:
-            self._mcap.add_metadata(Metadata(self._end, {"samples": str(self.sample_count)}))
+            self._mcap.add(Metadata(self._end, {"samples": str(self.sample_count)}))
         self._mcap.finish()
         self._file.commit()
 

@@ -171,27 +171,18 @@ class McapFile:
         self._indexes[type(index)] += record_bytes(index)
         self._index_counts[type(index)] += 1
 
-    def add_schema(self, schema: Schema) -> None:
-        """Write a schema outside of chunks."""
-        self.schemas[schema.id] = schema
-        self._write(record_bytes(schema))
-
-    def add_channel(self, channel: Channel) -> None:
-        """Write a channel outside of chunks."""
-        self.channels[channel.id] = channel
-        self._write(record_bytes(channel))
-
-    def add_metadata(self, metadata: Metadata) -> None:
-        """Write a metadata record."""
-        record = record_bytes(metadata)
-        self._note(MetadataIndex(offset=self._position, length=len(record), name=metadata.name))
-        self._write(record)
-
-    def add_attachment(self, attachment: Attachment) -> None:
-        """Write an attachment."""
-        record = record_bytes(attachment)
-        self._note(attachment_index(attachment, self._position, len(record)))
-        self._write(record)
+    def add(self, record: Schema | Channel | Metadata | Attachment) -> None:
+        """Write a record outside of chunks."""
+        data = record_bytes(record)
+        if isinstance(record, Schema):
+            self.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            self.channels[record.id] = record
+        elif isinstance(record, Metadata):
+            self._note(MetadataIndex(offset=self._position, length=len(data), name=record.name))
+        else:
+            self._note(attachment_index(record, self._position, len(data)))
+        self._write(data)
 
     def finish(self) -> None:
         """Write the summary. The stream stays open."""

@@ -12,39 +12,12 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.messages.definitions import places
-from lie_rigid_body.recording.mcap_contents import TrackKey
 from lie_rigid_body.recording.track_decoding import TopicMessages
 from lie_rigid_body.sensors import SENSORS, Fault, Field, Topic
 from lie_rigid_body.wording import short_repr
 
 SensorMessages: TypeAlias = TopicMessages
 """Messages of a sensor's topic; their values are the numbers of `varying_fields` one after the other."""
-
-
-@dataclass(frozen=True)
-class SensorTopic:
-    """A topic of the body's sensors in a bag.
-
-    Attributes
-    ----------
-    topic, message_type : str
-    count : int
-        Messages.
-    published_otherwise : int
-        How many of them were not published at their log time.
-    """
-
-    topic: str
-    message_type: str
-    count: int
-    published_otherwise: int
-
-    __repr__ = short_repr
-
-    @property
-    def key(self) -> TrackKey:
-        """Topic and message type."""
-        return self.topic, self.message_type
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,10 @@ from mcap.writer import IndexType
 from test_bag_reader import rewrite
 
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording.bag_files import BagFiles, unheard
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages
+from lie_rigid_body.recording.mcap_contents import Found, McapContents, RawMessages
 from lie_rigid_body.recording.message_table import NO_HINTS, ContradictionError, ExcessError, find_messages
 from lie_rigid_body.runs import Run
 
@@ -119,13 +121,13 @@ def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.Monkey
     path, told = make_bag(count=300), list[int]()
     Bag(path, told.append, in_memory=True).load()
     assert sum(told) <= path.stat().st_size
-    monkeypatch.setattr(McapContents, "read", lambda self, keys, progress: (_ for _ in texts_alone(self, keys)))
+    monkeypatch.setattr(McapContents, "read", lambda self, keys, progress: texts_alone(self, keys))
     assert len(Run.from_bag(path).t_ns) == 300
 
 
-def texts_alone(contents: McapContents, keys: object) -> object:
-    assert [kind for _, kind in keys] == ["std_msgs/msg/String"]  # type: ignore[attr-defined]
-    return (found for outline in contents.outlines for found in outline.read(keys, unheard))  # type: ignore[arg-type]
+def texts_alone(contents: McapContents, keys: Collection[tuple[str, str]]) -> Iterator[Found]:
+    assert {kind for _, kind in keys} == {STRING}
+    return (found for outline in contents.outlines for found in outline.read(keys, unheard))
 
 
 def test_a_bag_that_changes_between_two_readings_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
