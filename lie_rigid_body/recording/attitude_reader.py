@@ -26,15 +26,15 @@ from lie_rigid_body.recording.track_decoding import columns, named, taken
 from lie_rigid_body.wording import listed, short_repr
 
 _PLACES: Final = {POSE_STAMPED: (7, 3), POSE_WITH_COVARIANCE_STAMPED: (43, 3), QUATERNION_STAMPED: (4, 0), IMU: (37, 0)}
-"""Of each type with one frame how many float64 fields it has, and where the attitude begins among them."""
+"""Number of float64 fields of each type with one frame, and the field with which the attitude begins."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
     TF_MESSAGE: decode_transforms,
 }
 ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
-"""The message types that hold an attitude with a stamp."""
+"""Message types that hold an attitude with a stamp."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
-"""What is wrong about a topic of Imu in which no message has an orientation."""
+"""Complaint about a topic of Imu in which no message has an orientation."""
 _POSE_COVARIANCE: Final = slice(7, 43)
 """Fields of the 6 × 6 covariance after a pose."""
 _IMU_COVARIANCE: Final = slice(4, 13)

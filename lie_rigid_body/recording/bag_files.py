@@ -113,7 +113,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
 
 
 def _information(metadata: Path) -> Mapping[str, Any] | None:
-    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
+    """Information in a rosbag2 folder's metadata; None without metadata, as a recorder leaves it that was killed."""
     if not metadata.exists():
         return None
 

@@ -45,11 +45,11 @@ from lie_rigid_body.simulation import Segment
 __all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
 
 _TEXTS_AT_ONCE: Final = 1000
-"""Messages about faults that are taken together."""
+"""Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
-"""Messages of poses, twists and sensors that a batch holds at least, but for the last one."""
+"""Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
-"""No topic is called otherwise."""
+"""Names for a bag whose topics have their usual ones."""
 _OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
@@ -220,7 +220,7 @@ class Bag(BagFacts):
         return Recording(**facts, poses=joined(poses), twists=joined(twists), readings=readings | told)
 
     def _layout(self, key: TrackKey) -> tuple[Booleans, bool]:
-        """Which numbers of a topic's messages are values, and whether these have stamps."""
+        """Mask of the numbers of a topic's messages that are values, and whether the messages have stamps."""
         if key in (self._pose, self._twist):
             count = messages.POSE_NUMBERS if key == self._pose else messages.TWIST_NUMBERS
             return np.full(count, fill_value=True), key == self._pose or self.stamped

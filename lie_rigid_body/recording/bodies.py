@@ -62,7 +62,7 @@ class Body:
 
     @property
     def all_tracks(self) -> tuple[RawTrack, ...]:
-        """Those, and the sensors'."""
+        """Pose, twist, scenario and what the sensors read."""
         return *self.tracks, *self.sensors.values()
 
 
@@ -223,7 +223,7 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
 
 
 def _remedy(path: Path, otherwise: str) -> str:
-    """What to do where a topic is missing: it may be in another file of a bag that was split."""
+    """Remedy where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"

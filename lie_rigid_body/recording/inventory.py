@@ -1,4 +1,4 @@
-"""What an MCAP file says of itself, in indexes, statistics and repeated records, held against what it holds.
+"""Comparison of what an MCAP file says of itself, in indexes, statistics and repeated records, with what it holds.
 
 A reader that seeks believes them: a message that an index leaves out would not be in the bag for it.
 """

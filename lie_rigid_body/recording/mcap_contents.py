@@ -1,4 +1,4 @@
-"""What a bag holds, of one file or of several: topics with their messages counted, and where these are in the files."""
+"""Contents of a bag, in one file or several: topics with their messages counted, and where these are in the files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Progress: TypeAlias = Callable[[int], object]
 
 _KEPT_AT_LEAST: Final = 64 * 2**20
 _KEPT_PER_BYTE: Final = 200
-"""Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
+"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 _PER_MESSAGE: Final = 100
 """Memory that a message takes beside its content, about, bytes."""
 
@@ -125,7 +125,7 @@ class RawTrack:
 
 @dataclass(frozen=True)
 class FileSpan:
-    """How many messages a file holds, and from when to when they were logged, ns."""
+    """Number of messages in a file, and from when to when they were logged, ns."""
 
     name: str
     count: int
@@ -136,7 +136,7 @@ class FileSpan:
 
 
 class Outline(Protocol):
-    """Where the messages of a file are, that was found whole."""
+    """Places of the messages in a file that was found whole."""
 
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         """Read the messages of some tracks, part by part.

@@ -39,7 +39,7 @@ _FOOTER: Final = struct.Struct("<BQQQ")
 
 
 ZSTD_LEVEL: Final = -1
-"""The 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag of numbers 3 % smaller."""
+"""Level of zstd; level 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag 3 % smaller."""
 
 
 Compress = Callable[[Any], bytes]
@@ -127,7 +127,7 @@ class McapFile:
 
     @property
     def message_count(self) -> int:
-        """How many messages were written."""
+        """Number of messages that were written."""
         return sum(self._counts.values())
 
     @property

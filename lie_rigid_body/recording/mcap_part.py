@@ -84,6 +84,6 @@ class McapPart:
         return find_messages(self.data, self._hints(), most)
 
     def _hints(self) -> Integers:
-        """Where in the data the indexes say that messages begin."""
+        """Bytes of the data where the indexes say that messages begin."""
         rows = (self.raw[place.begin + 6 : place.end] for place in self.indexes)
         return np.concatenate([NO_HINTS, *(np.frombuffer(row[: len(row) // 16 * 16], "<i8")[1::2] for row in rows)])

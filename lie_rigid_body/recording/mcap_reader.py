@@ -58,7 +58,7 @@ from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import counted
 
 _MOST_LOOSE_BYTES: Final = 2**20
-"""Bytes of messages of a file without chunks that are taken together."""
+"""Number of bytes of messages outside of chunks that are taken together."""
 _PARSERS: Final[dict[int, Callable[..., Any]]] = {
     Opcode.HEADER: Header.read,
     Opcode.FOOTER: Footer.read,
@@ -85,7 +85,7 @@ _OTHER_FORMATS: Final = {
 
 @dataclass(frozen=True)
 class McapOutline:
-    """Where the messages of an MCAP file are, that was found whole.
+    """Places of the messages in an MCAP file that was found whole.
 
     Parameters
     ----------

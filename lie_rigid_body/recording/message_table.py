@@ -107,7 +107,7 @@ class MessageTable:
 
     @property
     def log_times(self) -> Integers:
-        """When each was logged, ns, shape (N,)."""
+        """Times when the messages were logged, ns, shape (N,)."""
         return self.heads["log_time"].view(np.int64)
 
     @cached_property

@@ -47,16 +47,16 @@ _DAMAGE: Final = (
     struct.error,
     zstandard.ZstdError,
 )
-"""What the parsers and decompressors raise on damaged bytes."""
+"""Errors that the parsers and decompressors raise on damaged bytes."""
 
 
 class NothingWholeError(BagError):
-    """There is no whole message in a file."""
+    """Error for a file without any whole message."""
 
 
 @dataclass(frozen=True)
 class Recovery:
-    """What was recovered of a file.
+    """Account of what was recovered of a file.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ class FaultMessages:
 
     @classmethod
     def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
-        """Of log time, ns, and text of each."""
+        """Make them of pairs of log time, ns, and text."""
         return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
 
 
@@ -50,7 +50,7 @@ def reading_types() -> frozenset[str]:
 
 
 def varying_fields(message_type: str) -> Booleans:
-    """Which float64 numbers of a type differ from message to message on any topic of a sensor, shape (K,)."""
+    """Mask of the float64 numbers of a type that differ between messages on any topic of a sensor, shape (K,)."""
     numbers = np.full(len(places(message_type)[""]), fill_value=False)
     for sensor in SENSORS.values():
         for topic in sensor.topics:
@@ -61,7 +61,7 @@ def varying_fields(message_type: str) -> Booleans:
 
 
 def value_columns(topic: Topic, field: Field) -> Integers:
-    """Which columns of the values of a topic's `SensorMessages` are a field."""
+    """Columns that a field has in the values of a topic's `SensorMessages`."""
     varying = np.flatnonzero(varying_fields(topic.message_type))
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 

@@ -1,4 +1,4 @@
-"""The messages of a bag's topic decoded; errors name bag and topic."""
+"""Decoding of the messages of a bag's topic, with errors that name bag and topic."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from lie_rigid_body.recording.mcap_contents import RawMessages, RawTrack
 from lie_rigid_body.wording import short_repr
 
 _AT_ONCE: Final = 8192
-"""Messages that are decoded at once: with all their fields they take many times what is kept of them."""
+"""Number of messages that are decoded at once: with all their fields they take many times what is kept of them."""
 Kind: TypeAlias = tuple[str, bytes]
-"""What messages of one topic have alike: name of the frame, empty without a header, and the bits of the float64 fields
-that do not differ."""
+"""Parts that most messages of a topic share: the frame's name, empty without a header, and the bits of the float64
+fields that are no values."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class TopicMessages:
 
 @contextmanager
 def named(path: Path, topic: str) -> Iterator[None]:
-    """A context whose errors name the bag and the topic."""
+    """Context whose errors name the bag and the topic."""
     try:
         yield
     except BagError as error:
@@ -165,7 +165,7 @@ def _topic_messages(
 
 
 def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[Kind, ...], Integers]:
-    """The kinds of messages, and which of them each is, by frame and the fields that are no values."""
+    """Kinds of messages, by frame and the fields that are no values, and which of them each message is."""
     keys = np.column_stack([decoded.frames, rest.view(np.int64)])
     if not len(keys) or (keys == keys[0]).all():
         distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)

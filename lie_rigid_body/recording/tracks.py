@@ -14,12 +14,12 @@ from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages
 from lie_rigid_body.wording import short_repr
 
 UNNAMED: Final = "the bag"
-"""What errors call a bag without a name."""
+"""Name in errors of a bag that has none."""
 
 
 @dataclass(frozen=True)
 class PoseTrack:
-    """The messages of the pose topic, in file order.
+    """Messages of the pose topic, in file order.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class PoseTrack:
 
 @dataclass(frozen=True)
 class TwistTrack:
-    """The messages of the twist topic, in file order.
+    """Messages of the twist topic, in file order.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ class TwistTrack:
 Track = TypeVar("Track", PoseTrack, TwistTrack)
 OfSensor: TypeAlias = SensorMessages | FaultMessages
 TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
-"""Takes messages of sensors, and about their faults, by relative topic names."""
+"""Function that takes messages of sensors, and about their faults, by relative topic names."""
 
 
 @dataclass(kw_only=True)
 class BagFacts:
-    """What a bag tells beside its poses, twists and readings.
+    """Facts of a bag beside its poses, twists and readings.
 
     Parameters
     ----------

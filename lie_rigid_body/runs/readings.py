@@ -1,4 +1,4 @@
-"""What the sensors of a run read, as arrays: from a simulation, from a bag, and back into samples."""
+"""Readings of the sensors of a run as arrays: from a simulation, from a bag, and back into samples."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def read_only(value: T) -> T:
 
 
 class SensorArrays:
-    """What a sensor read. All arrays are read only.
+    """Readings of a sensor. All arrays are read only.
 
     Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading: of an IMU
     ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and ``accelerometer_bias``, each
@@ -78,7 +78,7 @@ class SensorArrays:
 
     @classmethod
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
-        """Those of a simulation."""
+        """Readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
         return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
 
@@ -102,7 +102,7 @@ class SensorArrays:
         return cls(first.stamps_ns, first.log_times_ns, arrays)
 
     def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
-        """Those that arrive in a time, with all that messages tell of them.
+        """Readings that arrive in a time, with all that messages tell of them.
 
         Raises
         ------

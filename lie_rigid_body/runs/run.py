@@ -309,7 +309,7 @@ class Run(ReadOnly):
         return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
 
     def unavoidable_error(self) -> UnavoidableError | None:
-        """What the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
+        """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
 
         Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
         and of the hard iron a bound. Readings that are missing or late count as well.

@@ -29,7 +29,7 @@ THINNED: Final = 40_000
 Measured over an hour: within 1.5 % of the bound of all (rms, median, 95 % and last) up to 3 rad/s, at 20 rad/s 12 %.
 """
 FEWEST: Final = 100
-"""The same of a segment at least, however many there are: they share the others by their times."""
+"""Smallest number of readings in a segment at which the bound is computed, however many segments share the others."""
 
 
 def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | None = None) -> UnavoidableError | None:
@@ -125,7 +125,7 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int | None) -> Int
 
 
 def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
-    """What the sensors read of the attitude."""
+    """Readings of the sensors that tell of the attitude."""
     vectors, attitudes = [], []
     for model in segment.scenario.sensors.on.values():
         stamps = _stamps(segment, model.rate, last_ns)
