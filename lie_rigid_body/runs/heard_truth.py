@@ -85,7 +85,7 @@ class HeardTruth:
         return self._with(self._poses.rows()) if self._poses.count else self.of_scenarios()
 
     def recent(self, since_ns: int) -> TrueMotion:
-        """Motion by the latest poses, without the segments that had ended at a time: each costs as much as many samples."""
+        """Motion by the latest poses, without segments that had ended at a time: each costs as much as many samples."""
         true = self._with(joined(self._recent)) if self._recent else self.of_scenarios()
         ended = sum(segment.start_ns <= since_ns for segment in true.segments[1:])
         return replace(true, segments=true.segments[ended:])
