@@ -10,7 +10,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Integers, windows
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
@@ -83,10 +83,10 @@ def decode_places(
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
     frames = _Frames(len(starts))
-    sizes, content = ends - starts, np.frombuffer(data, dtype=np.uint8)
-    for size in sorted(set(sizes.tolist())):
+    sizes = ends - starts
+    for size in np.unique(sizes).tolist():
         indices = np.flatnonzero(sizes == size)
-        rows = np.lib.stride_tricks.sliding_window_view(content, size)[starts[indices]]
+        rows = windows(data, size)[starts[indices]]
         for alike in _alike(rows, stamped=stamped):
             _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
     return Decoded(stamps if stamped else None, values, *frames.in_order())
