@@ -206,7 +206,7 @@ def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
 
 
 def _disturbed(spin: SpinStability, kind: str) -> str:
-    """What becomes of a spin that is disturbed."""
+    """Sentence about a spin that is disturbed."""
     tenfold = f"{_number(math.log(10.0) / spin.growth_rate_1_s)} s" if spin.growth_rate_1_s else "no finite time"
     drifts = "a disturbed spin is steady too" if kind == "spherical" else "a small disturbance makes it drift steadily"
     return {

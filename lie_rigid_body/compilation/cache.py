@@ -30,7 +30,7 @@ def cache_folder(function: Callable[..., None]) -> Path | None:
         folder = Path(home, "lie_rigid_body", _digest(function))
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            if is_private(folder):
+            if is_private(folder := folder.resolve()):  # a link on the way to it may be set anew
                 return folder
     return None
 

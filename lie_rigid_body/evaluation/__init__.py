@@ -1,4 +1,4 @@
-"""What an attitude estimate is worth: its errors, and why it has them.
+"""Worth of an attitude estimate: its errors, and their causes.
 
 `attitude_error` defines the error. `evaluate` associates an estimate with the truth by stamps, makes the statistics,
 looks for the lag and for mistaken conventions, and gives a `Score`. `nees` holds errors against covariances, and

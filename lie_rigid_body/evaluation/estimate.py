@@ -125,7 +125,7 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
 
 
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
-    """Which stamps, ns, are before none of those that came earlier, and not before `after_ns`."""
+    """Whether each stamp, ns, is before none that came earlier, and not before `after_ns`."""
     first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
 

@@ -1,4 +1,4 @@
-"""What the errors of a gyro alone would make of an estimate: scale, mounting and bias that are constant.
+"""Errors that a gyro alone would make in an estimate: scale, mounting and bias that are constant.
 
 An integrated gyro that reads (1 + E) ω + b gives the attitudes q₀ ⊗ Π exp((1 + E) θ_k + b h_k), with θ_k the true turn
 from one sample to the next and h_k the time between. E, b and q₀ are fitted by Gauss–Newton to the estimate. What this

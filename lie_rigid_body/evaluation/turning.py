@@ -1,4 +1,4 @@
-"""How an estimate turns beside the body: not at all, to and fro, too fast, or about other axes, whatever its attitude.
+"""Turns of an estimate beside those of the body: not at all, to and fro, too fast, or about other axes.
 
 The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth times a
 scale and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed frame leave

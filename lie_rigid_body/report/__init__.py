@@ -1,4 +1,4 @@
-"""What was recorded, certified and scored as users see it: tables, JSON, pictures and pages.
+"""Recordings, certificates and scores as users see them: tables, JSON, pictures and pages.
 
 - `recording_picture`: the picture of a recording, by Matplotlib;
 - `motion_figures`, `body_figure`, `residual_figures`: the figures of pages, by plotly.js;

@@ -1,4 +1,4 @@
-"""What a command line asks of a score, and the answer: table or JSON, picture, page, exit status."""
+"""Request of a command line for a score, and the answer: table or JSON, picture, page, exit status."""
 
 from __future__ import annotations
 

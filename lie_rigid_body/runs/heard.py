@@ -25,7 +25,7 @@ RECENT: Final = 40
 
 
 class HeardTruth:
-    """What is told of the truth, message by message.
+    """Scenarios and poses that tell the truth, message by message.
 
     Parameters
     ----------

@@ -55,12 +55,11 @@ class Kept:
             self._size += len(stamps[chosen])
             self.count += len(stamps)
             self._last = stamps[-1:], rows[-1:]
-        while self._size > self._most:
+        if self._size > self._most or len(self._blocks) > MOST_BLOCKS:
             kept, values = joined(self._blocks)
-            self._blocks, self.stride = [(kept[::2].copy(), values[::2].copy())], 2 * self.stride
-            self._size = len(self._blocks[0][0])
-        if len(self._blocks) > MOST_BLOCKS:
-            self._blocks = [joined(self._blocks)]
+            while len(kept) > self._most:
+                kept, values, self.stride = kept[::2].copy(), values[::2].copy(), 2 * self.stride
+            self._blocks, self._size = [(kept, values)], len(kept)
         return stamps, rows
 
     def rows(self) -> Rows:

@@ -53,7 +53,7 @@ class Duration:
             self.first_ns, self._has_begun = int((known if len(known) else stamps)[0]), len(known) > 0
 
     def holds(self, stamps: Integers) -> Booleans:
-        """Which stamps are not behind the end."""
+        """Whether each stamp is not behind the end."""
         if self.due_ns is None:
             return np.ones(len(stamps), dtype=np.bool_)
         self.complete |= bool(np.any(stamps >= self.due_ns))
@@ -179,6 +179,6 @@ class KeptEstimate:
 
 
 def _usable(attitude_xyzw: Array) -> Booleans:
-    """Which attitudes are finite and not zero."""
+    """Whether each attitude is finite and not zero."""
     finite = np.isfinite(attitude_xyzw).all(axis=1)
     return np.asarray(finite & (quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0)) >= SMALLEST_NORM))

@@ -99,3 +99,12 @@ def test_in_the_folder_of_another_user_no_code_is_kept(home: Path, which: str) -
     found = cache_folder(moser_veselov_loop.advance)
     assert found is not None
     assert found.is_relative_to(home.parent / "second")
+
+
+def test_a_link_on_the_way_to_the_folder_is_followed_once(home: Path) -> None:
+    """Whoever may set it anew would else choose the code that is loaded."""
+    (home.parent / "safe").mkdir(mode=0o700)
+    (home / "first").symlink_to(home.parent / "safe")
+    found = cache_folder(moser_veselov_loop.advance)
+    assert found is not None
+    assert found.is_relative_to(home.parent.resolve() / "safe")
