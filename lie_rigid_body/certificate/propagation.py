@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 
@@ -19,21 +21,38 @@ _ASIDE: Final = 2.0**-30 * np.array([0.61, -0.53, 0.59])
 would seem not to grow; a growth by more than its inverse makes every limit its cap."""
 
 
-class Propagation(NamedTuple):
-    """States of the exact motion, the growth of errors between them, and its largest factor up to the end."""
+@dataclass(frozen=True)
+class Propagation:
+    """States of the exact motion of a body for ``duration`` seconds, and the growth of errors between them.
 
+    Parameters
+    ----------
+    body : RigidBody
+    duration, fastest : float
+        s, and bound of the body rate, rad/s.
+    states : State
+        Shapes (K, 4) and (K, 3).
+    growth : ErrorGrowth
+    """
+
+    body: RigidBody
+    duration: float
+    fastest: float
     states: State
     growth: ErrorGrowth
-    largest_growth: float
 
     @classmethod
     def of(cls, body: RigidBody, start: State, duration: float, fastest: float) -> Propagation:
-        """The propagation along a motion of ``duration`` seconds, of which ``fastest``, rad/s, bounds the body rate."""
+        """The propagation along the motion from a start."""
         near = State(start.attitude_xyzw, start.body_rate + _ASIDE * so3.norm(start.body_rate))
         circulation = MotionConstants.of(body, near).circulation
         # energy and momentum do not tell a state from that half a period later
         period = duration if circulation is None else min(duration, 0.5 * circulation.period_s)
         t_ns = np.linspace(0.0, period * 1e9, _NODES).astype(np.int64)
         states = ClosedForm(body, near).at(t_ns)
-        growth = ErrorGrowth.of(body, np.asarray(1e-9 * t_ns), states, fastest)
-        return cls(states, growth, growth.largest(body, fastest, duration))
+        return cls(body, duration, fastest, states, ErrorGrowth.of(body, np.asarray(1e-9 * t_ns), states, fastest))
+
+    @cached_property
+    def largest_growth(self) -> float:
+        """Largest factor by which an error grows between two times of the motion."""
+        return self.growth.largest(self.body, self.fastest, self.duration)

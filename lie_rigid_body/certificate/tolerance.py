@@ -62,8 +62,7 @@ class Tolerance:
         Bound Ω of the body rate, rad/s.
     conditions : ConditionNumbers
     drift : Drift
-    largest_growth : float
-        Largest factor by which an error grows between two states of the segment.
+    propagation : Propagation
     inversion : float
         Factor of the roundings of a recorded rate, of a stepper that computes it from the momentum.
     """
@@ -71,7 +70,7 @@ class Tolerance:
     fastest: float
     conditions: ConditionNumbers
     drift: Drift
-    largest_growth: float
+    propagation: Propagation
     inversion: float = 1.0
 
     def energy(self, t: Array) -> Array:
@@ -131,7 +130,10 @@ class Tolerance:
 
     def _growth(self, turns: Array) -> Array:
         """Largest factor by which an error grows over turns, rad: exp(turn), and at most that of any two states."""
-        return np.asarray(np.minimum(np.exp(np.minimum(turns, LONGEST_TURN)), self.largest_growth))
+        grown = np.exp(np.minimum(turns, LONGEST_TURN))
+        if np.max(grown, initial=1.0) > 2.0:  # the largest is not below that, and takes a while to compute
+            grown = np.minimum(grown, self.propagation.largest_growth)
+        return np.asarray(grown)
 
     def _rate_reading(self, turns: Array) -> Array:
         """Roundings of a recorded rate, and of the momentum and the flow that start from it, relative to Ω."""
@@ -154,21 +156,21 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
-    states, growth, largest = _propagation(
+    propagation = _propagation(
         scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
     )
-    conditions = ConditionNumbers.of(body, states, fastest)
+    conditions = ConditionNumbers.of(body, propagation.states, fastest)
     if scenario.motion == "closed_form" or fastest == 0.0:
-        return Tolerance(fastest, conditions, NoDrift(), largest)
+        return Tolerance(fastest, conditions, NoDrift(), propagation)
     method = METHODS[scenario.method]
     period = 1.0 / scenario.rate
     if method.largest_turn < math.inf:
         drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
-        return Tolerance(fastest, conditions, drift, largest)
+        return Tolerance(fastest, conditions, drift, propagation)
     step = period / steps_between(period, scenario.max_step)
-    error = step_error(body, states, method, fastest, step, conditions.rate_of_momentum)
-    steps = MuntheKaasDrift.of(body, states, growth, error, conditions, fastest, step)
-    return Tolerance(fastest, conditions, steps, largest, conditions.inverse)
+    error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
+    steps = MuntheKaasDrift.of(body, propagation.states, propagation.growth, error, conditions, fastest, step)
+    return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
 
 
 @lru_cache(maxsize=SHARED // 8)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -292,7 +292,7 @@ def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
         for begin in range(0, len(members), MOTIONS_PER_BLOCK):
             some = members[begin : begin + MOTIONS_PER_BLOCK]
             part = starts.at(some)
-            body = _coupled(part) if group % 2 == 1 else _diagonal(part)
+            body = _body(_indices_first(part), products=group % 2 == 1)
             x, y, z, w = part.attitude_xyzw.T
             yield fast_motion(body.frame(), (x, y, z, w), hyperbolic, steps), some
 
@@ -312,12 +312,8 @@ def fast_motion_of_one(
     body_rate: list[float],
 ) -> GeneralMotion | None:
     """The motion of one body, or None if it is not regular; see `Starts`."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia
-    body: DiagonalBody | CoupledBody
-    if xy == 0.0 and xz == 0.0 and yz == 0.0:
-        body = DiagonalBody.of((xx, yy, zz), triple(body_rate, 0))
-    else:
-        body = CoupledBody.of(inertia, moments, axes, body_rate)
+    products = inertia[0][1] != 0.0 or inertia[0][2] != 0.0 or inertia[1][2] != 0.0
+    body = _body((inertia, moments, axes, attitude_xyzw, body_rate), products=products)
     regular, hyperbolic, steps = body.classified()
     if not regular:
         return None
@@ -330,25 +326,20 @@ def _groups(starts: Starts) -> NDArray[np.intp]:
     straight = (starts.inertia[:, [0, 0, 1], [1, 2, 2]] == 0.0).all(axis=1)
     groups = np.full(len(straight), -1)
     with np.errstate(all="ignore"):
-        for members, body_of, products in (
-            (np.flatnonzero(straight), _diagonal, 0),
-            (np.flatnonzero(~straight), _coupled, 1),
-        ):
-            regular, hyperbolic, steps = body_of(starts.at(members)).classified()
+        for products, members in enumerate((np.flatnonzero(straight), np.flatnonzero(~straight))):
+            body = _body(_indices_first(starts.at(members)), products=products == 1)
+            regular, hyperbolic, steps = body.classified()
             groups[members] = np.where(regular, products + 2 * hyperbolic + 4 * steps, -1)
     return groups
 
 
-def _diagonal(starts: Starts) -> DiagonalBody:
-    return DiagonalBody.of(
-        *(triple(list(rows.T), 0) for rows in (np.diagonal(starts.inertia, 0, 1, 2), starts.body_rate))
-    )
+def _body(starts: Any, *, products: bool) -> DiagonalBody | CoupledBody:
+    """The body of one motion, from lists, or of many, from arrays that end with their axis; see `Starts`."""
+    inertia, moments, axes, _, rate = starts
+    if products:
+        return CoupledBody.of(inertia, moments, axes, rate)
+    return DiagonalBody.of((inertia[0][0], inertia[1][1], inertia[2][2]), triple(rate, 0))
 
 
-def _coupled(starts: Starts) -> CoupledBody:
-    inertia, axes = (_indices_first(tensor) for tensor in (starts.inertia, starts.axes))
-    return CoupledBody.of(inertia, starts.moments.T.copy(), axes, starts.body_rate.T.copy())
-
-
-def _indices_first(tensors: Array) -> Array:
-    return np.ascontiguousarray(np.moveaxis(tensors, 0, -1))
+def _indices_first(starts: Starts) -> list[Array]:
+    return [np.ascontiguousarray(np.moveaxis(column, 0, -1)) for column in starts]
