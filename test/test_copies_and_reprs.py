@@ -99,7 +99,7 @@ def of_a_run(path: Path) -> list[Any]:
     simulation: Any = Simulation(Scenario.from_parameters(SENSORS))
     scenario, first = simulation.segment.scenario, simulation.segment
     models = scenario.sensors.on.values()
-    sensors = [queue._last._compute.args[0] for queue in simulation._sensors.values()]
+    sensors = [queue._last._compute.__self__._instrument for queue in simulation._sensors.values()]
     taken = simulation.take_until(2 * 10**9, 200)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(first)
@@ -133,7 +133,7 @@ def of_the_table(scenario: Scenario) -> list[Any]:
     pairs = [(topic, scenario.sensors.on[sensor.name]) for sensor in sensors for topic in sensor.topics]
     signal = table.Signal(np.zeros((3, 3)), scenario.sensors.imu.gyro.converter)
     encoders = [messages.ReadingEncoder(topic, model, scenario) for topic, model in pairs]
-    return [*sensors, *(topic for topic, _ in pairs), pairs[0][0].fields[0], signal, *encoders]
+    return [*sensors, *(topic for topic, _ in pairs), pairs[0][0].fields[0], signal, signal.conditioning(), *encoders]
 
 
 def of_arrays(run: Run) -> list[Any]:

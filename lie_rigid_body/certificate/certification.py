@@ -16,7 +16,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
 from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensors import SensorLaws
+from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, Surveyor, survey
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
@@ -91,6 +91,9 @@ class Certificate:
         Topics of the sensors that laws of the segments speak of.
     uncovered : tuple of str
         Those of ``not_certified`` that are of this bag, such as topics that no scenario determines.
+    to_the_bit : bool or None
+        Whether all states and readings are equal to the bit to those that are computed here. None: the bag is not of
+        the closed form and of this version, so that they need not be.
     """
 
     segments: tuple[SegmentCertificate, ...]
@@ -98,6 +101,7 @@ class Certificate:
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
     uncovered: tuple[str, ...] = ()
+    to_the_bit: bool | None = None
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -205,6 +209,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
         not_certified(bag, surveyed, sensors),
         sensors.topics,
         uncovered(bag, surveyed, sensors),
+        _to_the_bit(bag, surveyed, held, sensors),
     )
 
 
@@ -221,6 +226,16 @@ def expect(scenario: Scenario, duration: float) -> None:
     samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
     scenario.exact_motion().expect(samples)
     WORK.compiled_for(samples)
+
+
+def _to_the_bit(
+    bag: Bag | Recording, surveyed: Survey, held: Iterable[HeldLaws], sensors: SensorFindings
+) -> bool | None:
+    """Whether a bag of the closed form and of this version is equal to the bit to what is computed here."""
+    motions = {segment.scenario.motion for segment in surveyed.declared}
+    if motions != {"closed_form"} or other_software(bag) is not None:
+        return None
+    return all(laws.is_exact for laws in held) and sensors.are_exact
 
 
 def _any_numbers() -> np.errstate:

@@ -1,48 +1,43 @@
-"""Readings of the sensors computed anew from a scenario, and between which bounds a faithful reading lies.
+"""Readings of a sensor replayed with the exact motion, and between which bounds a faithful reading lies.
 
-A reading is computed as the simulation does, with the same noise, but from the exact motion. The declared stepper may
-err from that by the limits of the certificate, δω of the body rate and δA of the attitude. They reach a reading through
+A reading is computed by the simulation's own instruments, from the exact motion. It may differ from the recorded one
 
-- gyro: δω, or that of the mean rate over an interval;
-- accelerometer: Euler's equations and the lever arm r: |δ(ω̇×r + ω×(ω×r))| ≤ (√2 + 2) Ω |r| |δω|, and g δA;
-- magnetometer: |B| δA;
-- orientation, attitude sensor: δA/2, as a quaternion has half angles; its covariance: 2 |σ_r² − σ_c²| δA;
-- sun sensor: δA;
+- by round-off: `ROUNDINGS` u times the sum of the sizes of the parts that were added up for it, as they were drawn;
+- by what the declared stepper errs, δA of the attitude and δω of the body rate, as far as they reach the signal.
 
-and through scale factors or soft iron, of which a row has the norm |s|. Noise adds nothing to that but round-off: its
-words are the same everywhere, and what libraries make of them differs in last bits. A bias that walks sums them up, and
-its roundings, k of them, at random. Faults of axes come and go at times that the seed determines exactly, and are part
-of the signal. At last the sensor rounds and saturates, which keeps the order of numbers: a faithful reading lies
-between what becomes of the two ends, which is one number, unless a step lies between them.
+No declared parameter enters otherwise: what does not happen widens nothing. At last the sensor rounds and saturates,
+which keeps the order of numbers: a faithful reading lies between what becomes of the two bounds, which is one number
+unless a step lies between them.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
-from lie_rigid_body.lie import so3
 from lie_rigid_body.motion.drift import U
-from lie_rigid_body.sensors import Magnetometer
 from lie_rigid_body.sensors.quantisation import Converter
-from lie_rigid_body.sensors.triad_faults import TriadFaults
-from lie_rigid_body.simulation import SampleClock, Segment
+from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.simulation.measurement import Measurement
 
-ROUNDINGS: Final = 32.0
-"""Roundings of a reading, in units of u and of the sum of its parts' sizes."""
-LARGEST_DEVIATE: Final = 8.3
-"""No normal deviate is larger: they are made of 53-bit numbers."""
-DEVIATE: Final = 16.0
-"""Difference of a normal deviate between libraries, in units of u."""
+ROUNDINGS: Final = 64.0
+"""Roundings of a reading, in units of u and of the size of its parts. With normal deviates 16 u off, as of another
+library, and states 1e-15 rad and 12 u off, 53 were needed at most."""
 BLOCK: Final = 8192
-"""Readings that are computed at once."""
+"""Readings that are replayed at once."""
+MOST_WALKED: Final = 200_000_000
+"""Readings of a bag that are left out though a bias walks through them: its steps are drawn all the same, in 12 s."""
+_LONGEST_GAP: Final = 256
+"""Readings that are replayed between two that are recorded; more are left out."""
+_PIECES_KEPT: Final = 4
+"""Replayed pieces that wait for a topic of the sensor that lags behind, or for a message behind its place."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
@@ -52,9 +47,9 @@ class Expected:
 
     Parameters
     ----------
-    signal : ndarray, shape (N, 3)
+    signal : ndarray, shape (N, K)
         Before saturation and quantisation.
-    uncertainty : ndarray, shape (N, 3)
+    uncertainty : ndarray, shape (N, K)
         How far that of a faithful recording may be from it.
     converter : Converter
     """
@@ -63,7 +58,7 @@ class Expected:
     uncertainty: Array
     converter: Converter = _CONTINUOUS
 
-    def __getitem__(self, rows: Integers) -> Expected:
+    def __getitem__(self, rows: slice | Integers) -> Expected:
         return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
 
     def residuals(self, recorded: Array) -> tuple[Array, Array]:
@@ -82,167 +77,110 @@ class Expected:
         return distance.take(at), allowed.take(at)
 
 
-def sensor_clock(segment: Segment, rate: float) -> tuple[SampleClock, int]:
-    """The clock of a sensor of a rate, and the number of its first reading in a segment."""
-    clock = SampleClock(segment.scenario.epoch_ns, rate)
-    return clock, clock.count_until(segment.start_ns - 1)
-
-
-class Times:
-    """The times of a sensor's readings in a segment, and its exact motion.
+@dataclass(frozen=True)
+class Piece:
+    """Replayed readings that follow each other.
 
     Parameters
     ----------
-    segment : Segment
-    rate : float
-        Readings per second.
+    first : int
+        Number of the first of them.
+    times_ns : ndarray of int64, shape (N,)
+        When they arrive, ns.
+    arrays : mapping of str to Expected
+        What they should be, by the names of their arrays.
     """
 
-    def __init__(self, segment: Segment, rate: float) -> None:
-        self._clock, self.first = sensor_clock(segment, rate)
-        self._start_ns, self.motion = segment.start_ns, segment.scenario.exact_motion()
-        self.next = self.first
+    first: int
+    times_ns: Integers
+    arrays: Mapping[str, Expected]
 
-    def before(self, number: int) -> int:
-        """Time of the reading before a number, ns since the segment's start."""
-        return self._clock.stamp_ns(number - 1) - self._start_ns
-
-    def advance(self, first: int, count: int) -> int:
-        """Go on behind readings; return how many were left out before them."""
-        left_out, self.next = first - self.next, first + count
-        return left_out
-
-    def elapsed_ns(self, first: int, count: int) -> Integers:
-        """Times of readings, ns since the segment's start."""
-        return self._clock.stamps_ns(first, count) - self._start_ns
-
-    def blocks_ns(self, first: int, count: int) -> Iterator[Integers]:
-        """The same in blocks."""
-        for done in range(0, count, BLOCK):
-            yield self.elapsed_ns(first + done, min(BLOCK, count - done))
-
-    def since_start(self, first: int, count: int) -> Array:
-        """How many readings of the segment come before each of these, shape (count, 1)."""
-        return np.arange(first - self.first, first - self.first + count, dtype=np.float64)[:, np.newaxis]
+    @property
+    def end(self) -> int:
+        """Number of the reading behind the last one."""
+        return self.first + len(self.times_ns)
 
 
-class Readings(ABC):
-    """The readings of one topic in one segment, in order.
+class Work:
+    """How many readings of a bag may still be left out through which a bias walks."""
+
+    def __init__(self) -> None:
+        self._left = MOST_WALKED
+
+    def allows(self, count: int) -> bool:
+        """Leave out so many more, unless they are too many."""
+        if count > self._left:
+            return False
+        self._left -= count
+        return True
+
+
+class Replay:
+    """The readings of one sensor in one segment, replayed as they are asked for.
 
     Parameters
     ----------
     segment : Segment
-    rate : float
-        Readings per second.
+    name : str
+        The sensor's.
     duration : float
-        Of the segment, s.
+        Length of the segment, s.
+    work : Work
 
     Attributes
     ----------
     motion_error : float
         How far the declared motion that the readings are of may err, rad, before any cap.
-    walks : bool
-        Whether every reading depends on all before it, so that those that are left out have to be computed.
-    repeats : bool
-        Whether a reading may repeat one before it, so that those that are left out have to be computed in full.
     """
 
-    walks = repeats = False
-    _sensor: Any
+    def __init__(self, segment: Segment, name: str, duration: float, work: Work) -> None:
+        self._segment, self._name, self._work = segment, name, work
+        self._measurement = self._begun()
+        self._limits = _limits_of(segment, self._measurement.model.rate, duration)
+        self.motion_error = float(self._limits.attitude_uncapped(np.array([duration]))[0])
+        self._pieces: list[Piece] = []
 
-    def __init__(self, segment: Segment, rate: float, duration: float) -> None:
-        self._times, self._tolerance = Times(segment, rate), limits_of(segment, rate, duration)
-        self.motion_error = float(self._tolerance.attitude_uncapped(np.array([duration]))[0])
+    def _begun(self) -> Measurement:
+        return Measurement(self._segment, self._name, self._segment.scenario.exact_motion())
 
-    @property
-    def next(self) -> int:
-        """Number of the reading that comes next."""
-        return self._times.next
+    def piece(self, numbers: Integers) -> Piece | None:
+        """Readings from the first of some rising numbers on; None if too many would have to be left out before it."""
+        first = int(numbers[0])
+        for known in self._pieces:
+            if known.first <= first < known.end:
+                return known
+        if first < self._measurement.next:
+            self._measurement = self._begun()
+        if self._measurement.walks and not self._work.allows(first - self._measurement.next):
+            return None
+        near = numbers[: np.searchsorted(numbers, first + BLOCK)]
+        gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)
+        last = int(near[gaps[0]] if len(gaps) else near[-1])
+        self._pieces = [*self._pieces[1 - _PIECES_KEPT :], self._replayed(first, last + 1 - first)]
+        return self._pieces[-1]
 
-    def take(self, first: int, count: int) -> tuple[Expected, ...]:
-        """Each vector of so many readings, from number ``first`` on, which is ``next`` or beyond it."""
-        if left_out := self._times.advance(first, count):
-            self._leave_out(first, left_out)
-        elapsed = self._times.elapsed_ns(first, count)
-        return self._expected(self._signal(elapsed), elapsed, self._times.since_start(first, count))
+    def _replayed(self, first: int, count: int) -> Piece:
+        self._measurement.begin_at(first)
+        times, elapsed, signals = self._measurement.replay(count)
+        t = np.asarray(elapsed * 1e-9, dtype=np.float64)
+        return Piece(first, times, {name: self._expected(signal, t) for name, signal in signals.items()})
 
-    def _leave_out(self, first: int, count: int) -> None:
-        """Go on to a reading from so many before it."""
-        if not self.repeats:
-            self._skip(first, count)
-            return
-        for elapsed in self._times.blocks_ns(first - count, count):
-            self._signal(elapsed)
-
-    def _skip(self, first: int, count: int) -> None:
-        """Leave out so many readings before one."""
-        before_ns = self._times.before(first)
-        self._sensor.skip(count, before_ns, self._times.motion.at(before_ns))
-
-    def _signal(self, elapsed_ns: Integers) -> Any:
-        """What the sensor makes of the exact motion, before its converter, at its next readings."""
-        return self._sensor.signals(elapsed_ns, self._times.motion.at(elapsed_ns))
-
-    @abstractmethod
-    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
-        """Each vector of readings with its limits, at so many ns after the start, with so many readings before each."""
-
-
-class FieldReadings(Readings):
-    """What a magnetometer reads; nothing of it walks. See `Readings` for the parameters."""
-
-    def __init__(self, segment: Segment, duration: float) -> None:
-        model = segment.scenario.sensors.magnetometer
-        assert model is not None
-        super().__init__(segment, model.rate, duration)
-        self._sensor, self._converter, self.repeats = Magnetometer(model), model.converter, may_repeat(model.faults)
-        passing = 0.0 if model.disturbance is None else model.disturbance.size
-        field = float(so3.norm(np.array(model.field))) + passing
-        self._gain = field * so3.norm(np.array(model.soft_iron).reshape(3, 3))
-        noise = LARGEST_DEVIATE * model.noise_density * math.sqrt(model.rate)
-        self._rounding = (
-            ROUNDINGS * U * (self._gain + np.abs(model.hard_iron) + noise + size_of(model.faults, model.rate))
+    def _expected(self, signal: Signal, t: Array) -> Expected:
+        """A signal at times t, s, with its uncertainty."""
+        conditioning, limits = signal.conditioning(), self._limits
+        span = conditioning.span
+        attitude, rate = (
+            limits.stepper_attitude(t),
+            limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t),
         )
-
-    def _expected(self, signal: Any, elapsed_ns: Integers, before: Array) -> tuple[Expected, ...]:
-        """The field."""
-        angle = self._tolerance.attitude(seconds(elapsed_ns))[:, np.newaxis]
-        return (Expected(signal["field"].values, self._gain * angle + self._rounding, self._converter),)
+        carried = conditioning.per_attitude * attitude[:, np.newaxis] + conditioning.per_rate * rate[:, np.newaxis]
+        values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * conditioning.size + carried
+        return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
 
 
-def seconds(elapsed_ns: Integers) -> Array:
-    """Times in s."""
-    return np.asarray(elapsed_ns * 1e-9, dtype=np.float64)
-
-
-def may_repeat(*faults: TriadFaults | None) -> bool:
-    """Whether a reading may repeat one before it, with these faults."""
-    return any(of_one is not None and of_one.stuck is not None for of_one in faults)
-
-
-def size_of(faults: TriadFaults | None, rate: float) -> float:
-    """Largest size of what faults add to a signal."""
-    if faults is None:
-        return 0.0
-    burst = 0.0 if faults.noise_bursts is None else faults.burst_density * math.sqrt(rate)
-    spike = faults.spike_size if faults.spike_probability else 0.0
-    return LARGEST_DEVIATE * (burst + faults.drift) + spike
-
-
-def turned(attitude_xyzw: Array, angle: Array, noise: float) -> Expected:
-    """Attitudes that may be turned by angles, rad, shape (N,), and by a noise of so many rad in all."""
-    uncertainty = 0.5 * angle + ROUNDINGS * U * (1.0 + LARGEST_DEVIATE * noise)
-    return Expected(attitude_xyzw, np.broadcast_to(uncertainty[:, np.newaxis], attitude_xyzw.shape))
-
-
-def limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
+def _limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
     has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
     return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
-
-
-def deviate_rounding(sigma: float) -> float:
-    """Round-off of a normal deviate of a standard deviation."""
-    return U * (DEVIATE + ROUNDINGS) * LARGEST_DEVIATE * sigma

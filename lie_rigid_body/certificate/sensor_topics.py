@@ -1,97 +1,121 @@
-"""The messages of one sensor's topic in one segment, held against what the scenario determines."""
+"""The messages of one sensor in one segment, held against its replayed readings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
-from typing import Final
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.certificate.erring_clocks import shown_ns
-from lie_rigid_body.certificate.imu_readings import BiasReadings, ImuReadings
 from lie_rigid_body.certificate.law_result import Judgement, LawResult
-from lie_rigid_body.certificate.pointing_readings import AttitudeReadings, SunReadings
-from lie_rigid_body.certificate.readings import (
-    BLOCK,
-    FieldReadings,
-    Readings,
-    sensor_clock,
-)
+from lie_rigid_body.certificate.readings import Piece, Replay, Work
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder
-from lie_rigid_body.messages.encoding import told_fields
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.segments import number_samples
-from lie_rigid_body.recording.sensor_reader import SensorMessages, value_columns, varying_fields
+from lie_rigid_body.recording.sensor_clocks import PlacedMessages
+from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import SENSORS, Sensor, SensorModel, Topic
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.arrivals import Arrivals
 
-MOST_LEFT_OUT: Final = 200_000_000
-"""Readings before the first of a bag whose biases are computed all the same, as they walk. They take a minute."""
-_MOST_IN_VAIN: Final = 1_000_000
-"""Missing readings that are computed with their neighbours, beyond one for each that is not missing."""
 MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
-_HELD_BACK: Final = 1024
-"""Readings that wait for others which stand behind them in the file, though they come first."""
-_READINGS: Final[Mapping[str, Callable[[Segment, float], Readings]]] = {
-    "imu/data_raw": ImuReadings,
-    "imu/bias": BiasReadings,
-    "imu/mag": FieldReadings,
-    "attitude/pose": AttitudeReadings,
-    "sun/direction": SunReadings,
-}
-_OFF: Final = "{field} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
-VALUES: Final = frozenset(f.quantity for sensor in SENSORS.values() for topic in sensor.topics for f in topic.fields)
-"""The laws of readings, which depend on how this software computes noise."""
 
 
-class Work:
-    """How many readings may still be computed that the bag lacks."""
+class _Told(NamedTuple):
+    """What a scenario makes of the messages of a topic, but for the readings in them.
 
-    def __init__(self) -> None:
-        self._walked = self._in_vain = 0
+    Parameters
+    ----------
+    frame : str
+    rest, values : ndarray
+        The numbers that `SensorMessages` keeps as kinds, and those that it keeps for each message.
+    fixed : ndarray of bool
+        Which of the latter are the same in every message.
+    readings : tuple of (str, str, str, slice or ndarray)
+        Name of the law, unit, array, and which of the values are its numbers, of each field of readings.
+    """
 
-    def allows(self, walked: int, in_vain: int, recorded: int) -> bool:
-        """Take so many more, unless they are too many.
-
-        Parameters
-        ----------
-        walked : int
-            Left out, but for what a bias walks in them.
-        in_vain : int
-            Computed because recorded ones stand before and after them.
-        recorded : int
-            Computed, and held against recorded ones.
-        """
-        if self._walked + walked > MOST_LEFT_OUT or self._in_vain + in_vain > _MOST_IN_VAIN:
-            return False
-        self._walked += walked
-        self._in_vain = max(0, self._in_vain + in_vain - recorded)
-        return True
+    frame: str
+    rest: Array
+    values: Array
+    fixed: Booleans
+    readings: tuple[tuple[str, str, str, slice | Integers], ...]
 
 
 class TopicLaws:
-    """One topic's readings of a segment as they come.
+    """The messages of one topic in one segment as they come.
+
+    Parameters
+    ----------
+    told : _Told
+        What its messages should be.
+    title : str
+        Name of the law of what is the same in every message.
+    topic : str
+        Its full name.
+    tally : StampTally
+    watch : Watch, optional
+        It is told of the residuals of all readings that are compared.
+    """
+
+    def __init__(self, told: _Told, title: str, topic: str, tally: StampTally, watch: Watch | None) -> None:
+        self.topic, self.tally, self._told = topic, tally, told
+        self._alike = Judgement(title, "", "frame or covariances are not as declared, at {where}", "reading")
+        what = "{law} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
+        self._values = [
+            Judgement(law, unit, what.format(law=law, unit=f" {unit}" if unit else ""), "reading", watch)
+            for law, unit, _, _ in told.readings
+        ]
+
+    def take(self, placed: PlacedMessages) -> None:
+        """Count messages that come next, and judge what is the same in all."""
+        messages, told = placed.messages, self._told
+        own = [name == told.frame and np.array_equal(np.frombuffer(rest), told.rest) for name, rest in messages.kinds]
+        alike = np.array(own, dtype=bool)[messages.kind]
+        alike &= (messages.values[:, told.fixed] == told.values[told.fixed]).all(axis=1)
+        self.tally.add(placed.times_ns)
+        self._alike.add(np.where(alike, 0.0, 1.0), 0.0, placed.numbers, placed.times_ns)
+
+    def compare(self, piece: Piece, placed: PlacedMessages) -> int:
+        """Judge those messages whose readings are in a piece; return how many are not logged when they arrive."""
+        at = placed.numbers - piece.first
+        inside = np.flatnonzero((at >= 0) & (at < len(piece.times_ns)))
+        if not len(inside):
+            return 0
+        own, rows = _as_slice(inside), _as_slice(at[inside])
+        values, numbers, times_ns = placed.messages.values[own], placed.numbers[own], placed.times_ns[own]
+        for law, (_, _, array, columns) in zip(self._values, self._told.readings, strict=True):
+            law.add(*piece.arrays[array][rows].residuals(values[:, columns]), numbers, times_ns)
+        return int(np.count_nonzero(piece.times_ns[rows] != placed.messages.log_times_ns[own]))
+
+    def results(self, *, with_values: bool) -> Iterator[LawResult]:
+        """How near the laws of the messages' content came to their limits."""
+        for law in [*(self._values if with_values else []), self._alike]:
+            yield law.result()
+
+
+class SegmentSensor:
+    """One sensor in one segment: its topics, and the replay that they are held against.
 
     Parameters
     ----------
     found : SurveyedSegment
     successors : sequence of Segment
         Those that begin where this one ends.
-    name, topic : str
-        The topic's relative and full name.
+    name : str
+        The sensor's.
+    topics : mapping of str to str
+        Full names of the topics that are held against it, by relative names.
     work : Work
     watch : Watch, optional
-        It is told of the residuals of all readings that are compared.
 
     Attributes
     ----------
@@ -99,11 +123,12 @@ class TopicLaws:
         Of the sensor; None if the scenario has no such sensor.
     first : int
         Number of the first reading of the segment.
-    tally : StampTally
-    strays : int
-        Readings of a sensor that the scenario has not.
+    topics : dict of str to TopicLaws
+        By relative names.
+    strays : dict of str to int
+        Readings on each topic of a sensor that the scenario has not.
     is_too_far : bool
-        Whether the readings were not compared, as too many are missing.
+        Whether some readings were not compared, as too many are missing before them.
     """
 
     def __init__(
@@ -111,50 +136,40 @@ class TopicLaws:
         found: SurveyedSegment,
         successors: Sequence[Segment],
         name: str,
-        topic: str,
+        topics: Mapping[str, str],
         work: Work,
         watch: Watch | None = None,
     ) -> None:
-        self.found, self.name, self.topic, self._work = found, name, topic, work
-        self._successors, segment = successors, found.segment
+        self.found, self._successors, self._name, self._work = found, successors, name, work
         self.end_ns = successors[0].start_ns - 1 if successors else None
-        self.strays, self.is_too_far, self._is_finished, self._motion_error = 0, False, False, 0.0
-        model = model_of(segment.scenario, name)
-        self.clock: SampleClock | None = None
-        self._arrivals: Arrivals | None = None
-        self._is_late, self.first = model is not None and model.delivery is not None, 0
-        if model is not None:
-            self.clock, self.first = sensor_clock(segment, model.rate)
-            self._arrivals = Arrivals(self.clock, self.first, segment.start_ns, model.delivery)
-        self.tally = StampTally(self.clock or segment.clock(), "reading", partial(shown_ns, segment, model))
-        self.sensor, self._table_topic = entry_of(name)
-        self._alike = Judgement(
-            self._table_topic.title, "", "frame or covariances are not as declared, at {where}", "reading"
-        )
-        model = model or self.sensor.model.from_values(dict(segment.scenario.sensor_parameters))
-        fields = told_fields(self._table_topic, model)
-        self._columns = [value_columns(self._table_topic, field) for field in fields]
-        self._values = [
-            Judgement(
-                f.quantity,
-                f.unit,
-                _OFF.format(field=f.place.rpartition(".")[2].replace("_", " "), unit=f" {f.unit}" if f.unit else ""),
-                "reading",
-                watch,
-            )
-            for f in fields
-        ]
-        self._readings: Readings | None = None
-        none, width = np.empty(0, dtype=np.int64), int(varying_fields(self._table_topic.message_type).sum())
-        self._fixed = np.full(width, fill_value=True)
-        for columns in self._columns:
-            self._fixed[columns] = False
-        self._waiting = _Recorded(none, none, np.empty((0, width)))
+        self.is_too_far, self._motion_error = False, 0.0
+        self._replay: Replay | None = None
+        self.strays = dict.fromkeys(topics, 0)
+        segment = found.segment
+        self._model = model = segment.scenario.sensors.on.get(name)
+        self.clock = None if model is None else SampleClock(segment.scenario.epoch_ns, model.rate)
+        self.first = 0 if self.clock is None else self.clock.count_until(segment.start_ns - 1)
+        told = _told(segment.scenario, name) if model is not None else {}
+        self.topics = {
+            topic.name: TopicLaws(told[topic.name], topic.title, topics[topic.name], self._tally(), watch)
+            for topic in SENSORS[name].topics
+            if model is not None and topic.name in topics
+        }
+
+    def _tally(self) -> StampTally:
+        assert self.clock is not None
+        return StampTally(self.clock, "reading", self._shown_ns)
+
+    def _shown_ns(self, times_ns: Integers) -> Integers:
+        """What the sensor's clock shows at some times, ns."""
+        delivery = None if self._model is None else self._model.delivery
+        epoch_ns = self.found.segment.scenario.epoch_ns
+        return times_ns if delivery is None else times_ns + delivery.error_ns(times_ns, epoch_ns)
 
     @property
     def goes_on(self) -> bool:
         """Whether the sensor is there after the segment as well."""
-        return all(model_of(later.scenario, self.name) is not None for later in self._successors)
+        return all(self._name in later.scenario.sensors.on for later in self._successors)
 
     @property
     def last_sample_ns(self) -> int:
@@ -165,146 +180,98 @@ class TopicLaws:
 
     def arrived_until(self, time_ns: int) -> int:
         """How many readings of the clock, from number 0 on, arrive at or before a time."""
-        assert self._arrivals is not None
-        return self._arrivals.count_until(time_ns)
+        assert self.clock is not None
+        assert self._model is not None
+        start_ns = self.found.segment.start_ns
+        return Arrivals(self.clock, self.first, start_ns, self._model.delivery).count_until(time_ns)
 
-    def logged_otherwise(self, messages: SensorMessages) -> int:
-        """How many of some messages are not logged when they arrive."""
-        if self.clock is None or self._arrivals is None or not self._is_late or not len(messages):
-            return int(np.count_nonzero(messages.log_times_ns != messages.stamps_ns))
-        numbers = number_samples(self.clock, messages.stamps_ns)
-        off = 0
-        for some in np.unique(numbers // BLOCK):
-            rows = np.flatnonzero(numbers // BLOCK == some)
-            low, high = int(numbers[rows].min()), int(numbers[rows].max())
-            if low < self.first:
-                off += len(rows)
-                continue
-            times, _, _ = self._arrivals.of(self.clock.stamps_ns(low, high - low + 1))
-            off += int(np.count_nonzero(times[numbers[rows] - low] != messages.log_times_ns[rows]))
-        return off
-
-    def lost(self, last: int) -> Lost:
-        """The readings of the segment that never arrived, up to a number; none far behind all messages."""
+    def lost(self, tally: StampTally, last: int) -> Lost:
+        """The readings of the segment that never arrived, up to a number; none far behind all messages of a topic."""
         segment, clock, first = self.found.segment, self.clock, self.first
-        model = model_of(segment.scenario, self.name)
-        delivery = None if model is None else model.delivery
+        delivery = None if self._model is None else self._model.delivery
         if clock is None or delivery is None:
             return NONE_LOST
         # a forged stamp may lie years ahead
         truth_ns = (self.found.last_ns or segment.start_ns) + round(2 * NS / segment.scenario.rate) + NS
-        most = max(clock.count_until(truth_ns), first + MOST_LOST * self.tally.count)
+        most = max(clock.count_until(truth_ns), first + MOST_LOST * tally.count)
         return Lost(
             first,
             min(last + 1, most),
             lambda k, n: delivery.lost(k - first, clock.stamps_ns(k, n) - segment.start_ns),
         )
 
-    def add(self, messages: SensorMessages) -> None:
-        """Take the messages that come next."""
+    def add(self, placed: Mapping[str, PlacedMessages]) -> int:
+        """Take the messages that come next, by topic; return how many are not logged when their readings arrive."""
         if self.clock is None:
-            self.strays += len(messages)
-            return
-        numbers = number_samples(self.clock, messages.stamps_ns)
-        self.tally.add(messages.stamps_ns)
-        self._alike.add(np.where(self._is_unlike(messages), 1.0, 0.0), 0.0, numbers, messages.stamps_ns)
-        if not self._is_finished:
-            self._waiting = self._waiting.followed_by(_Recorded(numbers, messages.stamps_ns, messages.values))
-            self._compare(max(0, len(self._waiting.numbers) - _HELD_BACK))
+            for name, own in placed.items():
+                self.strays[name] += len(own.numbers)
+            return sum(int(np.count_nonzero(own.times_ns != own.messages.log_times_ns)) for own in placed.values())
+        for name, own in placed.items():
+            self.topics[name].take(own)
+        numbers = np.unique(np.concatenate([own.numbers for own in placed.values()]))
+        off = sum(int(np.count_nonzero(own.numbers < self.first)) for own in placed.values())
+        numbers = numbers[np.searchsorted(numbers, self.first) :]
+        while len(numbers) and not self.is_too_far:
+            piece = self._replayed().piece(numbers)
+            self.is_too_far = piece is None
+            if piece is not None:
+                off += sum(self.topics[name].compare(piece, own) for name, own in placed.items())
+                numbers = numbers[np.searchsorted(numbers, piece.end) :]
+        return off
 
-    def finish(self) -> None:
-        """Compare those that wait; later ones are compared no more."""
-        if not self._is_finished:
-            self._compare(len(self._waiting.numbers))
-            self._is_finished, self._readings = True, None
-            self._waiting = self._waiting[:0].followed_by(self._waiting[:0])  # a view would keep all that waited
+    def _replayed(self) -> Replay:
+        if self._replay is None:
+            self._replay = Replay(self.found.segment, self._name, self.found.duration, self._work)
+            self._motion_error = self._replay.motion_error
+        return self._replay
 
-    def results(self) -> Iterator[LawResult]:
-        """How near the laws of the messages' content came to their limits."""
-        for law in [*([] if self.is_too_far else self._values), self._alike]:
-            yield self._named(law.result())
+    def close(self) -> None:
+        """Forget the replay, which begins anew where another message comes."""
+        self._replay = None
 
-    def _named(self, law: LawResult) -> LawResult:
-        """A law whose message, if it is broken, tells topic, time, and whether the stepper is to blame."""
-        if law.holds or law.stamp_ns is None:
-            return law
-        time_s = (law.stamp_ns - self.found.segment.start_ns) / 1e9
-        message = f"{self.topic:.60}: {law.message}, {time_s:.9g} s after the start"
-        if law.name in VALUES and self._motion_error > ATTITUDE_CAP:
-            message += (
-                f": between these readings the declared stepper errs by up to {self._motion_error:.2g} rad, "
-                f"a ground truth by {ATTITUDE_CAP:g} at most"
-            )
-        return replace(law, message=message)
-
-    def _is_unlike(self, messages: SensorMessages) -> Booleans:
-        """Which messages have another frame or other fixed fields than the scenario makes them have."""
-        frame, rest, values = _fixed_fields(self.found.segment.scenario)[self.name]
-        own = [name == frame and np.array_equal(np.frombuffer(numbers), rest) for name, numbers in messages.kinds]
-        unlike = ~np.array(own, dtype=bool)[messages.kind]
-        return np.asarray(unlike | (messages.values[:, self._fixed] != values[self._fixed]).any(axis=1))
-
-    def _compare(self, count: int) -> None:
-        """Compare the first of those that wait."""
-        ready, self._waiting = self._waiting[:count], self._waiting[count:]
-        if self.is_too_far or not count:
-            return
-        readings = self._readings = self._readings or _READINGS[self.name](self.found.segment, self.found.duration)
-        self._motion_error = readings.motion_error
-        ready = ready[int(np.searchsorted(ready.numbers, readings.next)) :]
-        while len(ready.numbers):
-            first = int(ready.numbers[0])
-            end = int(np.searchsorted(ready.numbers, first + BLOCK))
-            block, ready = ready[:end], ready[end:]
-            count = int(block.numbers[-1]) - first + 1
-            left_out, between = first - readings.next, max(0, count - end)
-            in_vain = between + left_out if readings.repeats else between
-            if not self._work.allows(left_out if readings.walks else 0, in_vain, end):
-                self.is_too_far = True
-                return
-            for law, columns, expected in zip(self._values, self._columns, readings.take(first, count), strict=True):
-                own = expected if count == end else expected[block.numbers - first]
-                law.add(*own.residuals(block.values[:, columns]), block.numbers, block.stamps_ns)
+    def results(self, topic: TopicLaws) -> Iterator[LawResult]:
+        """The laws of a topic's content; a broken one tells topic, time, and whether the stepper is to blame."""
+        for law in topic.results(with_values=not self.is_too_far):
+            if law.holds or law.stamp_ns is None:
+                yield law
+                continue
+            time_s = (law.stamp_ns - self.found.segment.start_ns) / 1e9
+            message = f"{topic.topic:.60}: {law.message}, {time_s:.9g} s after the start"
+            if law.name in value_laws() and self._motion_error > ATTITUDE_CAP:
+                message += (
+                    f": between these readings the declared stepper errs by up to {self._motion_error:.2g} rad, "
+                    f"a ground truth by {ATTITUDE_CAP:g} at most"
+                )
+            yield replace(law, message=message)
 
 
-@dataclass(frozen=True)
-class _Recorded:
-    """Recorded readings by their numbers, rising."""
-
-    numbers: Integers
-    stamps_ns: Integers
-    values: Array
-
-    def followed_by(self, later: _Recorded) -> _Recorded:
-        """These and later ones, in order."""
-        both = _Recorded(
-            np.concatenate([self.numbers, later.numbers]),
-            np.concatenate([self.stamps_ns, later.stamps_ns]),
-            np.concatenate([self.values, later.values]),
-        )
-        return both if (np.diff(both.numbers) >= 0).all() else both[np.argsort(both.numbers, kind="stable")]
-
-    def __getitem__(self, rows: slice | Integers) -> _Recorded:
-        return _Recorded(self.numbers[rows], self.stamps_ns[rows], self.values[rows])
-
-
-def entry_of(name: str) -> tuple[Sensor, Topic]:
-    """The sensor of a topic, and the topic, in the table."""
-    return next((sensor, topic) for sensor in SENSORS.values() for topic in sensor.topics if topic.name == name)
-
-
-def model_of(scenario: Scenario, name: str) -> SensorModel | None:
-    """The sensor of a topic, if the scenario has it."""
-    return scenario.sensors.on.get(entry_of(name)[0].name)
+def value_laws() -> frozenset[str]:
+    """The laws of readings, which depend on how this software computes noise."""
+    return frozenset(field.quantity for sensor in SENSORS.values() for topic in sensor.topics for field in topic.fields)
 
 
 @lru_cache(maxsize=4)
-def _fixed_fields(scenario: Scenario) -> Mapping[str, tuple[str, Array, Array]]:
-    """Of each sensor's topic the frame, the numbers beside the values, and values of a reading, as they are encoded."""
+def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
+    """What a scenario makes of the messages of a sensor, by topic."""
     found = {}
-    for name, model in scenario.sensors.on.items():
-        for topic in SENSORS[name].topics:
-            encoder, varying = ReadingEncoder(topic, model, scenario), varying_fields(topic.message_type)
-            numbers = np.array(encoder.numbers)
-            found[topic.name] = encoder.frame, numbers[~varying], numbers[varying]
+    for topic in SENSORS[name].topics:
+        encoder, varying = (
+            ReadingEncoder(topic, scenario.sensors.on[name], scenario),
+            varying_fields(topic.message_type),
+        )
+        numbers = np.array(encoder.numbers)
+        fixed = np.full(np.count_nonzero(varying), fill_value=True)
+        readings = []
+        for field in encoder.fields:
+            columns = value_columns(topic, field)
+            fixed[columns] = False
+            readings.append((field.quantity, field.unit, field.array, _as_slice(columns)))
+        found[topic.name] = _Told(encoder.frame, numbers[~varying], numbers[varying], fixed, tuple(readings))
     return found
+
+
+def _as_slice(indices: Integers) -> slice | Integers:
+    """Indices as a slice where they follow each other, which copies nothing."""
+    first, last = int(indices[0]), int(indices[-1])
+    follow = last - first + 1 == len(indices) and (np.diff(indices) == 1).all()
+    return slice(first, last + 1) if follow else indices

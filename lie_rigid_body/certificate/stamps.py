@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.number_runs import NumberRuns, RunList
-from lie_rigid_body.recording.segments import number_samples
+from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
 OFF_GRID: Final = "ns"
@@ -252,14 +252,6 @@ class StampTally:
         if begin == end:
             return f"{self._noun} {begin} is missing"
         return f"{end - begin + 1} {self._noun}s from {begin} to {end} are missing"
-
-
-def grid(clock: SampleClock, numbers: Integers) -> Integers:
-    """The exact stamps of samples by their numbers, ns."""
-    low, high = int(numbers.min()), int(numbers.max())
-    if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
-        return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
-    return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
 def _some(items: list[str], count: int) -> str:

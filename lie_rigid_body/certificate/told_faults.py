@@ -8,14 +8,17 @@ late, a part of it without a gap. A size may differ in the last bits where a lib
 from __future__ import annotations
 
 import itertools
-from collections import OrderedDict, deque
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import Final, NamedTuple
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.readings import BLOCK, deviate_rounding
+from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.sensor_reader import FaultMessages
 from lie_rigid_body.sensors import Fault
@@ -27,8 +30,10 @@ MOST_LOOKED_THROUGH: Final = 200_000_000
 """Readings whose faults are computed, beyond those that the bag has."""
 _EPISODES_PER_SECOND: Final = 1000
 """Most that one kind of fault has."""
-_MOST_KEPT: Final = 100_000
-"""Faults that are kept until the bag tells of them, or after it did."""
+_DRAWN: Final = ("temperature_drift", "magnetic_disturbance")
+"""Kinds of faults whose sizes are made of normal deviates, which differ in last bits between libraries."""
+_MOST_KEPT: Final = 10_000
+"""Faults that are remembered until the bag tells of them, or to know one that it tells of twice; they take 10 MB."""
 
 
 class ExpectedFaults:
@@ -48,42 +53,37 @@ class ExpectedFaults:
     """
 
     def __init__(self, segments: Sequence[Segment], most: int) -> None:
-        ends = [later.start_ns - 1 for later in segments[1:]]
-        self._rest = list(zip(segments, [*ends, MAX_EPOCH_NS], strict=True))[::-1]
-        self._log: FaultLog | None = None
-        self._known_ns, self._left = 0, most
-        self.is_too_far = False
+        self._segments, self._starts = segments, np.array([segment.start_ns for segment in segments])
+        self._log, self._left, self.is_too_far = FaultLog(segments[0]), most, False
+        self._known_ns = segments[0].start_ns - 1
+        for segment in segments[1:]:
+            self._log.follow(segment)
 
-    def until(self, time_ns: int) -> Iterator[tuple[Segment, Fault]]:
-        """Those that begin up to a time, ns, and did not come yet, each with its segment."""
-        while self._rest and not self.is_too_far:
-            segment, end_ns = self._rest[-1]
-            if self._log is None:
-                self._log, self._known_ns = FaultLog(segment), segment.start_ns - 1
-            yield from ((segment, fault) for fault in self._of(self._log, segment, min(time_ns, end_ns)))
-            if time_ns < end_ns:
-                return
-            self._log = None
-            self._rest.pop()
+    def until(self, time_ns: int) -> Iterator[Fault]:
+        """Those that begin up to a time, ns, and did not come yet."""
+        while self._known_ns < time_ns and not self.is_too_far:
+            sensors = self.segment_at(self._known_ns + 1).scenario.sensors
+            later = self._starts[np.searchsorted(self._starts, self._known_ns + 1, side="right") :]
+            end_ns = min(time_ns, int(later[0]) - 1 if len(later) else MAX_EPOCH_NS)
+            if sensors.have_faults:
+                rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
+                end_ns = min(end_ns, self._known_ns + max(1, int(BLOCK * NS / rate)))
+                self._left -= 1 + int((end_ns - self._known_ns) * rate / NS)
+            self._known_ns, self.is_too_far = end_ns, self._left < 0
+            yield from self._log.take(end_ns)
 
-    def _of(self, log: FaultLog, segment: Segment, until_ns: int) -> Iterator[Fault]:
-        sensors = segment.scenario.sensors
-        if not sensors.have_faults:
-            self._known_ns = until_ns
-        rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
-        while self._known_ns < until_ns and not self.is_too_far:
-            last_ns = min(until_ns, self._known_ns + max(1, int(BLOCK * NS / rate)))
-            self._left -= 1 + int((last_ns - self._known_ns) * rate / NS)
-            self._known_ns, self.is_too_far = last_ns, self._left < 0
-            yield from log.take(last_ns)
+    def segment_at(self, time_ns: int) -> Segment:
+        """The segment in which a fault begins at a time, ns."""
+        return self._segments[int(np.searchsorted(self._starts, time_ns, side="right")) - 1]
 
 
-class _Expected(NamedTuple):
-    """A fault that the bag should tell of, its number in the list of all, and the segment that makes it."""
+@dataclass
+class _Expected:
+    """A fault of the scenarios, its number in the list of all, and whether the bag told of it."""
 
     number: int
     fault: Fault
-    segment: Segment
+    is_told: bool = False
 
 
 class FaultLaw:
@@ -112,10 +112,8 @@ class FaultLaw:
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
         self._expected = ExpectedFaults(segments, most)
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
-        self._awaited = OrderedDict[str, _Expected]()
-        self._drifts: dict[Fault, str] = {}
-        self._told, self._told_order = set[int](), deque[int]()  # hashes, as texts take four times as much
-        self._count = self._known = 0
+        self._known = OrderedDict[Fault, _Expected]()  # by all but their sizes
+        self._count = self._number = 0
         self._first, self._last = (0 if is_whole else None), -1
         self._wrong: dict[str, tuple[int, str]] = {}
         self._worst: tuple[int, int] | None = None
@@ -142,62 +140,45 @@ class FaultLaw:
         if fault.begin_ns < self._start_ns and not self._is_whole:
             self.early += 1
             return
-        self._expect(min(fault.begin_ns, self._horizon_ns))
-        found = self._found(text, fault)
-        where = f"message {self._count} ({_in_words(fault)})"
-        if found is None and hash(text) in self._told:
+        for expected in self._coming(min(fault.begin_ns, self._horizon_ns)):
+            self._remember(expected)
+        found, where = self._found(text, fault), f"message {self._count} ({_in_words(fault)})"
+        if found is None:
+            self._note("of which the scenario makes none", where, fault.begin_ns)
+        elif found.is_told:
+            self.repeated += 1
             if self._is_whole:
                 self._note("twice", where, fault.begin_ns)
-            self.repeated += 1
-        elif found is None:
-            self._note("of which the scenario makes none", where, fault.begin_ns)
         else:
-            self._match(found, where, fault.begin_ns)
-            self._remember(hash(text))
-
-    def _remember(self, told: int) -> None:
-        if told not in self._told:
-            self._told.add(told)
-            self._told_order.append(told)
-        if len(self._told) > _MOST_KEPT:
-            self._told.remove(self._told_order.popleft())
-
-    def _match(self, found: _Expected, where: str, begin_ns: int) -> None:
-        if self._first is None:
-            self._first = found.number
-            self._awaited = OrderedDict((t, one) for t, one in self._awaited.items() if one.number > found.number)
-        if found.number < self._last:
-            self._note("out of order", where, begin_ns)
-        self._last = max(self._last, found.number)
-
-    def _found(self, text: str, fault: Fault) -> _Expected | None:
-        """The awaited fault that a message tells of; it is awaited no longer."""
-        if text not in self._awaited and fault.to_json() == text:
-            alike = self._drifts.get(replace(fault, size=None), "")
-            if alike in self._awaited and _is_alike(self._awaited[alike], fault):
-                text = alike
-        return self._awaited.pop(text, None)
-
-    def _expect(self, until_ns: int) -> None:
-        for expected in self._coming(until_ns):
-            fault = expected.fault
-            text = fault.to_json()
-            self._awaited[text] = expected
-            if fault.kind == "temperature_drift":
-                self._drifts[replace(fault, size=None)] = text
-            if len(self._awaited) > _MOST_KEPT:
-                self._miss(self._awaited.popitem(last=False)[1])
+            found.is_told = True
+            self._first = found.number if self._first is None else self._first
+            if found.number < self._last:
+                self._note("out of order", where, fault.begin_ns)
+            self._last = max(self._last, found.number)
 
     def _coming(self, until_ns: int) -> Iterator[_Expected]:
-        for segment, fault in self._expected.until(until_ns):
-            yield _Expected(self._known, fault, segment)
-            self._known += 1
+        for fault in self._expected.until(until_ns):
+            yield _Expected(self._number, fault)
+            self._number += 1
 
-    def _miss(self, expected: _Expected) -> None:
-        if self._first is not None and expected.number >= self._first:
-            begin_ns = expected.fault.begin_ns
-            seconds = (begin_ns - expected.segment.start_ns) / NS
-            self._note("missing", f"{_in_words(expected.fault)}, {seconds:.9g} s after the start", begin_ns)
+    def _remember(self, expected: _Expected) -> None:
+        self._known[replace(expected.fault, size=None)] = expected
+        if len(self._known) > _MOST_KEPT:
+            self._miss([self._known.popitem(last=False)[1]])
+
+    def _found(self, text: str, fault: Fault) -> _Expected | None:
+        """The fault that a message tells of, if the scenarios make it."""
+        found = self._known.get(replace(fault, size=None)) if fault.to_json() == text else None
+        return found if found is not None and _are_alike(found.fault, fault) else None
+
+    def _miss(self, some: Iterable[_Expected], until_ns: int = -1) -> None:
+        """Note those of some faults that the bag should have told of; in a whole bag also those up to a time, ns."""
+        for expected in some:
+            begin_ns, first = expected.fault.begin_ns, self._first
+            is_due = until_ns < 0 or expected.number < self._last or (self._is_whole and begin_ns <= until_ns)
+            if is_due and not expected.is_told and first is not None and expected.number >= first:
+                seconds = (begin_ns - self._expected.segment_at(begin_ns).start_ns) / NS
+                self._note("missing", f"{_in_words(expected.fault)}, {seconds:.9g} s after the start", begin_ns)
 
     def _note(self, what: str, where: str, begin_ns: int) -> None:
         count, first = self._wrong.get(what, (0, where))
@@ -207,10 +188,8 @@ class FaultLaw:
     def result(self, topic: str, until_ns: int) -> LawResult:
         """Whether the bag tells of every fault, of a bag that is to be whole of every one that begins up to a time."""
         rest = self._coming(until_ns) if self._is_whole else ()
-        for expected in itertools.chain(self._awaited.values(), rest):
-            if expected.number < self._last or (self._is_whole and expected.fault.begin_ns <= until_ns):
-                self._miss(expected)
-        self._awaited.clear()
+        self._miss(itertools.chain(self._known.values(), rest), until_ns)
+        self._known.clear()
         parts = [f"{count} {what}, the first: {first}" for what, (count, first) in self._wrong.items()]
         wrong = sum(count for count, _ in self._wrong.values())
         sample, stamp = self._worst or (None, None)
@@ -222,8 +201,8 @@ def _in_words(fault: Fault) -> str:
     return f"{fault.kind} of {' '.join(filter(None, (fault.sensor, fault.axis)))}"
 
 
-def _is_alike(expected: _Expected, drift: Fault) -> bool:
-    """Whether the whole change of a drift is that expected, but for last bits: it is a normal deviate."""
-    sigma = expected.segment.scenario.parameters()[f"{drift.sensor}_temperature_drift"]
-    assert isinstance(sigma, float)
-    return abs((expected.fault.size or 0.0) - (drift.size or 0.0)) <= deviate_rounding(sigma)
+def _are_alike(expected: Fault, told: Fault) -> bool:
+    """Whether two faults have one size, but for the last bits of one that is made of normal deviates."""
+    if expected.kind not in _DRAWN or expected.size is None or told.size is None:
+        return expected.size == told.size
+    return abs(expected.size - told.size) <= ROUNDINGS * U * abs(expected.size)

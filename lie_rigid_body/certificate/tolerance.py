@@ -26,7 +26,7 @@ from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
-from lie_rigid_body.motion.taylor_flow import TURN_PER_SUBSTEP
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
 from lie_rigid_body.parameters import Vector
 from lie_rigid_body.scenario import Scenario
@@ -62,7 +62,8 @@ class Tolerance:
         Bound Ω of the body rate, rad/s.
     conditions : ConditionNumbers
     drift : Drift
-    propagation : Propagation
+    largest_growth : float
+        Largest factor by which an error grows between two states of the segment.
     inversion : float
         How many times larger the roundings of a recorded rate are, of a stepper that computes it from the momentum.
     """
@@ -70,7 +71,7 @@ class Tolerance:
     fastest: float
     conditions: ConditionNumbers
     drift: Drift
-    propagation: Propagation
+    largest_growth: float
     inversion: float = 1.0
 
     def energy(self, t: Array) -> Array:
@@ -95,24 +96,42 @@ class Tolerance:
         """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
         return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
 
-    def mean_rate(self, t: Array, span: float) -> Array:
-        """Limit of the error of the mean rate over ``span``, s, up to times t, rad/s, shape (N,)."""
-        turn = np.array([self.fastest * span])
-        carried = turn * self.propagation.growth(turn) * self.rate(t)
-        return np.asarray((self.attitude_step(np.array([span])) + carried) / span)
+    def stepper_attitude(self, t: Array) -> Array:
+        """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
+        return np.asarray(np.minimum(self.drift.attitude(t), ATTITUDE_CAP))
+
+    def stepper_rate(self, t: Array) -> Array:
+        """Limit of what the declared stepper errs by in the body rate at times t, capped, rad/s, shape (N,)."""
+        return np.asarray(self.fastest * np.minimum(self.drift.rate(t), ATTITUDE_CAP))
+
+    def stepper_mean_rate(self, t: Array, span: float) -> Array:
+        """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
+
+        That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
+        between them add, and an error of the rate before them.
+        """
+        spans = np.array([span])
+        turn, growth = self.fastest * spans, self._growth(self.fastest * spans)
+        between = self.drift.attitude_step(spans) + turn * (self.drift.rate_step(spans) + self.drift.rate(t))
+        turned = np.minimum(2.0 * self.drift.attitude(t), growth * between)
+        return np.asarray(np.minimum(turned, ATTITUDE_CAP) / span)
 
     def attitude_step(self, spans: Array) -> Array:
         """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
         turns = self.fastest * spans
-        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude(spans)
-        carried = turns * (self._rate_reading(turns) + self.drift.rate(spans))
-        return np.asarray(np.minimum((limit + carried) * self.propagation.growth(turns), ATTITUDE_CAP))
+        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude_step(spans)
+        carried = turns * (self._rate_reading(turns) + self.drift.rate_step(spans))
+        return np.asarray(np.minimum((limit + carried) * self._growth(turns), ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
         """Limit of |ω_sample − ω_flow|/Ω over spans, s, capped, shape (N,)."""
         turns = self.fastest * spans
-        limit = (self._rate_reading(turns) + self.drift.rate(spans)) * self.propagation.growth(turns)
+        limit = (self._rate_reading(turns) + self.drift.rate_step(spans)) * self._growth(turns)
         return np.asarray(np.minimum(limit, ATTITUDE_CAP))
+
+    def _growth(self, turns: Array) -> Array:
+        """Largest factor by which an error grows over turns, rad: exp(turn), and at most that of any two states."""
+        return np.asarray(np.minimum(np.exp(np.minimum(turns, LONGEST_TURN)), self.largest_growth))
 
     def _rate_reading(self, turns: Array) -> Array:
         """Roundings of a recorded rate, and of the momentum and the flow that start from it, relative to Ω."""
@@ -135,21 +154,21 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
-    propagation = _propagation(
+    states, growth, largest = _propagation(
         scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
     )
-    conditions = ConditionNumbers.of(body, propagation.states, fastest)
-    if scenario.motion == "closed_form":
-        return Tolerance(fastest, conditions, NoDrift(), propagation)
+    conditions = ConditionNumbers.of(body, states, fastest)
+    if scenario.motion == "closed_form" or fastest == 0.0:
+        return Tolerance(fastest, conditions, NoDrift(), largest)
     method = METHODS[scenario.method]
     period = 1.0 / scenario.rate
     if method.largest_turn < math.inf:
         drift = MoserVeselovDrift.of(body, start, method, fastest, period, scenario.max_step)
-        return Tolerance(fastest, conditions, drift, propagation)
+        return Tolerance(fastest, conditions, drift, largest)
     step = period / steps_between(period, scenario.max_step)
-    error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
-    steps = MuntheKaasDrift(fastest, step, error, conditions, propagation.gain)
-    return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
+    error = step_error(body, states, method, fastest, step, conditions.rate_of_momentum)
+    steps = MuntheKaasDrift.of(body, states, growth, error, conditions, fastest, step)
+    return Tolerance(fastest, conditions, steps, largest, conditions.inverse)
 
 
 @lru_cache(maxsize=SHARED)

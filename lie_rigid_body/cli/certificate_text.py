@@ -57,6 +57,8 @@ def verdict(certificate: Certificate) -> str:
         f"world momentum to {_momentum(certificate):.2g} (relative).",
         *_worst_sample(certificate),
     ]
+    if certificate.to_the_bit is not None:
+        lines.append(f"It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here.")
     return "\n".join(["\n  ".join(lines), *_sensors(certificate)])
 
 
@@ -92,7 +94,7 @@ def as_json(bag: str, certificate: Certificate) -> dict[str, object]:
             "kinetic_energy_relative": finite(certificate.accuracy("kinetic energy")),
             "world_momentum_relative": finite(_momentum(certificate)),
         }
-        | {"attitude_worst": _worst_json(certificate)}
+        | {"attitude_worst": _worst_json(certificate), "to_the_bit": certificate.to_the_bit}
         if certificate.passed
         else None,
         "certified_sensors": list(certificate.sensors) if certificate.passed else [],

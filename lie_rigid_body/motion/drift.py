@@ -7,7 +7,6 @@ turned at most, h the step and x = Ωh the angle turned in it at most; u = 2⁻�
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -15,8 +14,11 @@ import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.condition_numbers import ConditionNumbers
+from lie_rigid_body.motion.error_growth import ErrorGrowth, Errors, PathFrame
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
@@ -41,8 +43,14 @@ sensitive to all of it."""
 TRUNCATION: Final = 2.0
 """Factor by which a time shift along the orbit enlarges the attitude error."""
 
-ROUNDINGS_PER_STEP: Final = 4.0
-"""Rounding errors of a Runge–Kutta–Munthe-Kaas step, in units of u."""
+BIAS_OF_SLOPE: Final = 16.0
+"""Roundings of a slope that may be alike in all steps, in units of u."""
+
+BIAS_OF_STEP: Final = 2.0**-4
+"""Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed is 0.015."""
+
+REPEATED: Final = 4.0
+"""Largest change of an increment from one step to the next, in units of u, at which its rounding is taken to repeat."""
 
 _MORE_TERMS: Final = 4
 """Terms of the series beyond the stepper's own that are counted as its truncation."""
@@ -67,6 +75,14 @@ class Drift(Protocol):
         """Bound of the error of the kinetic energy, relative."""
         ...
 
+    def attitude_step(self, spans: Array) -> Array:
+        """Bound of the attitude errors made within a time, s, before any of them grows, rad."""
+        ...
+
+    def rate_step(self, spans: Array) -> Array:
+        """Bound of the errors of the body rate made within a time, s, before any of them grows, divided by Ω."""
+        ...
+
 
 class NoDrift:
     """The drift of the closed form: its error does not grow."""
@@ -75,7 +91,7 @@ class NoDrift:
         """0: no drift."""
         return np.zeros_like(t)
 
-    rate = momentum = energy = attitude
+    rate = momentum = energy = attitude_step = rate_step = attitude
 
 
 @dataclass(frozen=True)
@@ -87,8 +103,8 @@ class MoserVeselovDrift:
 
     Parameters
     ----------
-    rate_bound, step : float
-        Ω, rad/s, and h, s.
+    rate_bound, fastest, step : float
+        Ω and the largest body rate, which of a slender body is far smaller, rad/s, and h, s.
     truncation : float
         Turn that a step lacks, rad.
     growth : float
@@ -96,6 +112,7 @@ class MoserVeselovDrift:
     """
 
     rate_bound: float
+    fastest: float
     step: float
     truncation: float
     growth: float
@@ -118,15 +135,21 @@ class MoserVeselovDrift:
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
-            return cls(rate_bound, step, 2.0 * implicit * missing, _growth(frame, step))
+            return cls(rate_bound, quickest, step, 2.0 * implicit * missing, _growth(frame, step))
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error at time t, as a rotation angle, rad."""
-        way = self.rate_bound * self.step * self.rate_bound * t
+        way = self.fastest * self.step * self.fastest * t
         round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + BIAS * way)
         return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
-    rate = attitude
+    attitude_step = attitude
+
+    def rate(self, t: Array) -> Array:
+        """Bound of the body-rate error, divided by Ω: energy and momentum are kept, and with the phase it moves."""
+        return np.asarray(self.attitude(t) * (self.fastest / self.rate_bound))
+
+    rate_step = rate
 
     def momentum(self, t: Array) -> Array:
         """0: kept to round-off."""
@@ -150,44 +173,103 @@ def _growth(frame: ScaledMotion, step: float) -> float:
 class MuntheKaasDrift:
     """The drift of Runge–Kutta–Munthe-Kaas steps, which conserve neither energy nor spatial momentum.
 
-    An error of the body rate makes an error of the attitude later.
+    Errors of the momentum grow along the motion, and turn the attitude. They are made by truncation; by rounding the
+    rate and the slopes, alike in all steps; and by rounding each sum of a momentum and its increment, at random where
+    increments change from step to step by more than a rounding, and alike where they do not.
 
     Parameters
     ----------
     rate_bound, step : float
         Ω, rad/s, and h, s.
     error : StepError
-        Truncation for each radian turned.
+        Truncation.
     conditions : ConditionNumbers
-    gain : callable
-        G at times t, shape (N,): the largest turn up to each time, rad, that changing the initial rate by Ω causes, for
-        each unit of that change.
+    alike : float
+        Sum of the roundings of the momentum that repeat, in a second, relative to the momentum's norm.
+    attitudes, rates : tuple of Errors
+        Errors of the attitude, rad, and of the rate, rad/s, that those of the momentum lead to.
     """
 
     rate_bound: float
     step: float
     error: StepError
     conditions: ConditionNumbers
-    gain: Callable[[Array], Array]
+    alike: float
+    attitudes: tuple[Errors, ...]
+    rates: tuple[Errors, ...]
+
+    @classmethod
+    def of(
+        cls,
+        body: RigidBody,
+        states: State,
+        growth: ErrorGrowth,
+        error: StepError,
+        conditions: ConditionNumbers,
+        rate_bound: float,
+        step: float,
+    ) -> MuntheKaasDrift:
+        """The drift of steps of one length, from the truncation errors at the nodes of a motion."""
+        rates, n = np.abs(states.body_rate), np.abs(growth.frame.axes[0])
+        if np.count_nonzero(body.inertia) > len(body.inertia):  # then each axis has the roundings of all
+            rates, n = (np.tile(so3.norm(v)[:, np.newaxis], 3) for v in (conditions.inverse * rates, n))
+        slope, bend = (np.abs(derivative) for derivative in _derivatives(body, states, growth.frame))
+        slopes = n[:, [1, 2, 0]] * rates[:, [2, 0, 1]] + n[:, [2, 0, 1]] * rates[:, [1, 2, 0]]
+        repeated = step**2 * bend < REPEATED * U * n
+        alike = BIAS_OF_SLOPE * U * slopes + np.where(repeated, 2.0 * np.minimum(U * n / step, slope), 0.0)
+        walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n / math.sqrt(step))
+        made = growth.frame.largest_components(alike) + error.components
+        independent = growth.frame.largest_components(walk)
+        return cls(
+            rate_bound,
+            step,
+            error,
+            conditions,
+            float(so3.norm(alike).max()),
+            (growth.attitude(made), growth.attitude(independent, 2)),
+            (growth.rate(made), growth.rate(independent, 2)),
+        )
 
     def attitude(self, t: Array) -> Array:
-        """Bound of the attitude error, as a rotation angle, rad, with the rounding of stamps to seconds, uΘ."""
-        direct = self._rounding(t) + (self.error.attitude + U) * self.rate_bound * t
-        return np.asarray(direct + self.gain(t) * self.rate(t))
+        """Bound of the attitude error, as a rotation angle, rad."""
+        return np.asarray(self.attitude_step(t) + sum(errors(t) for errors in self.attitudes))
 
     def rate(self, t: Array) -> Array:
         """Bound of the body-rate error, divided by Ω."""
-        return np.asarray(self.conditions.rate_of_momentum * self._rounding(t) + self.error.rate * self.rate_bound * t)
+        return np.asarray(sum(errors(t) for errors in self.rates) / self.rate_bound)
 
     def momentum(self, t: Array) -> Array:
         """Bound of the error of the spatial momentum, relative to its norm."""
-        return np.asarray(2.0 * self._rounding(t) + self.error.momentum * self.rate_bound * t)
+        return np.asarray(self._rounding(t) + self._turning(t) + self.error.momentum.max() * t)
 
     def energy(self, t: Array) -> Array:
         """Bound of the error of the kinetic energy, relative."""
-        rounding = 2.0 * self.conditions.energy_of_momentum * self._rounding(t)
-        return np.asarray(rounding + self.error.energy * self.rate_bound * t)
+        return np.asarray(2.0 * self.conditions.energy_of_momentum * self._rounding(t) + self.error.energy.max() * t)
+
+    def attitude_step(self, spans: Array) -> Array:
+        """Bound of the attitude errors made in a time, rad, before any of them grows."""
+        return np.asarray(self._turning(spans) + self.error.attitude.max() * spans)
+
+    def rate_step(self, spans: Array) -> Array:
+        """Bound of the errors of the body rate made in a time, divided by Ω, before any of them grows."""
+        made = self.error.rate.max() * spans / self.rate_bound
+        return np.asarray(self.conditions.rate_of_momentum * self._rounding(spans) + made)
 
     def _rounding(self, t: Array) -> Array:
-        """Sum of the roundings, relative: those of a slow body repeat from step to step and add up linearly."""
-        return ROUNDINGS_PER_STEP * U * self.conditions.inverse * t / self.step
+        """Bound of the sum of the roundings of the momentum, relative."""
+        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step) + self.alike * t)
+
+    def _turning(self, t: Array) -> Array:
+        """Bound of the sum of the roundings of the attitude, rad."""
+        steps, turn = t / self.step, self.rate_bound * self.step
+        alike = max(1.0, U / turn**2) if turn > U else math.inf
+        walk = np.sqrt(steps * np.minimum(alike, np.maximum(steps, 1.0)))
+        bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * steps
+        return np.asarray(U * (2.0 * RANDOM_WALK_FACTOR * walk + bias))
+
+
+def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Array, Array]:
+    """First and second derivative of n by time, of shape (K, 3): n × ω, and what follows from Euler's equations."""
+    n, rates = frame.axes[0], states.body_rate
+    first = np.cross(n, rates)
+    return first, np.cross(first, rates) + np.cross(n, frame.size * apply_tensor(body.inverse_inertia, first))

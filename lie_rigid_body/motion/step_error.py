@@ -1,8 +1,8 @@
 """The truncation error of one step of a stepper of the moving chart, measured on a given motion.
 
-At the real step the error of one step may lie below round-off. So it is measured at a larger one, where a body turns
-by at most ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the
-error. It is measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
+At a short step the error of one step may lie below round-off. So it is measured at one in which a body turns by at
+least ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the error.
+It is measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
 """
 
 from __future__ import annotations
@@ -13,13 +13,15 @@ from typing import Final
 
 import numpy as np
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion.error_growth import PathFrame
 from lie_rigid_body.motion.moving_chart import Method, MovingChart
 from lie_rigid_body.motion.taylor_flow import flow
 
 PROBE_TURN: Final = 1.0 / 16.0
-"""Rotation angle of the probe step, rad."""
+"""Shortest rotation angle of the probe step, rad, of a body that is not slender."""
 
 LONGEST_SPAN_NS: Final = 1e18
 """Longest probe step, ns, thirty years: a body that turns less in it has no truncation to speak of."""
@@ -30,24 +32,27 @@ SAFETY: Final = 4.0
 
 @dataclass(frozen=True)
 class StepError:
-    """Truncation errors of a stepper for each radian of Ωt, where Ω bounds the body rate.
+    """Truncation errors that a stepper makes in a second at each of K states.
 
     Parameters
     ----------
-    attitude : float
-        rad
-    rate : float
-        Relative to Ω.
-    momentum : float
-        Of the spatial momentum, relative to its norm.
-    energy : float
-        Relative.
+    attitude : ndarray, shape (K,)
+        rad/s
+    components : ndarray, shape (3, K)
+        Momentum in the body, relative to its norm, along the axes of `PathFrame`, 1/s.
+    rate : ndarray, shape (K,)
+        Body rate, rad/s².
+    momentum : ndarray, shape (K,)
+        Spatial momentum, relative to its norm, 1/s.
+    energy : ndarray, shape (K,)
+        Kinetic energy, relative, 1/s.
     """
 
-    attitude: float = 0.0
-    rate: float = 0.0
-    momentum: float = 0.0
-    energy: float = 0.0
+    attitude: Array
+    components: Array
+    rate: Array
+    momentum: Array
+    energy: Array
 
 
 def step_error(
@@ -59,7 +64,7 @@ def step_error(
     ----------
     body : RigidBody
     states : State
-        Along the motion, of shapes (N, 4) and (N, 3).
+        Along the motion, of shapes (K, 4) and (K, 3).
     stepper : Method
     rate_bound : float
         Bound Ω of the body rate, rad/s.
@@ -72,35 +77,29 @@ def step_error(
     -------
     StepError
     """
-    if rate_bound == 0.0:
-        return StepError()
-    probe = min(PROBE_TURN, max(rate_bound * step, PROBE_TURN / slenderness))
-    span_ns = round(min(1e9 * probe / rate_bound, LONGEST_SPAN_NS))
+    turn = rate_bound * step
+    probe = max(turn, PROBE_TURN / slenderness)
+    span_ns = round(min(1e9 * probe / rate_bound, LONGEST_SPAN_NS)) if rate_bound > 0.0 else 0
     if span_ns < 1:  # beyond what nanoseconds resolve: the Taylor terms that are left out, at their largest
-        worst = (rate_bound * step) ** stepper.order / math.factorial(stepper.order + 1)
-        return StepError(worst, worst, 2.0 * worst, 2.0 * worst)
-    turn = rate_bound * 1e-9 * span_ns
-    found = _one_step(body, states, stepper.name, span_ns)
-    exact = flow(body, states, np.full(len(states), 1e-9 * span_ns), rate_bound)
-    scale = SAFETY * (rate_bound * step / turn) ** stepper.order / turn
+        worst = np.full(len(states), rate_bound * turn**stepper.order / math.factorial(stepper.order + 1))
+        return StepError(worst, np.tile(worst, (3, 1)), rate_bound * worst, 2.0 * worst, 2.0 * worst)
+    span = 1e-9 * span_ns
+    found = MovingChart(body, states, method=stepper.name, max_step=2.0 * span).at(span_ns)
+    exact = flow(body, states, np.full(len(states), span), rate_bound)
+    scale = SAFETY * (step / span) ** stepper.order / span
     return StepError(*(scale * error for error in _errors(body, found, exact, rate_bound)))
 
 
-def _one_step(body: RigidBody, states: State, method: str, span_ns: int) -> State:
-    """The states after one step from each."""
-    ends = [
-        MovingChart(body, states[i], method=method, max_step=2e-9 * span_ns).at(span_ns) for i in range(len(states))
-    ]
-    return State.trusted(np.array([e.attitude_xyzw for e in ends]), np.array([e.body_rate for e in ends]))
-
-
-def _errors(body: RigidBody, found: State, exact: State, rate_bound: float) -> tuple[float, float, float, float]:
-    """The largest errors of attitude, rate, momentum and energy, in the units of `StepError`."""
+def _errors(body: RigidBody, found: State, exact: State, rate_bound: float) -> tuple[Array, ...]:
+    """The errors of one step, in the order of `StepError`."""
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
     momentum, energy = body.angular_momentum(exact), body.kinetic_energy(exact)
+    size = so3.norm(momentum)
+    changed = (body.body_momentum(found) - body.body_momentum(exact)) / size[:, np.newaxis]
     return (
-        float(so3.norm(quaternion.log(turned)).max()),
-        float(so3.norm(found.body_rate - exact.body_rate).max()) / rate_bound,
-        float((so3.norm(body.angular_momentum(found) - momentum) / so3.norm(momentum)).max()),
-        float((np.abs(body.kinetic_energy(found) - energy) / energy).max()),
+        so3.norm(quaternion.log(turned)),
+        PathFrame.of(body, exact, rate_bound).components(changed),
+        so3.norm(found.body_rate - exact.body_rate),
+        so3.norm(body.angular_momentum(found) - momentum) / size,
+        np.abs(body.kinetic_energy(found) - energy) / energy,
     )

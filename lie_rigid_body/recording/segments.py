@@ -138,3 +138,11 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
         rate = int(clock.rate)
         return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
     return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
+
+
+def grid(clock: SampleClock, numbers: Integers) -> Integers:
+    """The exact stamps of samples by their numbers, ns."""
+    low, high = int(numbers.min()), int(numbers.max())
+    if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
+        return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
+    return clock.stamps_ns(low, high - low + 1)[numbers - low]

@@ -78,7 +78,7 @@ class SensorArrays:
 
     @classmethod
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
-        """Readings of a simulation."""
+        """Make the arrays of the readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
         return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
 
@@ -86,10 +86,19 @@ class SensorArrays:
     def of_messages(
         cls, sensor: Sensor, messages: Mapping[str, SensorMessages | None], declared: Collection[str]
     ) -> SensorArrays | None:
-        """Readings in a bag's messages, by relative topic names, which arrived at their log times.
+        """Make the arrays of the topics of a bag, by their relative names. Readings arrived at their log times.
 
-        Whether a field is told that need not be, the messages say, or, where there are none, whether its array is
-        among those ``declared``. None without the first topic.
+        Parameters
+        ----------
+        sensor : Sensor
+        messages : mapping of str to (SensorMessages or None)
+        declared : collection of str
+            Arrays that the scenarios tell. Where there is no message, they decide whether an optional field is there.
+
+        Returns
+        -------
+        SensorArrays or None
+            None without the sensor's first topic.
         """
         first = messages[sensor.topics[0].name]
         if first is None:
@@ -102,7 +111,7 @@ class SensorArrays:
         return cls(first.stamps_ns, first.log_times_ns, arrays)
 
     def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
-        """Readings that arrive in a time, with all that messages tell of them.
+        """Take the readings that arrive in some time, as messages tell them.
 
         Raises
         ------
@@ -127,7 +136,7 @@ class SensorArrays:
 def _array(
     topic: Topic, field: Field, messages: SensorMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
-    """A field at the stamps of readings: None if it is not told, NaN where it is not."""
+    """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
     from lie_rigid_body.recording.sensor_reader import fixed_number, value_columns
 
     columns = value_columns(topic, field)

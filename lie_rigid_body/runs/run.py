@@ -106,13 +106,13 @@ class Run(ReadOnly):
         ParameterError
             If it declares a scenario that cannot be.
         """
-        from lie_rigid_body.certificate.sensors import measured_ns
         from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
         from lie_rigid_body.messages.encoding import told_fields
         from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
         from lie_rigid_body.recording.bodies import for_python, require_topics
         from lie_rigid_body.recording.samples import recorded_segments
         from lie_rigid_body.recording.segments import as_written
+        from lie_rigid_body.recording.sensor_clocks import measured_ns
         from lie_rigid_body.recording.sensor_reader import (
             FaultMessages,
             SensorMessages,

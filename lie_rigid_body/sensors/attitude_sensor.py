@@ -16,7 +16,8 @@ from lie_rigid_body.parameters import Value, Vector, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
-from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Signal, Topic
+from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Topic
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.wording import short_repr
 
 
@@ -49,7 +50,7 @@ class AttitudeSensorModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> AttitudeSensorModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -66,7 +67,7 @@ class AttitudeSensorModel(SensorModel):
 
     @property
     def aids(self) -> tuple[AttitudeAid, ...]:
-        """The attitude."""
+        """The attitude, worst about the boresight."""
         return (AttitudeAid(self.boresight, self.roll_noise, self.cross_noise),)
 
     def covariance(self, attitude_xyzw: Array) -> Array:
@@ -86,18 +87,22 @@ class AttitudeSensorModel(SensorModel):
 
 
 def direction(values: Mapping[str, Value], name: str) -> Vector:
-    """A direction as a unit vector.
+    """Make a unit vector of the numbers of a parameter.
 
     Raises
     ------
     ParameterError
-        If the numbers have none, or are too large or small to tell it.
+        If the numbers are 0, or so large or small that they tell no direction.
     """
     components = vector(values, name)
     size = float(so3.norm(components))
     if not 1e-100 < size < 1e100:
         raise ParameterError(name, f"{list(components)} tells no direction: give for example [0.0, 0.0, 1.0]")
     return tuple(component / size for component in components)
+
+
+_OF_QUATERNION: Final = 0.5
+"""Change of a component of a quaternion per rad of a rotation, at most."""
 
 
 class AttitudeSensor(Instrument):
@@ -116,16 +121,28 @@ class AttitudeSensor(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings; see `Instrument.measure`."""
-        attitude = self._read(states.attitude_xyzw)
-        return {"attitude_xyzw": Signal(attitude), "covariance": Signal(self._model.covariance(attitude))}
+        attitude, error = states.attitude_xyzw, np.zeros((len(times_ns), 3))
+        if not self._is_perfect:
+            error = self._error(len(times_ns))
+            attitude = quaternion.multiply(attitude, quaternion.exp(error))
 
-    def _read(self, attitude_xyzw: Array) -> Array:
-        if self._is_perfect:
-            return attitude_xyzw
-        drawn, b = self._noise.take(len(attitude_xyzw)), self._boresight
+        def conditioning() -> Conditioning:
+            return Conditioning.of(1.0 + so3.norm(error), _OF_QUATERNION)
+
+        def of_covariance() -> Conditioning:
+            # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
+            changed = 4.0 * abs(self._model.roll_noise**2 - self._model.cross_noise**2)
+            turned, size = conditioning(), self._model.cross_noise**2 + self._model.roll_noise**2
+            return Conditioning(changed * turned.numbers + size * np.array([1.0, 0.0, 0.0])[:, np.newaxis, np.newaxis])
+
+        covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
+        return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
+
+    def _error(self, count: int) -> Array:
+        """The small rotations of the next readings, in the body frame, rad, shape (N, 3)."""
+        drawn, b = self._noise.take(count), self._boresight
         roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
-        error = self._across * drawn + self._about * roll[:, np.newaxis] * b
-        return quaternion.multiply(attitude_xyzw, quaternion.exp(error))
+        return np.asarray(self._across * drawn + self._about * roll[:, np.newaxis] * b)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""
@@ -137,7 +154,7 @@ def _made(model: AttitudeSensorModel, carrier: Carrier, before_ns: int) -> Attit
 
 
 _ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))
-"""The covariance of the rotation among the numbers of a pose's, whose position is known exactly."""
+"""Numbers of a pose's covariance that belong to the rotation; the position is known exactly."""
 ATTITUDE_SENSOR: Final = Sensor(
     "attitude_sensor",
     "attitude sensor",

@@ -3,38 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from typing import Final, cast
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import triad_fault_parameters
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
-from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_parameters
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_fault_parameters, triad_parameters
 from lie_rigid_body.sensors.sensor import (
     Carrier,
     Field,
     Instrument,
     Sensor,
     SensorModel,
-    Signal,
     Topic,
     VectorAid,
     diagonal,
 )
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LEVER_ARM_M: Final = 1e6
+"""Largest component of the lever arm, m."""
 LARGEST_TURN_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 
@@ -53,11 +54,11 @@ class ImuModel(SensorModel):
     accelerometer_mode : str
         ``free_fall``, or ``pivot_gravity``: held at the mass centre.
     gravity : float
-        m/s².
+        Standard gravity, m/s².
     lever_arm : tuple of float, length 3
         From the mass centre to the accelerometer in the body frame, m.
     orientation : OrientationModel or None
-        None: it tells none.
+        Orientation that it tells; None: it tells none.
     """
 
     gyro_rate: str
@@ -72,7 +73,7 @@ class ImuModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> ImuModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -100,7 +101,7 @@ class ImuModel(SensorModel):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Delivery, gyro and accelerometer, which can have faults."""
         return (self.delivery, self.gyro.faults, self.accelerometer.faults)
 
     @property
@@ -133,7 +134,7 @@ class Imu(Instrument):
     ----------
     model : ImuModel
     body : RigidBody
-        To which it is fixed.
+        The body to which it is fixed.
     before_ns : int
         A time one interval before the first sample, ns; it may be negative.
     before : State
@@ -164,21 +165,38 @@ class Imu(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings before their converters; see `Instrument.measure`."""
-        gyro, gyro_bias = self._gyro.signal(times_ns, self._rate.over(times_ns, states))
-        force, force_bias = self._accelerometer.signal(times_ns, self._force.at(states))
+        rate = Signal(self._rate.over(times_ns, states), condition=lambda: self._rate_conditioning(states))
+        gyro, gyro_bias = self._gyro.signals(times_ns, rate)
+        force, force_bias = self._accelerometer.signals(times_ns, self._force.signal(states))
         signals = {
-            "gyro": Signal(gyro, self._model.gyro.converter),
-            "specific_force": Signal(force, self._model.accelerometer.converter),
-            "gyro_bias": Signal(gyro_bias),
-            "accelerometer_bias": Signal(force_bias),
+            "gyro": gyro,
+            "specific_force": force,
+            "gyro_bias": gyro_bias,
+            "accelerometer_bias": force_bias,
         }
         if self._orientation is not None:
-            signals["orientation_xyzw"] = Signal(self._orientation.measure(states))
+            signals["orientation_xyzw"] = self._orientation.signal(states)
         return signals
 
-    def biases(self, stamps_ns: Integers) -> tuple[Array, Array]:
-        """The true biases in the next readings, which are left out: of the gyro and of the accelerometer."""
-        return self._gyro.bias(stamps_ns), self._accelerometer.bias(stamps_ns)
+    def _rate_conditioning(self, states: State) -> Conditioning:
+        """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""
+        speed, rate = so3.norm(states.body_rate), self._model.rate
+        if self._model.gyro_rate != "integrated":
+            return Conditioning.of(speed, per_rate=1.0)
+        return Conditioning.of(speed + rate, per_rate=1.0, span=1.0 / rate)
+
+    @property
+    def walks(self) -> bool:
+        """Whether the bias of gyro or accelerometer walks."""
+        return bool(self._model.gyro.bias_random_walk or self._model.accelerometer.bias_random_walk)
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that an axis that is stuck repeats; see `Instrument.repeated`."""
+        for faults in (self._model.gyro.faults, self._model.accelerometer.faults):
+            if faults is not None:
+                yield from faults.repeated(number, elapsed_ns, number_before)
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""
@@ -190,7 +208,7 @@ class Imu(Instrument):
 
 
 def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
-    """What the gyro measures from a time, ns, and the state at it on."""
+    """Rate that the gyro measures from a time, ns, on, at which the body has a state."""
     return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
 
 
@@ -205,7 +223,7 @@ def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
 
 
 def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
-    """The fields of a reading's message that are the same in all (REP-145)."""
+    """Fields that are the same in all messages of readings (REP-145)."""
     return {
         **_UNORIENTED,
         **({} if model.orientation is None else {"orientation_covariance": model.orientation.covariance}),

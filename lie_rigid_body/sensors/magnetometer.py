@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, cast
 
@@ -12,14 +12,12 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import episode_parameters, triad_fault_parameters
 from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import not_negative, numbers
+from lie_rigid_body.sensors.parameters import episode_parameters, not_negative, numbers, triad_fault_parameters
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.sensor import (
     Carrier,
@@ -27,11 +25,11 @@ from lie_rigid_body.sensors.sensor import (
     Instrument,
     Sensor,
     SensorModel,
-    Signal,
     Topic,
     VectorAid,
     diagonal,
 )
+from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
 from lie_rigid_body.wording import short_repr
 
@@ -113,7 +111,7 @@ class MagnetometerModel(SensorModel):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Delivery, surroundings and axes, which can have faults."""
         return (self.delivery, self.disturbance, self.faults)
 
     @property
@@ -152,21 +150,27 @@ class Magnetometer(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings before the converter; see `Instrument.measure`."""
-        world_field = self._field
+        world_field = np.broadcast_to(self._field, (len(times_ns), 3))
         if self._disturbance is not None:
             world_field = world_field + self._disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
-        distorted = apply_tensor(self._soft_iron, field) + self._hard_iron
-        signal = np.asarray(distorted + self._noise.take(len(field)))
+        signal = Signal(field, self._converter).through(self._soft_iron).plus(self._hard_iron)
+        signal = signal.plus(self._noise.take(len(field)))
         if self._faults is not None:
-            signal = self._faults.disturbed(times_ns, signal + self._faults.bias(times_ns))
-        return {"field": Signal(signal, self._converter)}
+            signal = self._faults.disturbed(times_ns, signal.plus(self._faults.drift(times_ns)))
+        return {"field": signal}
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""
         self._noise.skip(count)
         if self._faults is not None:
             self._faults.skip(count)
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that an axis that is stuck repeats; see `Instrument.repeated`."""
+        return iter(()) if self._faults is None else self._faults.model.repeated(number, elapsed_ns, number_before)
 
 
 def _made(model: MagnetometerModel, carrier: Carrier, before_ns: int) -> Magnetometer:

@@ -8,11 +8,11 @@ from typing import cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.wording import short_repr
 
 
@@ -60,12 +60,14 @@ class Orientation:
         self._sigma = np.array([model.inclination_noise, model.inclination_noise, model.heading_noise])
         self._noise = BlockBuffer(WhiteNoise(seed, NoiseSource.ORIENTATION_WHITE, 1.0))
 
-    def measure(self, states: State) -> Array:
+    def signal(self, states: State) -> Signal:
         """The next orientations, world-from-body, scalar last, shape (N, 4)."""
-        if not self._sigma.any():
-            return states.attitude_xyzw
-        error = self._sigma * self._noise.take(len(states.attitude_xyzw))
-        return quaternion.multiply(quaternion.exp(error), states.attitude_xyzw)
+        attitude, error = states.attitude_xyzw, np.zeros((len(states.attitude_xyzw), 3))
+        if self._sigma.any():
+            error = self._sigma * self._noise.take(len(attitude))
+            attitude = quaternion.multiply(quaternion.exp(error), attitude)
+        # half of an angle is what a component of a quaternion changes by at most
+        return Signal(attitude, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 0.5))
 
     def skip(self, count: int) -> None:
         """Leave out the next orientations."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,10 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Vector
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 
+_PER_RATE: Final = math.sqrt(2.0) + 2.0
+"""Change of the acceleration of a point per change of the body rate, in units of the rate and of the lever arm."""
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
 
@@ -38,7 +42,7 @@ class SpecificForce:
         self._to_principal = body.principal_axes.T
         self._across = -so3.hat(lever_arm)
         self._principal_across = self._across @ body.principal_axes
-        self._has_lever_arm = any(lever_arm)
+        self._has_lever_arm, self._arm = any(lever_arm), float(so3.norm(np.array(lever_arm)))
         self._support = support
 
     def at(self, states: State) -> Array:
@@ -58,6 +62,23 @@ class SpecificForce:
         if self._support:
             force = force + self._support * _up_in_body(states.attitude_xyzw)
         return force
+
+    def signal(self, states: State) -> Signal:
+        """The specific force as `at` gives it, with its conditioning.
+
+        The quotients of moments in Euler's equations are of size 1 at most. So an error δω of the rate changes ω̇×r by
+        at most √2 ‖ω‖‖r‖ δω, and ω×(ω×r) by twice ‖ω‖‖r‖ δω; one of the attitude turns the support.
+        """
+
+        def conditioning() -> Conditioning:
+            speed = so3.norm(states.body_rate)
+            return Conditioning.of(
+                3.0 * speed * speed * self._arm + self._support,
+                per_attitude=self._support,
+                per_rate=_PER_RATE * speed * self._arm,
+            )
+
+        return Signal(self.at(states), condition=conditioning)
 
     def _of_rotation(self, rate: Array) -> Array:
         """Acceleration of the point relative to the mass centre, body frame, m/s²: ω̇×r + ω×(ω×r)."""

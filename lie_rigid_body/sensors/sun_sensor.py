@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 import numpy as np
 
 from lie_rigid_body.arrays import Integers
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value, Vector
 from lie_rigid_body.sensors.attitude_sensor import direction
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
-from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Sensor, SensorModel, Signal, Topic, VectorAid
+from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.wording import short_repr
 
 
@@ -31,7 +32,7 @@ class SunSensorModel(SensorModel):
     sun : tuple of float, length 3
         s, a unit vector in the world frame.
     noise : float
-        σ, standard deviation of the small rotation about each axis, rad; that about the sun itself shows nowhere.
+        σ, standard deviation of the small rotation about each axis, rad; a rotation about the sun does not show.
     """
 
     sun: Vector
@@ -41,7 +42,7 @@ class SunSensorModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> SunSensorModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -77,9 +78,11 @@ class SunSensor(Instrument):
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings; see `Instrument.measure`."""
         sun = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._sun)
-        if not self._is_perfect:
-            sun = quaternion.rotate(quaternion.exp(self._noise.take(len(sun))), sun)
-        return {"direction": Signal(sun)}
+        if self._is_perfect:
+            return {"direction": Signal(sun)}
+        error = self._noise.take(len(sun))
+        signal = Signal(quaternion.rotate(quaternion.exp(error), sun))
+        return {"direction": replace(signal, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 1.0))}
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 import numpy as np
@@ -12,14 +12,19 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
 from lie_rigid_body.wording import short_repr
 
 LARGEST_SCALE_FACTOR: Final = 1e6
+_WALK: Final = 0.5
+"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps:
+the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
+_SKIPPED_AT_ONCE: Final = 65_536
+"""Steps of a walk that are drawn at once where its readings are left out."""
 
 
 @dataclass(frozen=True)
@@ -118,50 +123,61 @@ class Triad:
         self, model: TriadModel, rate: float, seed: int, *, turn_on: NoiseSource, walk: NoiseSource, white: NoiseSource
     ) -> None:
         self._sensitivity = model.sensitivity
-        self._converter = model.converter
         start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(1)[0]
         steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
         self._bias = BlockBuffer(RandomWalk(start, steps))
+        self._walks = steps.sigma > 0.0
+        self._count, self._largest = 0, np.zeros((1, 3))
         self._noise = BlockBuffer(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
+        self._converter = model.converter
         self._faults = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
 
-    def read(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
-        """The next readings.
+    def signals(self, times_ns: Integers, truth: Signal) -> tuple[Signal, Signal]:
+        """The next readings before the converter, and the biases in them.
 
         Parameters
         ----------
         times_ns : ndarray of int64, shape (N,)
             Times since the segment's start, ns.
-        truth : ndarray, shape (N, 3)
-            In the body frame.
+        truth : Signal
+            The true quantity in the body frame, shape (N, 3).
 
         Returns
         -------
-        readings : ndarray, shape (N, 3)
-            On the sensor's axes.
-        bias : ndarray, shape (N, 3)
+        readings : Signal
+            On the sensor's axes, with all faults.
+        bias : Signal
             What it adds to them.
         """
-        signal, bias = self.signal(times_ns, truth)
-        return self._converter.read(signal), bias
+        bias = self._next_bias(len(times_ns))
+        if self._faults is not None:
+            bias = bias.plus(self._faults.drift(times_ns))
+        signal = truth.through(self._sensitivity).plus(bias.values, lambda: bias.conditioning().size)
+        signal = replace(signal.plus(self._noise.take(len(times_ns))), converter=self._converter)
+        return (signal if self._faults is None else self._faults.disturbed(times_ns, signal)), bias
 
-    def signal(self, times_ns: Integers, truth: Array) -> tuple[Array, Array]:
-        """The same before the converter, with all faults: one that repeats a signal repeats its reading."""
-        bias = self._with_drift(times_ns, self._bias.take(len(truth)))
-        signal = apply_tensor(self._sensitivity, truth) + bias + self._noise.take(len(truth))
-        return signal if self._faults is None else self._faults.disturbed(times_ns, signal), bias
+    def _next_bias(self, count: int) -> Signal:
+        """The next biases without their drift: a walk of k steps carries √k roundings of its largest size so far."""
+        values, largest, number = self._bias.take(count), self._largest, self._count
+        self._count += count
 
-    def bias(self, times_ns: Integers) -> Array:
-        """The biases in the next readings, which are left out, shape (N, 3)."""
-        self._noise.skip(len(times_ns))
-        return self._with_drift(times_ns, self._bias.take(len(times_ns)))
+        def conditioning() -> Conditioning:
+            sizes = np.abs(values)
+            if not self._walks:
+                return Conditioning(np.stack([sizes, *np.zeros((2, *sizes.shape))]))
+            so_far = np.maximum.accumulate(np.concatenate([largest, sizes]), axis=0)[1:]
+            steps = np.arange(number, number + count, dtype=np.float64)[:, np.newaxis]
+            return Conditioning(np.stack([sizes + _WALK * np.sqrt(steps) * so_far, *np.zeros((2, *sizes.shape))]))
 
-    def _with_drift(self, times_ns: Integers, bias: Array) -> Array:
-        return bias if self._faults is None else bias + self._faults.bias(times_ns)
+        if self._walks and count:
+            self._largest = np.maximum(largest, np.abs(values).max(axis=0))
+        return Signal(values, condition=conditioning)
 
     def skip(self, count: int) -> None:
-        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `read`."""
+        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `signals`."""
         self._noise.skip(count)
-        self._bias.skip(count)
+        if self._walks:
+            for done in range(0, count, _SKIPPED_AT_ONCE):
+                self._next_bias(min(count - done, _SKIPPED_AT_ONCE))
         if self._faults is not None:
             self._faults.skip(count)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 import numpy as np
@@ -15,6 +15,7 @@ from lie_rigid_body.sensors.episodes import Episodes, Window, nanoseconds
 from lie_rigid_body.sensors.fault import AXES, Fault, stream
 from lie_rigid_body.sensors.noise import BlockBuffer, Draws, WhiteNoise
 from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.signal import Signal
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,21 @@ class TriadFaults:
             for _, begin, end in self.saturation.between(begin_ns, end_ns):
                 yield Fault("saturation", self.sensor, "", begin, end, self.saturation_level)
 
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that those after one may repeat on an axis that is stuck; see `Instrument.repeated`."""
+        stuck_axis = None
+        if self.stuck is not None:
+            yield number
+        while self.stuck is not None and (time_ns := elapsed_ns(number)) >= 0:
+            episode = self.stuck.at(np.array([time_ns]))
+            axis = int(axis_of(self.stuck.draws(np.maximum(episode, 0))[:, 0])[0])
+            if episode[0] < 0 or stuck_axis not in (None, axis):
+                return
+            stuck_axis, number = axis, number_before(int(self.stuck.begins_ns(episode)[0]))
+            yield number
+
 
 _NUMBERS: Final = (
     *("spike_probability", "spike_size", "noise_burst_density", "saturation_level"),
@@ -143,7 +159,7 @@ def axis_of(drawn: Array) -> Integers:
 
 
 class FaultyTriad:
-    """A triad's faults at work, on readings in order.
+    """The faults of three axes at work, on readings in order.
 
     Parameters
     ----------
@@ -151,26 +167,26 @@ class FaultyTriad:
     rate : float
         Readings per second.
     converter : Converter
-        Of the readings.
+        What makes readings of the signal.
     """
 
     def __init__(self, model: TriadFaults, rate: float, converter: Converter) -> None:
-        self._model = model
+        self.model = model
         self._count = 0
         self._drift = model.drifted()
-        self._last: Array | None = None
+        self._last: Signal | None = None
         self._level = converter.largest_within(model.saturation_level)
         sigma = model.burst_density * math.sqrt(rate)
         self._burst = BlockBuffer(WhiteNoise(model.seed, stream(model.sensor, "noise_burst", 1), sigma))
 
-    def bias(self, times_ns: Integers) -> Array:
+    def drift(self, times_ns: Integers) -> Array:
         """What the drift with temperature adds to the bias at some times since the segment's start, shape (N, 3)."""
-        age, duration = times_ns - self._model.window.begin_ns, self._model.drift_duration_ns
+        age, duration = times_ns - self.model.window.begin_ns, self.model.drift_duration_ns
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
         return np.asarray(share[:, np.newaxis] * self._drift)
 
-    def disturbed(self, times_ns: Integers, signal: Array) -> Array:
-        """The signal of the next readings with bursts, spikes, saturation and what is stuck, shape (N, 3)."""
+    def disturbed(self, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal of the next readings with bursts, spikes, saturation and what is stuck."""
         return self._stuck(times_ns, self._saturated(times_ns, self._added(times_ns, signal)))
 
     def skip(self, count: int) -> None:
@@ -178,36 +194,39 @@ class FaultyTriad:
         self._burst.skip(count)
         self._count += count
 
-    def _added(self, times_ns: Integers, signal: Array) -> Array:
-        """With bursts and spikes."""
-        model = self._model
+    def _added(self, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal with bursts and spikes."""
+        model, count = self.model, len(times_ns)
         if model.noise_bursts is not None:
-            burst = self._burst.take(len(signal))
-            signal = signal + np.where(model.noise_bursts.at(times_ns)[:, np.newaxis] >= 0, burst, 0.0)
-        signal = signal + model.spikes(self._count, times_ns)
-        self._count += len(signal)
+            inside = model.noise_bursts.at(times_ns)[:, np.newaxis] >= 0
+            signal = signal.plus(np.where(inside, self._burst.take(count), 0.0))
+        signal = signal.plus(model.spikes(self._count, times_ns))
+        self._count += count
         return signal
 
-    def _saturated(self, times_ns: Integers, signal: Array) -> Array:
-        model = self._model
+    def _saturated(self, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal clipped at a level; this keeps the order of numbers, and adds no round-off."""
+        model = self.model
         if model.saturation is None:
             return signal
-        saturated = np.clip(signal, -self._level, self._level)
-        return np.where(model.saturation.at(times_ns)[:, np.newaxis] >= 0, saturated, signal)
+        inside = model.saturation.at(times_ns)[:, np.newaxis] >= 0
+        clipped = np.clip(signal.values, -self._level, self._level)
+        return replace(signal, values=np.where(inside, clipped, signal.values))
 
-    def _stuck(self, times_ns: Integers, signal: Array) -> Array:
-        """The same, on a stuck axis that of the reading before: so it repeats that reading, whatever the converter."""
-        if self._model.stuck is None or not len(signal):
+    def _stuck(self, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal that repeats, on a stuck axis, that of the reading before: so whatever the converter."""
+        if self.model.stuck is None or not len(times_ns):
             return signal
-        numbers, signal = self._model.stuck.at(times_ns), signal.copy()
-        axes = axis_of(self._model.stuck.draws(np.maximum(numbers, 0))[:, 0])
+        numbers = self.model.stuck.at(times_ns)
+        axes = axis_of(self.model.stuck.draws(np.maximum(numbers, 0))[:, 0])
+        rows = np.repeat(np.arange(len(times_ns))[:, np.newaxis], 3, axis=1)
         for number in np.unique(numbers[numbers >= 0]):
-            rows = np.flatnonzero(numbers == number)
-            axis, first = int(axes[rows[0]]), int(rows[0])
-            before = signal[first - 1] if first else self._last
-            if before is not None:
-                signal[rows, axis] = before[axis]
+            inside = np.flatnonzero(numbers == number)
+            axis, first = int(axes[inside[0]]), int(inside[0])
+            if first:
+                rows[inside, axis] = rows[first - 1, axis]
             else:
-                signal[rows, axis] = signal[first, axis]
-        self._last = signal[-1].copy()
+                rows[inside, axis] = 0 if self._last is None else -1
+        signal = signal.held(rows, self._last)
+        self._last = signal[-1:]
         return signal

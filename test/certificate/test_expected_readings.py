@@ -1,17 +1,20 @@
-"""The readings that a scenario determines: where one may be a step beside, and biases computed only once."""
+"""The readings that a scenario determines: a step beside at times, and the same wherever a replay begins."""
 
 from __future__ import annotations
 
 import numpy as np
-from sensor_bags import BODY, NOISY, RATES
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor_bags import BODY, FORCE, NOISY, RATES
+from test_certified_faults import EVERY, LATER
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.certificate.imu_readings import BiasReadings, ImuReadings
-from lie_rigid_body.certificate.readings import Expected
+from lie_rigid_body.certificate.readings import Expected, Replay, Work
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Imu
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.simulation import Simulation
+
+SCENARIO = Scenario.from_parameters({**BODY, **RATES, **FORCE, **NOISY, **EVERY, **LATER, "motion": "closed_form"})
 
 
 def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
@@ -31,30 +34,37 @@ def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
         assert bool((residuals <= limits).all()) == holds, recorded_
 
 
-def test_biases_are_the_same_with_the_readings_beside_them_and_alone():
-    segment = Simulation(Scenario.from_parameters({**BODY, **RATES, **NOISY, "sensor_seed": 17})).segment
-    alone, beside, readings = (of(segment, 9.0) for of in (BiasReadings, BiasReadings, ImuReadings))
-    first, drawn = alone.next, []
+@pytest.fixture(scope="module")
+def simulated():
+    simulation = Simulation(SCENARIO)
+    return simulation.segment, simulation.take_until(simulation.next_stamp_ns + 3_000_000_000, 10**6).sensors
 
-    def draw(elapsed: Integers) -> tuple[Array, Array]:
-        drawn.append(len(elapsed))
-        return Imu.biases(beside._sensor, elapsed)
 
-    beside._sensor.biases = draw
-    wanted = [alone.take(first + begin, count) for begin, count in ((0, 90), (90, 200), (300, 10), (320, 60))]
-    readings.take(first + 50, 50)
-    readings = ImuReadings(segment, 9.0)
-    readings.take(first, 100)
-    found = [beside.take(first, 90)]
-    readings.take(first + 100, 190)
-    found += [beside.take(first + 90, 200)]
-    assert not drawn
-    readings.take(first + 310, 80)
-    found += [beside.take(first + 300, 10)]
-    assert drawn == [10]
-    found += [beside.take(first + 320, 60)]
-    assert drawn == [10]
-    for one, other in zip(wanted, found, strict=True):
-        for a, b in zip(one, other, strict=True):
-            assert a.signal.tobytes() == b.signal.tobytes()
-            assert a.uncertainty.tobytes() == b.uncertainty.tobytes()
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.integers(0, 60), min_size=1, max_size=12), st.integers(1, 9))
+def test_a_replay_gives_the_readings_of_the_simulation_wherever_it_begins(simulated, steps, width):
+    """In any order, also where faults, walks and what is stuck began before; and the same limits."""
+    segment, taken = simulated
+    limits: dict[tuple[str, str, int], bytes] = {}
+    for name, samples in taken.items():
+        replay, last = Replay(segment, name, 3.0, Work()), len(samples) - 1
+        for order in (steps, steps[::-1]):
+            for first in (last * step // 60 for step in order):
+                numbers = np.arange(first, min(first + width, last + 1))
+                piece = replay.piece(numbers)
+                assert piece is not None
+                assert piece.first <= first
+                for array, expected in piece.arrays.items():
+                    value = expected.converter.read(expected.signal)[first - piece.first]
+                    assert value.tobytes() == samples.readings.arrays[array][first].tobytes(), (name, array, first)
+                    limit = expected.uncertainty[first - piece.first].tobytes()
+                    assert limits.setdefault((name, array, first), limit) == limit
+
+
+def test_only_steps_of_walks_cost_work():
+    simulation = Simulation(SCENARIO)
+    for name, walks in (("imu", True), ("magnetometer", False), ("sun_sensor", False)):
+        work = Work()
+        work.allows(work._left - 1000)
+        replay = Replay(simulation.segment, name, 3.0, work)
+        assert (replay.piece(np.array([5000])) is None) == walks

@@ -6,7 +6,7 @@ import pytest
 from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
 from tampering import Change, on
 
-from lie_rigid_body.certificate import certify, sensor_topics
+from lie_rigid_body.certificate import certify, readings
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.recovery import recover
 
@@ -35,7 +35,7 @@ def test_a_recorder_that_lost_readings_is_told(bag, tmp_path):
 
 
 def test_a_recorder_that_came_too_late_for_a_walk_is_told(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(sensor_topics, "MOST_LEFT_OUT", 50)
+    monkeypatch.setattr(readings, "MOST_WALKED", 50)
     found = certificate(bag, tmp_path, recorded(0.3))
     assert found.passed, found.messages
     assert found.sensors == (MAG,)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
-from sensor_bags import BIAS, IMU, MAG, broken, certificate, recorded
-from tampering import Change, on, tamper, with_numbers
+from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
+from tampering import Change, at, on, tamper, with_numbers
 
-from lie_rigid_body.certificate import certify, sensor_topics
+from lie_rigid_body.certificate import certify, readings
 from lie_rigid_body.recording import bag_reader, pairing
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 
@@ -32,13 +33,23 @@ def test_batches_change_no_number(bag, tmp_path, monkeypatch, change):
     whole = certify(read_bag(path))
     monkeypatch.setattr(bag_reader, "_BATCH", 50)
     monkeypatch.setattr(pairing, "_HELD_BACK", 4)
-    monkeypatch.setattr(sensor_topics, "_HELD_BACK", 4)
-    monkeypatch.setattr(sensor_topics, "BLOCK", 7)
+    monkeypatch.setattr(readings, "BLOCK", 7)
+    monkeypatch.setattr(readings, "_LONGEST_GAP", 2)
+    monkeypatch.setattr(readings, "_PIECES_KEPT", 2)
     assert certify(Bag(path)) == whole
 
 
-def test_readings_so_sparse_that_most_would_be_computed_in_vain_are_not(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(sensor_topics, "_MOST_IN_VAIN", 100)
-    found = certificate(bag, tmp_path, lambda ms: on(IMU, lambda own: own[::5])(recorded(0.0)(ms)))
+@pytest.mark.parametrize("longest", [256, 3])
+def test_sparse_readings_are_compared_and_those_between_are_left_out(bag, tmp_path, monkeypatch, replayed, longest):
+    monkeypatch.setattr(readings, "_LONGEST_GAP", longest)
+    sparse = lambda ms: [m for m in recorded(0.0)(ms) if m.topic not in (MAG, BIAS)]  # noqa: E731
+    fifth = on(IMU, lambda own: own[::5])
+    found = certificate(bag, tmp_path, lambda ms: fifth(sparse(ms)))
     assert broken(found) == {"IMU stamps"}
-    assert found.sensors == (BIAS, MAG)
+    assert found.sensors == (IMU,)
+    assert [law.checked for law in laws(found, "gyro")] == [67]
+    assert sum(replayed) == (67 if longest == 3 else 331)
+    forged = on(IMU, at(30, lambda m: with_numbers(m, 24, lambda x: np.concatenate([x[:1] + 1e-11, x[1:]]))))
+    found = certificate(bag, tmp_path, lambda ms: forged(fifth(sparse(ms))))
+    assert broken(found) == {"IMU stamps", "gyro"}
+    assert [law.sample for law in laws(found, "gyro")] == [150]

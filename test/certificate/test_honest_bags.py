@@ -1,0 +1,115 @@
+"""Honest bags are certified: every scenario that comes with the package, with every stepper, grade and fault."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.special
+from tampering import at, declared, on, tamper, with_numbers
+from test_certified_fault_messages import CLOCKS
+from test_certified_faults import EVERY, LATE, LATER, LOST
+
+from lie_rigid_body import simulate
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.cli.certificate_text import as_json, as_table
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import scenario_files
+from lie_rigid_body.sensors import GRADES
+
+U = 2.0**-53
+STEPPERS = ["closed_form", *(name for name, method in METHODS.items() if method.order >= 4)]
+"""The motions that stay a ground truth with steps of 1 ms."""
+FAULTS: dict[str, dict[str, object]] = {
+    "none": {},
+    "axes": EVERY,
+    "late": LATE,
+    "lost": LOST,
+    "clocks": CLOCKS,
+    "all": {**EVERY, **LATE, **LOST, **CLOCKS},
+}
+KINDS = list(itertools.product(GRADES, FAULTS, ("instantaneous", "integrated")))
+PAIRS = list(itertools.product(scenario_files(), STEPPERS))
+CASES = [(*pair, *KINDS[(7 * i) % len(KINDS)]) for i, pair in enumerate(PAIRS)]
+"""Every scenario with every stepper, and in turn with every grade, faults and kind of gyro."""
+
+
+@pytest.mark.parametrize(
+    ("scenario", "stepper", "grade", "faults", "gyro_rate"),
+    [case if i % 23 == 0 else pytest.param(*case, marks=pytest.mark.slow) for i, case in enumerate(CASES)],
+)
+def test_honest_bags_are_certified(tmp_path, scenario, stepper, grade, faults, gyro_rate):
+    motion = {"motion": stepper} if stepper == "closed_form" else {"motion": "moving_chart", "method": stepper}
+    given = {**LATER, **FAULTS[faults], **motion, "sensor_grade": grade, "gyro_rate": gyro_rate, "epoch_ns": 10**18}
+    rates = {"imu_rate": 111.0, "magnetometer_rate": 40.0, "accelerometer_mode": "pivot_gravity"}
+    simulate(scenario, duration=4.0, **{**rates, **given}).to_bag(tmp_path / "a.mcap")
+    found = certify(Bag(tmp_path / "a.mcap"))
+    assert found.passed, found.messages
+    assert len(found.sensors) == 5
+
+
+class Elsewhere:
+    """An exact motion as another library might compute it: states 1e-15 rad and 12 roundings off."""
+
+    def __init__(self, motion):
+        self._motion, self._random = motion, np.random.default_rng(1)
+
+    def expect(self, work):
+        """Take notice of work to come."""
+
+    def at(self, t_ns):
+        """The states at some times, moved."""
+        states = self._motion.at(t_ns)
+        turns, change = (self._random.normal(size=states.body_rate.shape) for _ in range(2))
+        turns *= 1e-15 / so3.norm(turns)[..., np.newaxis]
+        change *= (12.0 * U * so3.norm(states.body_rate) / so3.norm(change))[..., np.newaxis]
+        attitude = quaternion.multiply(states.attitude_xyzw, quaternion.exp(turns))
+        return State.trusted(attitude, states.body_rate + change)
+
+
+@pytest.mark.parametrize("faults", ["none", "axes"])
+@pytest.mark.parametrize("gyro_rate", ["instantaneous", "integrated"])
+def test_readings_of_another_library_are_certified(tmp_path, monkeypatch, gyro_rate, faults):
+    """With normal deviates up to 16 roundings off, also those that a walk sums up, and the states moved."""
+    ndtri, exact, random = scipy.special.ndtri, Scenario.exact_motion, np.random.default_rng(2)
+    given = {**LATER, **FAULTS[faults], "sensor_grade": "mems", "gyro_rate": gyro_rate, "motion": "closed_form"}
+    rates = {"imu_rate": 500.0, "magnetometer_rate": 100.0, "gyro_resolution": 0.0, "accelerometer_resolution": 0.0}
+    simulate("tumbling_cubesat", duration=20.0, **{**rates, **given}).to_bag(tmp_path / "a.mcap")
+
+    def moved(x, out=None):
+        deviates = ndtri(x, out=out)
+        return np.multiply(deviates, 1.0 + 16.0 * U * random.uniform(-1.0, 1.0, deviates.shape), out=out)
+
+    monkeypatch.setattr(scipy.special, "ndtri", moved)
+    monkeypatch.setattr(Scenario, "exact_motion", lambda self: Elsewhere(exact(self)))
+    found = certify(Bag(tmp_path / "a.mcap"))
+    broken = [law for segment in found.segments for law in segment.laws if not law.holds]
+    assert not broken, found.messages
+    assert sum(law.worst > 0.0 for segment in found.segments for law in segment.laws if law.unit != "ns") > 8
+
+
+def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
+    given: dict[str, Any] = {"imu_rate": 50.0, "magnetometer_rate": 20.0, "sensor_grade": "mems", "epoch_ns": 10**18}
+    path = tmp_path / "a.mcap"
+    simulate("tumbling_cubesat", duration=2.0, motion="closed_form", **given).to_bag(path)
+    found = certify(Bag(path))
+    assert (found.passed, found.to_the_bit) == (True, True)
+    told: Any = as_json("a", found)["certified"]
+    assert told["to_the_bit"] is True
+    assert " equal to the bit" in as_table("a", found)
+    last_bit = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(np.nextafter(x[:3], 9), x[3:]))))
+    other = certify(Bag(tamper(path, tmp_path / "b.mcap", last_bit)))
+    assert (other.passed, other.to_the_bit) == (True, False)
+    assert "not equal to the bit" in as_table("b", other)
+    last_bit = on("/twist", at(7, lambda m: with_numbers(m, 3, lambda x: np.nextafter(x, 9))))
+    assert certify(Bag(tamper(path, tmp_path / "c.mcap", last_bit))).to_the_bit is False
+    older = certify(Bag(tamper(path, tmp_path / "d.mcap", declared(software="lie_rigid_body 0.0.9"))))
+    assert (older.passed, older.to_the_bit) == (True, None)
+    simulate("tumbling_cubesat", duration=2.0, **given).to_bag(tmp_path / "e.mcap")
+    assert certify(Bag(tmp_path / "e.mcap")).to_the_bit is None
