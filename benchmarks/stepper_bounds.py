@@ -115,7 +115,7 @@ class Run:
             "rate": (so3.norm(states.body_rate - exact.body_rate), limits.fastest * limits.rate(t), rate_cap),
             "mean rate": (
                 so3.norm(np.asarray(mean - _mean_rate(exact_before, exact, spans))),
-                limits.mean_rate(t, 1.0 / self.rate),
+                limits.stepper_mean_rate(t, 1.0 / self.rate),
                 math.inf if limits.rate(t).max() < ATTITUDE_CAP else 0.0,
             ),
             "momentum": (turned, limits.world_momentum(t), ENERGY_CAP),

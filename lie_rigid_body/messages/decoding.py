@@ -55,7 +55,7 @@ def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded
 
 
 def decode_places(
-    data: bytes, starts: Integers, ends: Integers, numbers: int, *, stamped: bool, first: int = 0
+    data: bytes | memoryview, starts: Integers, ends: Integers, numbers: int, *, stamped: bool, first: int = 0
 ) -> Decoded:
     """Read messages of float64 numbers, of either byte order, from the bytes that contain them.
 

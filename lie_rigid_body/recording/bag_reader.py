@@ -35,11 +35,11 @@ from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
     FaultMessages,
     SensorMessages,
-    reading_types,
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
 from lie_rigid_body.recording.tracks import BagFacts, OfSensor, PoseTrack, Recording, TakeReadings, TwistTrack, joined
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 
 __all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
@@ -95,7 +95,7 @@ class Bag(BagFacts):
         in_memory: bool = False,
     ) -> None:
         files = BagFiles(path, progress)
-        contents = files.contents(of_types({*_OF_THE_TRUTH, *reading_types()}) if in_memory else nothing)
+        contents = files.contents(of_types({*_OF_THE_TRUTH, *SENSORS.topics.values()}) if in_memory else nothing)
         body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
         self._take(files, contents, body, in_memory=in_memory)
 

@@ -36,14 +36,14 @@ class RawMessages:
 
     Parameters
     ----------
-    data : bytes
+    data : memoryview
         Their payloads, one after the other.
     sizes : ndarray of int64, shape (N,)
         Bytes of each.
     log_times_ns : ndarray of int64, shape (N,)
     """
 
-    data: bytes
+    data: memoryview
     sizes: Integers
     log_times_ns: Integers
 
@@ -52,9 +52,10 @@ class RawMessages:
         """Messages whose payloads stand between places of some data."""
         sizes = ends - starts
         if len(sizes) and (sizes == sizes[0]).all():
-            return cls(windows(data, int(sizes[0]))[starts].tobytes(), sizes, log_times_ns)
-        own = b"".join(data[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True))
-        return cls(own, sizes, log_times_ns)
+            return cls(windows(data, int(sizes[0]))[starts].reshape(-1).data, sizes, log_times_ns)
+        view = memoryview(data)
+        parts = [view[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True)]
+        return cls(memoryview(b"".join(parts)), sizes, log_times_ns)
 
     @classmethod
     def joined(cls, parts: Sequence[RawMessages]) -> RawMessages:
@@ -63,7 +64,7 @@ class RawMessages:
             return parts[0]
         none = np.empty(0, dtype=np.int64)
         sizes, times = ([none, *(getattr(part, name) for part in parts)] for name in ("sizes", "log_times_ns"))
-        return cls(b"".join(part.data for part in parts), np.concatenate(sizes), np.concatenate(times))
+        return cls(memoryview(b"".join(part.data for part in parts)), np.concatenate(sizes), np.concatenate(times))
 
     def __len__(self) -> int:
         return len(self.sizes)
@@ -80,7 +81,7 @@ class RawMessages:
         """Log time, ns, and bytes of each message."""
         ends = np.cumsum(self.sizes)
         places = zip(self.log_times_ns.tolist(), (ends - self.sizes).tolist(), ends.tolist(), strict=True)
-        return ((time, self.data[start:end]) for time, start, end in places)
+        return ((time, bytes(self.data[start:end])) for time, start, end in places)
 
 
 Found: TypeAlias = dict[TrackKey, RawMessages]

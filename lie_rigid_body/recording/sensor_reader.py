@@ -44,11 +44,6 @@ class FaultMessages:
         return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
 
 
-def reading_types() -> frozenset[str]:
-    """Message types of the topics of readings."""
-    return frozenset(topic.message_type for sensor in SENSORS.values() for topic in sensor.topics)
-
-
 def varying_fields(message_type: str) -> Booleans:
     """Mask of the float64 numbers of a type that differ between messages on any topic of a sensor, shape (K,)."""
     numbers = np.full(len(places(message_type)[""]), fill_value=False)
@@ -61,7 +56,7 @@ def varying_fields(message_type: str) -> Booleans:
 
 
 def value_columns(topic: Topic, field: Field) -> Integers:
-    """Columns that a field has in the values of a topic's `SensorMessages`."""
+    """Columns of a field among the values of the `SensorMessages` of a topic."""
     varying = np.flatnonzero(varying_fields(topic.message_type))
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 

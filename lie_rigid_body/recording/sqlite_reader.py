@@ -144,4 +144,4 @@ def _track(connection: Any, contents: McapContents) -> RawTrack:
 
 def _messages(found: list[tuple[int, bytes]]) -> RawMessages:
     times, sizes = np.array([(time, len(data)) for time, data in found], dtype=np.int64).T
-    return RawMessages(b"".join(data for _, data in found), sizes, times)
+    return RawMessages(memoryview(b"".join(data for _, data in found)), sizes, times)

@@ -106,7 +106,7 @@ def taken(path: Path, track: RawTrack) -> RawMessages:
 
 
 def _require_unpacked(path: Path, found: RawMessages) -> None:
-    if found.data.startswith(ZSTD_MAGIC):
+    if bytes(found.data[: len(ZSTD_MAGIC)]) == ZSTD_MAGIC:
         raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
 
 

@@ -14,7 +14,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row, carry_out
-from lie_rigid_body.cli import campaign_runs as verb
+from lie_rigid_body.cli import campaign, campaign_runs
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.wording import LONGEST_LINE
 
@@ -28,7 +28,7 @@ def given(*options: str, text: str = CAMPAIGN) -> Scene:
 
     def scene(folder: Path) -> int:
         out = [] if "--out" in options else ["--out", "out"]
-        return verb.main([written(folder, text).name, *out, *options])
+        return campaign.main([written(folder, text).name, *out, *options])
 
     return scene
 
@@ -78,11 +78,11 @@ def failed(folder: Path) -> None:
         try:
             carry_out(campaign, 2, str(folder / "out"))
         except LieRigidBodyError as error:
-            raise verb._failure(campaign, journal, {2: error}) from None
+            raise campaign_runs._failure(campaign, journal, {2: error}) from None
 
 
 def without_a_score(folder: Path) -> None:
-    raise verb._without_a_score(Campaign(1, 1, 1.0, estimator="a:b"), "any run", "a:b is lost: mend it")
+    raise campaign_runs._without_a_score(Campaign(1, 1, 1.0, estimator="a:b"), "any run", "a:b is lost: mend it")
 
 
 def table_of_another(folder: Path) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.special
-from lie_rigid_body.cli.certificate_text import as_json, as_table
 from tampering import at, declared, on, tamper, with_numbers
 from test_certified_fault_messages import CLOCKS
 from test_certified_faults import EVERY, LATE, LATER, LOST
@@ -19,6 +18,7 @@ from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.report.certificate_text import as_json, as_table
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.sensors import GRADES

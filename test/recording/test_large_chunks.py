@@ -38,7 +38,7 @@ def test_what_is_decoded_little_by_little_is_the_same(large: Path, monkeypatch: 
 def test_decoding_takes_little_more_than_what_is_kept() -> None:
     payload = b"\0\1\0\0" + struct.pack("<iII4s37d", 1, 2, 4, b"imu\0", *range(37))
     count, size = 60_000, len(payload)
-    raw = RawMessages(payload * count, np.full(count, size), np.arange(count))
+    raw = RawMessages(memoryview(payload * count), np.full(count, size), np.arange(count))
     tracemalloc.start()
     try:
         found = topic_messages(Path("bag"), "/imu", raw, varying_fields(IMU), stamped=True, first=0)
