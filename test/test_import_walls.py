@@ -95,7 +95,6 @@ def side(module: str) -> str:
     return {
         "": "all",
         "motion": "contract",
-        "memory": "contract",
         "closed_form": "closed form",
         "description": "closed form",
         "taylor_flow": "Taylor flow",

@@ -2,8 +2,9 @@
 
 - Reading. A recorded state carries a few roundings, and so does the state of the closed form that it is held against;
   both of these and the closed form's own error, twice, make ``READING``. Products of inertia enlarge it in momentum
-  and energy (`conditions`).
-- Drift. None for the closed form; the phase alone for Moser–Veselov steps; everything for Runge–Kutta steps (`drift`).
+  and energy (`ConditionNumbers`).
+- Drift. A closed form has none; Moser–Veselov steps lose the phase alone, Runge–Kutta steps energy and momentum as
+  well. Their errors are bounded with the growth that they have along the motion until the end (`error_growth`).
 - Between neighbours the flow is summed in doubles, ``FLOW`` roundings in each of its substeps, and carries the
   roundings of the rate that it starts from.
 
@@ -23,8 +24,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate.propagation import Propagation
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.condition_numbers import ConditionNumbers
-from lie_rigid_body.motion.drift import Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.drift import ConditionNumbers, Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
@@ -49,7 +49,7 @@ READING: Final = 48 * U
 FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
 SHARED: Final = 512
-"""Segments whose limits are kept: those that one batch of a bag may be of."""
+"""Largest number of segments whose limits are kept: one batch of a bag may be of as many."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Tolerance:
     largest_growth : float
         Largest factor by which an error grows between two states of the segment.
     inversion : float
-        How many times larger the roundings of a recorded rate are, of a stepper that computes it from the momentum.
+        Factor of the roundings of a recorded rate, of a stepper that computes it from the momentum.
     """
 
     fastest: float
@@ -91,10 +91,6 @@ class Tolerance:
     def attitude_uncapped(self, t: Array) -> Array:
         """Limit of the attitude error before the cap, rad, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
-
-    def rate(self, t: Array) -> Array:
-        """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
-        return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
 
     def stepper_attitude(self, t: Array) -> Array:
         """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
@@ -145,7 +141,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Parameters
     ----------
     scenario : Scenario
-        As declared in the bag.
+        Scenario that the bag declares.
     duration : float
         Length of the segment, s.
 
@@ -171,9 +167,9 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     return Tolerance(fastest, conditions, steps, largest, conditions.inverse)
 
 
-@lru_cache(maxsize=SHARED)
+@lru_cache(maxsize=SHARED // 8)
 def _propagation(
     inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
 ) -> Propagation:
-    """The propagation of a motion, whatever the steps and the rates of samples: most of the work."""
+    """Propagation of a motion, which does not depend on steps and rates of samples, and is most of the work."""
     return Propagation.of(RigidBody(inertia), State(attitude_xyzw, body_rate), duration, fastest)

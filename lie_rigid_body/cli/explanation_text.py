@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import Final, NamedTuple
 
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
-from lie_rigid_body.motion.description import Circulation, Description, Flips, SteadyRotation
+from lie_rigid_body.motion.description import Circulation, Description, FixedAxisRotation, Flips
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADE, SENSORS
 
@@ -136,7 +136,7 @@ def _circled(description: Description) -> int:
     return 0 if description.regime == "about_smallest" else 2
 
 
-def _steady_sentences(description: Description, steady: SteadyRotation) -> str:
+def _steady_sentences(description: Description, steady: FixedAxisRotation) -> str:
     first, *others = steady.principal
     axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(description.kind, first)
     return f"A steady rotation about {axis}. {_STEADY[description.axes[first].spin.verdict]}"

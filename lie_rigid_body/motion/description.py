@@ -180,7 +180,7 @@ class PrincipalAxis:
 
 
 @dataclass(frozen=True)
-class SteadyRotation:
+class FixedAxisRotation:
     """A rotation about a fixed axis.
 
     Attributes
@@ -229,7 +229,7 @@ class Description:
     regime : str
         ``rest``, ``steady``, ``about_largest``, ``about_smallest`` (the axis that the momentum circles in the body)
         or ``separatrix`` (exactly between these two).
-    steady : SteadyRotation or None
+    steady : FixedAxisRotation or None
         In the regime ``steady`` only.
     circulation : Circulation or None
         In the last three regimes; its flips are those of an asymmetric top only.
@@ -246,7 +246,7 @@ class Description:
     angular_momentum_kg_m2_s: float
     world_momentum_kg_m2_s: Vector
     regime: Regime
-    steady: SteadyRotation | None
+    steady: FixedAxisRotation | None
     circulation: Circulation | None
     symmetric_top: SymmetricTop | None
     conserved_body_momenta: tuple[BodyMomentum, ...]
@@ -288,13 +288,13 @@ def _principal_axis(body: RigidBody, start: State, index: int) -> PrincipalAxis:
     return PrincipalAxis(moments[index], _vector(body.principal_axes[:, index]), stability)
 
 
-def _steady_rotation(body: RigidBody, start: State) -> SteadyRotation:
+def _steady_rotation(body: RigidBody, start: State) -> FixedAxisRotation:
     speed = math.hypot(*start.body_rate)
     axis = start.body_rate / speed
     moments = body.principal_moments
     own = float(moments[np.argmin(np.abs(moments - math.hypot(*(body.inertia @ axis))))])
     principal = tuple(i for i in range(3) if equal_moments(float(moments[i]), own))
-    return SteadyRotation(_vector(axis), principal, 2.0 * math.pi / speed)
+    return FixedAxisRotation(_vector(axis), principal, 2.0 * math.pi / speed)
 
 
 def _vector(array: Array) -> Vector:

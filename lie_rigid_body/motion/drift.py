@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -17,21 +17,73 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.condition_numbers import ConditionNumbers
 from lie_rigid_body.motion.error_growth import ErrorGrowth, Errors, PathFrame
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
 from lie_rigid_body.motion.moser_veselov.loop import STEPS_BETWEEN_RESTORATIONS, TURN_BETWEEN_RESTORATIONS
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 from lie_rigid_body.motion.moving_chart import Method
-from lie_rigid_body.motion.step_error import StepError
 from lie_rigid_body.motion.time_steps import longest_step, steps_between
+
+
+@dataclass(frozen=True)
+class ConditionNumbers:
+    """Condition numbers, at least 1: amplification of a relative error of the rate, or of the momentum.
+
+    A body given by its principal moments has the first three 1: there a momentum's component is as exact as the
+    rate's. Products of inertia cancel in Mω, the more the slenderer the body.
+
+    Parameters
+    ----------
+    momentum : float
+        Condition of the momentum computed from a rate, ‖abs(M) abs(ω)‖/‖Mω‖.
+    energy : float
+        Condition of the energy computed from a rate, the larger of abs(ω)·abs(M) abs(ω)/2H and ‖ω‖‖Mω‖/2H.
+    inverse : float
+        Condition of a rate computed from a momentum, I₃/I₁.
+    energy_of_momentum, rate_of_momentum : float
+        Effect of an error of the momentum in any direction: ‖ω‖‖π‖/2H on the energy, ‖π‖/(I₁Ω) on the rate
+        relative to Ω.
+    """
+
+    momentum: float = 1.0
+    energy: float = 1.0
+    inverse: float = 1.0
+    energy_of_momentum: float = 1.0
+    rate_of_momentum: float = 1.0
+
+    @classmethod
+    def of(cls, body: RigidBody, states: State, rate_bound: float) -> ConditionNumbers:
+        """The largest along the states of a motion whose body rate is bounded by ``rate_bound``, rad/s."""
+        rates, momenta = states.body_rate, body.body_momentum(states)
+        speeds, sizes = so3.norm(rates), so3.norm(momenta)
+        twice_energy = 2.0 * body.kinetic_energy(states)
+        if rate_bound == 0.0 or twice_energy.min() == 0.0:
+            return cls()
+        smallest, _, largest = (float(moment) for moment in body.principal_moments)
+        by_rate = _largest(sizes / (smallest * rate_bound))
+        by_energy = _largest(speeds * sizes / twice_energy)
+        if np.count_nonzero(body.inertia) <= len(body.inertia):
+            return cls(energy_of_momentum=by_energy, rate_of_momentum=by_rate)
+        parts = apply_tensor(np.abs(body.inertia), np.abs(rates))
+        return cls(
+            _largest(so3.norm(parts) / sizes),
+            max(by_energy, _largest(np.sum(np.abs(rates) * parts, axis=-1) / twice_energy)),
+            largest / smallest,
+            by_energy,
+            by_rate,
+        )
+
+
+def _largest(values: Array) -> float:
+    return max(1.0, float(np.max(values)))
+
 
 U: Final = 2.0**-53
 """Unit round-off u of double precision."""
 
 RANDOM_WALK_FACTOR: Final = 8.0
-"""Factor of the attitude's random walk. In some hundred random motions of up to 3·10⁷ steps it was 2.5 at most."""
+"""Factor of the random walk that rounding makes. The largest observed in random motions of up to 3·10⁷ steps is 2.5."""
 
 BIAS: Final = 2.0**-6
 """Safety factor of the residual rounding bias, in units of u x Θ. The largest observed value is 0.005."""
@@ -50,38 +102,10 @@ BIAS_OF_STEP: Final = 2.0**-4
 """Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed is 0.015."""
 
 REPEATED: Final = 4.0
-"""Largest change of an increment from one step to the next, in units of u, at which its rounding is taken to repeat."""
+"""Largest change of an increment between two steps, in units of u, at which its rounding is taken to repeat."""
 
 _MORE_TERMS: Final = 4
 """Terms of the series beyond the stepper's own that are counted as its truncation."""
-
-
-class Drift(Protocol):
-    """Bounds of the errors at times t after the start, s, each of shape (N,)."""
-
-    def attitude(self, t: Array) -> Array:
-        """Bound of the attitude error at time t, as a rotation angle, rad."""
-        ...
-
-    def rate(self, t: Array) -> Array:
-        """Bound of the body-rate error, divided by Ω."""
-        ...
-
-    def momentum(self, t: Array) -> Array:
-        """Bound of the error of the spatial momentum, relative to its norm."""
-        ...
-
-    def energy(self, t: Array) -> Array:
-        """Bound of the error of the kinetic energy, relative."""
-        ...
-
-    def attitude_step(self, spans: Array) -> Array:
-        """Bound of the attitude errors made within a time, s, before any of them grows, rad."""
-        ...
-
-    def rate_step(self, spans: Array) -> Array:
-        """Bound of the errors of the body rate made within a time, s, before any of them grows, divided by Ω."""
-        ...
 
 
 class NoDrift:
@@ -181,20 +205,21 @@ class MuntheKaasDrift:
     ----------
     rate_bound, step : float
         Ω, rad/s, and h, s.
-    error : StepError
-        Truncation.
     conditions : ConditionNumbers
-    alike : float
-        Sum of the roundings of the momentum that repeat, in a second, relative to the momentum's norm.
+    turned, moved, quickened, heated : float
+        Largest errors that truncation, and roundings that are alike, make in a second: of the attitude by truncation,
+        rad; of the momentum and of the rate, relative to the norm and to Ω; of the energy, relative.
     attitudes, rates : tuple of Errors
         Errors of the attitude, rad, and of the rate, rad/s, that those of the momentum lead to.
     """
 
     rate_bound: float
     step: float
-    error: StepError
     conditions: ConditionNumbers
-    alike: float
+    turned: float
+    moved: float
+    quickened: float
+    heated: float
     attitudes: tuple[Errors, ...]
     rates: tuple[Errors, ...]
 
@@ -204,12 +229,13 @@ class MuntheKaasDrift:
         body: RigidBody,
         states: State,
         growth: ErrorGrowth,
-        error: StepError,
+        error: tuple[Array, Array],
         conditions: ConditionNumbers,
         rate_bound: float,
         step: float,
     ) -> MuntheKaasDrift:
-        """The drift of steps of one length, from the truncation errors at the nodes of a motion."""
+        """The drift of steps of one length, from what `step_error` finds at the nodes of a motion."""
+        turned, truncated = error
         rates, n = np.abs(states.body_rate), np.abs(growth.frame.axes[0])
         if np.count_nonzero(body.inertia) > len(body.inertia):  # then each axis has the roundings of all
             rates, n = (np.tile(so3.norm(v)[:, np.newaxis], 3) for v in (conditions.inverse * rates, n))
@@ -218,14 +244,17 @@ class MuntheKaasDrift:
         repeated = step**2 * bend < REPEATED * U * n
         alike = BIAS_OF_SLOPE * U * slopes + np.where(repeated, 2.0 * np.minimum(U * n / step, slope), 0.0)
         walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n / math.sqrt(step))
-        made = growth.frame.largest_components(alike) + error.components
+        made = growth.frame.largest_components(alike) + truncated
         independent = growth.frame.largest_components(walk)
+        energies = body.kinetic_energy(states) / growth.frame.size
         return cls(
             rate_bound,
             step,
-            error,
             conditions,
-            float(so3.norm(alike).max()),
+            float(turned.max()),
+            float(np.sum(made, axis=0).max()),
+            float(np.sum(growth.rates * made, axis=0).max()) / rate_bound,
+            float((growth.energy_rates(made) / energies).max()),
             (growth.attitude(made), growth.attitude(independent, 2)),
             (growth.rate(made), growth.rate(independent, 2)),
         )
@@ -240,32 +269,26 @@ class MuntheKaasDrift:
 
     def momentum(self, t: Array) -> Array:
         """Bound of the error of the spatial momentum, relative to its norm."""
-        return np.asarray(self._rounding(t) + self._turning(t) + self.error.momentum.max() * t)
+        return np.asarray(self._walk(t) + self.moved * t + self.attitude_step(t))
 
     def energy(self, t: Array) -> Array:
         """Bound of the error of the kinetic energy, relative."""
-        return np.asarray(2.0 * self.conditions.energy_of_momentum * self._rounding(t) + self.error.energy.max() * t)
+        return np.asarray(2.0 * self.conditions.energy_of_momentum * self._walk(t) + self.heated * t)
 
     def attitude_step(self, spans: Array) -> Array:
         """Bound of the attitude errors made in a time, rad, before any of them grows."""
-        return np.asarray(self._turning(spans) + self.error.attitude.max() * spans)
+        steps, turn = spans / self.step, self.rate_bound * self.step
+        alike = np.clip(U / turn**2 if turn > U else math.inf, 1.0, np.maximum(steps, 1.0))
+        bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * U * steps
+        return np.asarray(2.0 * self._walk(spans) * np.sqrt(alike) + bias + self.turned * spans)
 
     def rate_step(self, spans: Array) -> Array:
         """Bound of the errors of the body rate made in a time, divided by Ω, before any of them grows."""
-        made = self.error.rate.max() * spans / self.rate_bound
-        return np.asarray(self.conditions.rate_of_momentum * self._rounding(spans) + made)
+        return np.asarray(self.conditions.rate_of_momentum * self._walk(spans) + self.quickened * spans)
 
-    def _rounding(self, t: Array) -> Array:
-        """Bound of the sum of the roundings of the momentum, relative."""
-        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step) + self.alike * t)
-
-    def _turning(self, t: Array) -> Array:
-        """Bound of the sum of the roundings of the attitude, rad."""
-        steps, turn = t / self.step, self.rate_bound * self.step
-        alike = max(1.0, U / turn**2) if turn > U else math.inf
-        walk = np.sqrt(steps * np.minimum(alike, np.maximum(steps, 1.0)))
-        bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * steps
-        return np.asarray(U * (2.0 * RANDOM_WALK_FACTOR * walk + bias))
+    def _walk(self, t: Array) -> Array:
+        """Bound of a random walk of one rounding a step."""
+        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step))
 
 
 def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Array, Array]:
@@ -273,3 +296,11 @@ def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Arra
     n, rates = frame.axes[0], states.body_rate
     first = np.cross(n, rates)
     return first, np.cross(first, rates) + np.cross(n, frame.size * apply_tensor(body.inverse_inertia, first))
+
+
+Drift: TypeAlias = NoDrift | MoserVeselovDrift | MuntheKaasDrift
+"""Bounds of errors at times t, s after the start, each of shape (N,).
+
+The attitude's error is a rotation angle, rad; that of the body rate is divided by Ω; those of the spatial momentum and
+of the kinetic energy are relative. ``attitude_step`` and ``rate_step`` bound what is made in a time, before it grows.
+"""

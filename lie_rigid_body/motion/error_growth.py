@@ -28,7 +28,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
 _SLOWEST: Final = 2.0**-40
-"""Smallest speed of n, relative to the body rate, that is told from 0, as of a spherical body."""
+"""Speed across n, relative to the body rate, that is added, so that g exists where n does not move."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,9 @@ class PathFrame:
         rates, momenta = states.body_rate, body.body_momentum(states)
         sizes = np.maximum(so3.norm(momenta), np.finfo(float).tiny)
         n = momenta / sizes[:, np.newaxis]
-        across = rates - np.sum(rates * n, axis=-1, keepdims=True) * n
-        speed = np.maximum(so3.norm(across), max(_SLOWEST * rate_bound, np.finfo(float).tiny))
+        anywhere = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=-1)])
+        across = rates - np.sum(rates * n, axis=-1, keepdims=True) * n + _SLOWEST * rate_bound * anywhere
+        speed = np.maximum(so3.norm(across), np.finfo(float).tiny)
         g = across / speed[:, np.newaxis]
         return cls(np.stack([n, g, np.cross(n, g)]), speed, float(sizes[0]))
 
@@ -71,18 +72,18 @@ class PathFrame:
 
 @dataclass(frozen=True)
 class Errors:
-    """Bounds of sums of errors at the times of nodes, and of what a period more adds to them.
+    """Bound of the sum of errors made from the start to a time, as a function of the time.
 
     Parameters
     ----------
     times : ndarray, shape (K,)
-        s, the last one a period.
+        Times of nodes, s, from 0 to the period.
     values : ndarray, shape (K,)
-        Bounds up to these times.
+        Bounds at these times.
     period, later : float
-        Bound of the errors made in one period within any, and of what their growth in one period more adds.
+        Bound, anywhere in a period, of what the errors made in it amount to, and increase of that in each later period.
     power : int
-        1 where errors add up, 2 where they are independent, so that their squares do.
+        1 where errors add up; 2 where they are independent, and their squares add up.
     """
 
     times: Array
@@ -93,12 +94,11 @@ class Errors:
 
     def __call__(self, t: Array) -> Array:
         """The bound at times t, s, shape (N,)."""
-        begun = np.maximum(np.ceil(t / self.times[-1]), 1.0) if self.times[-1] > 0.0 else np.ones_like(t)
-        if self.power == 1:
-            repeated = begun * self.period + 0.5 * begun * (begun - 1.0) * self.later
-        else:
-            repeated = np.sqrt(begun) * self.period + np.sqrt(begun * (begun - 1.0) * (begun - 0.5) / 3.0) * self.later
         first = self.values[np.minimum(np.searchsorted(self.times, t), len(self.times) - 1)]
+        begun = np.maximum(np.ceil(t / max(self.times[-1], np.finfo(float).tiny)), 1.0)
+        # 1ᵖ + … + (n − 1)ᵖ is at most the integral up to n − ½, as xᵖ is convex
+        lags = (begun - 0.5) ** (self.power + 1) / (self.power + 1)
+        repeated = begun ** (1 / self.power) * self.period + lags ** (1 / self.power) * self.later
         return np.where(begun > 1.0, np.maximum(repeated, self.values[-1]), first)
 
 
@@ -110,9 +110,9 @@ class ErrorGrowth:
     ----------
     times : ndarray, shape (K,)
         Equal steps from 0 to the period of v, or to the end of a shorter motion, s.
-    body_rate : ndarray, shape (K, 3)
-        rad/s
     frame : PathFrame
+    along : ndarray, shape (K,)
+        Component |ω·n|, rad/s.
     rates : ndarray, shape (3, K)
         Change of the body rate for that of n along n, g and h, rad/s.
     shear : ndarray, shape (K,)
@@ -120,8 +120,8 @@ class ErrorGrowth:
     """
 
     times: Array
-    body_rate: Array
     frame: PathFrame
+    along: Array
     rates: Array
     shear: Array
 
@@ -133,7 +133,8 @@ class ErrorGrowth:
         kappa = np.sum(frame.axes[1] * changed[1] - frame.axes[2] * changed[2], axis=-1)
         slope = kappa / frame.speed / frame.speed
         shear = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(times))])
-        return cls(times, states.body_rate, frame, so3.norm(changed), shear)
+        along = np.abs(np.sum(states.body_rate * frame.axes[0], axis=-1))
+        return cls(times, frame, along, so3.norm(changed), shear)
 
     def attitude(self, local: Array, power: int = 1) -> Errors:
         """Errors of the attitude, rad, that come of errors of the momentum made all along the motion.
@@ -152,10 +153,14 @@ class ErrorGrowth:
         """Errors of the body rate, rad/s, that come of errors of the momentum; see `attitude`."""
         return self._errors(self._rate_gains, local, power)
 
-    def largest(self, body: RigidBody, rate_bound: float, duration: float) -> float:
-        """Largest factor, at least 1, by which an error of the body rate grows, in attitude or rate, within a time.
+    def energy_rates(self, local: Array) -> Array:
+        """Errors |ω·δn| of the energy over |π|, rad/s, shape (K,), from c, a and b, shape (3, K)."""
+        return np.asarray(self.along * local[0] + self.frame.speed * local[1])
 
-        Both are in units of the largest rate and of radians; the time is in s.
+    def largest(self, body: RigidBody, rate_bound: float, duration: float) -> float:
+        """Largest factor, at least 1, by which an error of the body rate grows within ``duration``, s.
+
+        An error of the rate over its bound becomes an error of the rate over its bound, or of the attitude, rad.
         """
         if rate_bound == 0.0:
             return 1.0
@@ -170,7 +175,7 @@ class ErrorGrowth:
         return 1.0 + grown
 
     def _errors(self, gains: Callable[[Array, Array, float], Array], local: Array, power: int) -> Errors:
-        step = self.times[1] - self.times[0]
+        step = self.times[-1] / (len(self.times) - 1)
         made = step * local**power
         now = np.einsum("kij,kj->ij", gains(*self._lags(), 1.0) ** power, made)
         later = np.einsum("kij,kj->ij", gains(*self._period(), 0.0) ** power, made)
@@ -187,24 +192,23 @@ class ErrorGrowth:
         return self.times[-1:, np.newaxis], np.abs(self.shear[-1:, np.newaxis])
 
     def _attitude_gains(self, lag: Array, shear: Array, still: float) -> Array:
-        """Turn at node i, rad, for each of c, a and b at node j, shape (3, K, K); without what ends, if ``still`` is 0.
+        """Gains from c, a and b at node j to the turn at node i, rad, shape (3, K, K).
 
-        About the spatial momentum it is (ω·δn) times the lag, across it the sum of both errors of n.
+        The turn about the spatial momentum is ω·δn times the lag; the turn across it is at most the sum of the errors
+        of n at both nodes. If ``still`` is 0, parts that do not grow with the lag are left out.
         """
-        v, along = self.frame.speed, np.sum(self.body_rate * self.frame.axes[0], axis=-1)
-        ahead = v[:, np.newaxis]
+        v, ahead = self.frame.speed, self.frame.speed[:, np.newaxis]
         return np.stack(
             [
-                2.0 * still + (np.abs(along) + ahead) * lag,
+                2.0 * still + (self.along + ahead) * lag,
                 still * (1.0 + v / ahead) + v * lag + ahead * (v * shear),
                 still * (1.0 + ahead / v) + 0.0 * lag,
             ]
         )
 
     def _rate_gains(self, lag: Array, shear: Array, still: float) -> Array:
-        """Change of the body rate at node i, rad/s, for each of c, a and b at node j, shape (3, K, K); see above."""
-        v, (by_c, by_a, by_b) = self.frame.speed, self.rates[:, :, np.newaxis]
-        ahead = v[:, np.newaxis]
+        """Gains from c, a and b at node j to the body rate at node i, rad/s, shape (3, K, K), as for the attitude."""
+        v, ahead, (by_c, by_a, by_b) = self.frame.speed, self.frame.speed[:, np.newaxis], self.rates[:, :, np.newaxis]
         return np.stack(
             [
                 still * by_c + by_b * ahead * lag + 0.0 * v,

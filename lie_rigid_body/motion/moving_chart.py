@@ -28,11 +28,9 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.initial_conditions import InitialConditions
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
-from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
+from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, WorkingMemory, nanoseconds, samples_within
+from lie_rigid_body.motion.moving_ensemble import InitialConditions, Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
 from lie_rigid_body.wording import call_repr, short_repr, shown
 
@@ -46,7 +44,7 @@ class Method:
     name : str
         Its public name.
     order : int
-        Of accuracy: the error of one step is of the order of its length to the power ``order`` + 1.
+        Order of accuracy p: the error of one step falls with its length to the power p + 1.
     integrators : callable
         Takes the initial conditions of B bodies and the largest step, s, and returns B integrators.
     largest_turn : float
@@ -108,7 +106,7 @@ class MovingChart:
     body : RigidBody
         One, or a batch.
     start : State
-        At time 0: of one instant, or of one for each body. The batches broadcast; one of shape () goes with every
+        State at time 0, or one for each body. The batches broadcast; one of shape () goes with every
         other.
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2``, ``rkmk4``, ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
@@ -165,7 +163,7 @@ class MovingChart:
         Returns
         -------
         State
-            Of shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
+            Shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
             the batch.
 
         Raises

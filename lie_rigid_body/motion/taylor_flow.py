@@ -15,8 +15,9 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
-from lie_rigid_body.arithmetic.numbers import Number, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.mechanics import RigidBody, State
@@ -53,7 +54,7 @@ def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longes
     ----------
     body : RigidBody
     states : State
-        Of shapes (N, 4) and (N, 3).
+        Shapes (N, 4) and (N, 3).
     spans : ndarray, shape (N,)
         Time to go, s; not negative.
     rate_bound : float
@@ -100,13 +101,14 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
         # (n + 1) π₍ₙ₊₁₎ = Σ πᵢ × ωₙ₋ᵢ and (n + 1) q₍ₙ₊₁₎ = ½ Σ qᵢ ⊗ ωₙ₋ᵢ
         dp, dq = np.zeros_like(p), np.zeros_like(q)
         for i in range(n + 1):
-            _add_cross(dp, momenta[i], rates[n - i])
-            _add_times_vector(dq, attitudes[i], rates[n - i])
+            rate = triple(list(rates[n - i]), 0)
+            _add(dp, crossed(triple(list(momenta[i]), 0), rate))
+            _add(dq, times_vector(quadruple(list(attitudes[i]), 0), rate))
         momenta.append(dp / (n + 1))
         attitudes.append(0.5 * dq / (n + 1))
         rates.append(_apply(body.inverse_inertia, momenta[-1]))
-    q = _horner(attitudes, span)
-    return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), _horner(momenta, span)
+    q, p = (np.asarray(polyval(span, np.stack(series), tensor=False), float) for series in (attitudes, momenta))
+    return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), p
 
 
 @kernel
@@ -138,7 +140,7 @@ def follow(work: Any, inverse: Sequence[Number], spans: Any, terms: int) -> None
     work : ndarray, shape (WORK_AREA,)
         Columns of `ABREAST` numbers: of each order momentum, rate and attitude. Those of order 0 are moved.
     inverse : tuple of float, length 9
-        Of the inertia, row by row.
+        Entries of the inverse inertia, row by row.
     spans : ndarray, shape (ABREAST,)
         s
     terms : int
@@ -181,16 +183,24 @@ def _add_order(work: Any, inverse: Sequence[Number], n: int) -> None:
 def _add_products(sums: Any, one: Any, other: Any) -> None:
     """Add the products of momenta and attitudes of one order with rates of another."""
     for j in range(ABREAST):
-        a, b, c = column_triple(other, 3, j)
-        px, py, pz = column_triple(one, 0, j)
-        sums[j] += py * c - pz * b
-        sums[ABREAST + j] += pz * a - px * c
-        sums[2 * ABREAST + j] += px * b - py * a
-        x, y, z, w = column_quadruple(one, _Q, j)
-        sums[3 * ABREAST + j] += w * a + y * c - z * b
-        sums[4 * ABREAST + j] += w * b + z * a - x * c
-        sums[5 * ABREAST + j] += w * c + x * b - y * a
-        sums[6 * ABREAST + j] += -(x * a + y * b + z * c)
+        rate = column_triple(other, 3, j)
+        products = (*crossed(column_triple(one, 0, j), rate), *times_vector(column_quadruple(one, _Q, j), rate))
+        for k in range(7):
+            sums[k * ABREAST + j] += products[k]
+
+
+@kernel
+def crossed(a: Triple, b: Triple) -> Triple:
+    """The vector product a × b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def times_vector(q: Quadruple, v: Triple) -> Quadruple:
+    """The product of a quaternion with a pure one."""
+    x, y, z, w = q
+    a, b, c = v
+    return w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c)
 
 
 def _apply(tensor: Array, vectors: Array) -> Array:
@@ -199,27 +209,6 @@ def _apply(tensor: Array, vectors: Array) -> Array:
     return np.stack([x * row[0] + y * row[1] + z * row[2] for row in tensor])
 
 
-def _horner(coefficients: list[Array], x: Array) -> Array:
-    """The polynomial of these coefficients, the constant one first, at x of shape (N,)."""
-    value = coefficients[-1]
-    for c in reversed(coefficients[:-1]):
-        value = value * x + c
-    return value
-
-
-def _add_cross(to: Array, a: Array, b: Array) -> None:
-    ax, ay, az = a
-    bx, by, bz = b
-    to[0] += ay * bz - az * by
-    to[1] += az * bx - ax * bz
-    to[2] += ax * by - ay * bx
-
-
-def _add_times_vector(to: Array, q: Array, v: Array) -> None:
-    """Add the product of a quaternion with a pure one."""
-    x, y, z, w = q
-    a, b, c = v
-    to[0] += w * a + y * c - z * b
-    to[1] += w * b + z * a - x * c
-    to[2] += w * c + x * b - y * a
-    to[3] += -(x * a + y * b + z * c)
+def _add(to: Array, columns: tuple[Number, ...]) -> None:
+    for row, column in zip(to, columns, strict=True):
+        row += column

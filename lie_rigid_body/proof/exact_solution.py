@@ -89,8 +89,8 @@ def exact_state(start: Start, t_ns: int) -> tuple[Balls, Balls]:
         return product(attitude, rotation(scaled(t, rate))), rate
     if kind is Kind.SYMMETRIC:
         return _symmetric_top(start, attitude, t)
-    polhode = _Polhode.of(start, kind)
-    turn, momentum = _Separatrix(polhode).at(t) if kind is Kind.SEPARATRIX else _Circulation.of(polhode).at(t)
+    polhode = _EnclosedPolhode.of(start, kind)
+    turn, momentum = _Separatrix(polhode).at(t) if kind is Kind.SEPARATRIX else _EnclosedCirculation.of(polhode).at(t)
     turned = (*polhode.to_body(turn[:3]), turn[3])
     return product(attitude, turned), polhode.to_body(tuple(e * p for e, p in zip(polhode.e, momentum, strict=True)))
 
@@ -110,7 +110,7 @@ def _symmetric_top(start: Start, attitude: Balls, t: arb) -> tuple[Balls, Balls]
 
 
 @dataclass(frozen=True)
-class _Polhode:
+class _EnclosedPolhode:
     """The curve of the momentum in the principal frame that the module describes.
 
     Parameters
@@ -135,7 +135,7 @@ class _Polhode:
     deficit: arb
 
     @classmethod
-    def of(cls, start: Start, kind: Kind) -> _Polhode:
+    def of(cls, start: Start, kind: Kind) -> _EnclosedPolhode:
         """Of a motion that is neither steady nor a symmetric top's."""
         p = exact(start.momentum)
         smallest, middle, largest = _moments(start)
@@ -205,12 +205,12 @@ def _axis(start: Start, moment: arb) -> Balls:
 
 
 @dataclass(frozen=True)
-class _Circulation:
+class _EnclosedCirculation:
     """The motion that circulates about axis 3: Jacobi's elliptic functions of modulus k below 1.
 
     Parameters
     ----------
-    polhode : _Polhode
+    polhode : _EnclosedPolhode
     modulus, complement : arb
         k and k' = √(1 − k²).
     quarter, other_quarter : arb
@@ -219,7 +219,7 @@ class _Circulation:
         σa/2K.
     """
 
-    polhode: _Polhode
+    polhode: _EnclosedPolhode
     modulus: arb
     complement: arb
     quarter: arb
@@ -227,7 +227,7 @@ class _Circulation:
     pole: arb
 
     @classmethod
-    def of(cls, polhode: _Polhode) -> _Circulation:
+    def of(cls, polhode: _EnclosedPolhode) -> _EnclosedCirculation:
         """With k and 1 − k² each from sums of terms of one sign, but for the middle axis."""
         e1, e2, e3 = polhode.e
         p1, _, p3 = polhode.start
@@ -288,7 +288,7 @@ def _carlson(x: arb, y: arb, z: arb) -> arb:
 class _Separatrix:
     """The motion that takes for ever to reach the middle axis."""
 
-    polhode: _Polhode
+    polhode: _EnclosedPolhode
 
     def at(self, t: arb) -> tuple[Balls, Balls]:
         """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame."""

@@ -18,7 +18,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.motion import Motion
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, require_memory
+from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
 from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario

@@ -28,7 +28,7 @@ _GREATEST_RATE: Final = Decimal("1e12")
 """Cap on the phase rate of an `EndlessClock`, 1/ns; the phase saturates within 1 ns anyway."""
 
 
-class Clock(NamedTuple):
+class PhaseClock(NamedTuple):
     """A phase modulo a period.
 
     Attributes
@@ -44,7 +44,7 @@ class Clock(NamedTuple):
     period: DoubleDouble
 
     @classmethod
-    def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> Clock:
+    def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> PhaseClock:
         """A clock from a rate in units per second, a start and a period in the same units."""
         turns = _NANOSECOND * rate / period, start / period
         rate_turns, start_turns = (from_decimal(x - x.to_integral_value()) for x in turns)
@@ -73,13 +73,13 @@ class EndlessClock(NamedTuple):
 
 @kernel
 def turns(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
-    """The phase of a `Clock` at a time in ns since the start, in turns in [−½, ½]."""
+    """The phase of a `PhaseClock` at a time in ns since the start, in turns in [−½, ½]."""
     return remainder(add(multiply(rate, time), start))
 
 
 @kernel
 def turns_from_zero(rate: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
-    """The phase of a `Clock` that starts at 0, in turns in [−½, ½]."""
+    """The phase of a `PhaseClock` that starts at 0, in turns in [−½, ½]."""
     return remainder(multiply(rate, time))
 
 

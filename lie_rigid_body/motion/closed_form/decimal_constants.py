@@ -19,11 +19,10 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
-from lie_rigid_body.arithmetic.numbers import Quadruple, Triple
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.attitude import world_rotation
-from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
+from lie_rigid_body.motion.closed_form.attitude import multiply, world_rotation
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 from lie_rigid_body.motion.closed_form.decimal_frames import (
     PHASE_DIGITS,
     PrincipalAxes,
@@ -43,6 +42,7 @@ from lie_rigid_body.motion.closed_form.motion_parameters import (
     Starts,
     SteadyMotion,
 )
+from lie_rigid_body.motion.motion import alike
 
 _INFINITY: Final = Decimal("Infinity")
 
@@ -115,7 +115,7 @@ def frame_and_polhode(
     Parameters
     ----------
     principal : PrincipalAxes
-        Those of the inertia.
+        Principal axes of the inertia.
     inertia : 3 rows of 3
         kg m², body frame.
     body_rate : 3 numbers
@@ -205,16 +205,16 @@ def imaginary_theta(periods: Periods) -> ImaginaryTheta:
     return ImaginaryTheta.of(math.exp(-2.0 * quarter), quarter, math.sin(beta), math.sin(cobeta), drift)
 
 
-def _clock_and_theta(polhode: Polhode, periods: Periods) -> tuple[Clock | EndlessClock, Theta]:
+def _clock_and_theta(polhode: Polhode, periods: Periods) -> tuple[PhaseClock | EndlessClock, Theta]:
     """The theta functions whose nome is at most exp(−π), and the clock of their phase."""
     if 2 * polhode.m1 >= 1:
         # ζ = πu/2K
         scale = PI / (2 * periods.real)
-        return Clock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), real_theta(periods)
+        return PhaseClock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), real_theta(periods)
     # χ = πu/2K′
     scale = PI / (2 * complete_first(polhode.m))
     rate, start = scale * polhode.speed, scale * polhode.start
-    clock = EndlessClock.of(rate, start) if polhode.m1 == 0 else Clock.of(rate, start, 4 * scale * periods.real)
+    clock = EndlessClock.of(rate, start) if polhode.m1 == 0 else PhaseClock.of(rate, start, 4 * scale * periods.real)
     return clock, imaginary_theta(periods)
 
 
@@ -230,7 +230,7 @@ def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Seque
     x, y, z, w = attitude_xyzw
     return GeneralMotion(
         phase_clock=clock,
-        half_turn_clock=Clock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
+        half_turn_clock=PhaseClock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
         theta=theta,
         rate_amplitudes=_rounded(polhode.amplitudes, frame.sense),
         direction_amplitudes=_rounded(amplitudes, frame.sense),
@@ -271,32 +271,25 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
     speed = dot((x, y, z), (x, y, z)).sqrt()
     a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
     rate = (body_rate[0], body_rate[1], body_rate[2])
-    qx, qy, qz, qw = attitude_xyzw
-    return SteadyMotion((qx, qy, qz, qw), rate, (a, b, c), Clock.of(speed / 2, Decimal(0), 2 * PI))
+    attitude = quadruple(attitude_xyzw, 0)
+    across = multiply(attitude, (a, b, c, 0.0))
+    return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, rate)
 
 
 def decimal_motions(starts: Starts, members: Members) -> Iterator[tuple[BodyMotion, Members]]:
     """The motions at these places of an ensemble, one by one; the principal axes of equal inertias once."""
-    for same in _equal(starts.inertia[members]):
-        inertia = starts.inertia[members[same[0]]].tolist()
+    for same in alike(starts.inertia, members):
+        inertia = starts.inertia[same[0]].tolist()
         with working_precision(digits_for(inertia)):
             principal = principal_axes(inertia)
             motions = [
                 _motion(principal, inertia, starts.attitude_xyzw[i].tolist(), starts.body_rate[i].tolist())
-                for i in members[same]
+                for i in same
             ]
-        yield from zip(motions, np.reshape(members[same], (-1, 1)), strict=True)
+        yield from zip(motions, np.reshape(same, (-1, 1)), strict=True)
 
 
 def _motion(principal: PrincipalAxes, inertia: Tensor, attitude: list[float], rate: list[float]) -> BodyMotion:
     if is_steady(inertia, rate):
         return steady_motion(rate, attitude)
     return general_motion(*frame_and_polhode(principal, inertia, rate), attitude)
-
-
-def _equal(values: Array) -> list[list[int]]:
-    """The places along the first axis, those of the same bits together."""
-    places: dict[bytes, list[int]] = {}
-    for i, value in enumerate(values):
-        places.setdefault(value.tobytes(), []).append(i)
-    return list(places.values())

@@ -12,10 +12,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias, TypeVar
 
 from lie_rigid_body.arithmetic.decimals import Vector, dot
 from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
+
+Exact = TypeVar("Exact", int, Decimal)
 
 Tensor: TypeAlias = Sequence[Sequence[float]]
 """An inertia, kg m², body frame: 3 rows of 3."""
@@ -50,26 +52,28 @@ def is_steady(inertia: Tensor, rate: Sequence[float]) -> bool:
     rate : 3 numbers
         ω, body frame.
     """
-    entries, _ = _integers([entry for row in inertia for entry in row])
-    omega, _ = _integers(rate)
-    momentum = [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)]
-    return _cross(omega, momentum) == (0, 0, 0)
+    _, omega, momentum, _ = _in_integers(inertia, rate)
+    return cross(omega, momentum) == (0, 0, 0)
 
 
 def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
-    """det(2H·M − l²·1), with 2H = ω·Mω and l = |Mω|, rounded once.
+    """The determinant det(2H·M − l²·1), with 2H = ω·Mω and l = |Mω|, rounded once.
 
     With principal moments I₁ ≤ I₂ ≤ I₃ it is (2H I₁ − l²)(2H I₂ − l²)(2H I₃ − l²). For a rotation that is not steady
     its first factor is negative and its last positive, so it has the sign of l² − 2H I₂: positive when the momentum
     circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
     """
+    entries, omega, momentum, scale = _in_integers(inertia, rate)
+    energy, square = _dot(omega, momentum), _dot(momentum, momentum)
+    first, *others = ([energy * entries[3 * i + j] - (square if i == j else 0) for j in range(3)] for i in range(3))
+    return Decimal(_dot(first, cross(*others))) / Decimal(scale) ** 6
+
+
+def _in_integers(inertia: Tensor, rate: Sequence[float]) -> tuple[list[int], list[int], list[int], int]:
+    """Entries of M, ω and Mω as integers, and the product of the powers of two that M and ω are multiplied by."""
     entries, inertia_scale = _integers([entry for row in inertia for entry in row])
     omega, rate_scale = _integers(rate)
-    momentum = [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)]
-    energy, square = _dot(omega, momentum), _dot(momentum, momentum)
-    rows = [[energy * entries[3 * i + j] - (square if i == j else 0) for j in range(3)] for i in range(3)]
-    determinant = _dot(rows[0], _cross(rows[1], rows[2]))
-    return Decimal(determinant) / Decimal(inertia_scale * rate_scale) ** 6
+    return entries, omega, [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)], inertia_scale * rate_scale
 
 
 def _integers(values: Sequence[float]) -> tuple[list[int], int]:
@@ -83,7 +87,8 @@ def _dot(a: Sequence[int], b: Sequence[int]) -> int:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Sequence[int], b: Sequence[int]) -> tuple[int, int, int]:
+def cross(a: Sequence[Exact], b: Sequence[Exact]) -> tuple[Exact, Exact, Exact]:
+    """The vector product of integers or decimals."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
@@ -130,7 +135,7 @@ class PrincipalFrame:
         if not about_largest:
             moments, axes = (moments[2], moments[1], moments[0]), (axes[2], axes[1], axes[0])
         first, third = _along(axes[0], body_rate), _along(axes[2], body_rate)
-        axes = (first, _cross_product(third, first), third)
+        axes = (first, cross(third, first), third)
         rate = (dot(axes[0], body_rate), dot(axes[1], body_rate), dot(axes[2], body_rate))
         return cls(moments, axes, rate, 1 if about_largest else -1)
 
@@ -139,7 +144,3 @@ def _along(axis: Vector, direction: Vector) -> Vector:
     """The axis or its opposite, whichever makes no obtuse angle with a direction."""
     x, y, z = axis
     return (-x, -y, -z) if dot(axis, direction) < 0 else axis
-
-
-def _cross_product(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

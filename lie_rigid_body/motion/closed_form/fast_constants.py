@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +37,10 @@ from lie_rigid_body.arithmetic.double_double import (
     square_root,
     subtract,
 )
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.motion.closed_form.attitude import world_rotation
-from lie_rigid_body.motion.closed_form.clock import Clock
+from lie_rigid_body.motion.closed_form.clock import PhaseClock
 from lie_rigid_body.motion.closed_form.fast_frames import CoupledBody, DiagonalBody, FastFrame, Vector
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta
 from lie_rigid_body.motion.closed_form.landen import (
@@ -216,14 +216,14 @@ def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
     return [divide(multiply(j, w), polhode.momentum)[0] for j, w in zip(polhode.moments, rate, strict=True)]
 
 
-def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> Clock:
-    """Clock of ψ/2: mean precession minus turn of n about the third axis."""
+def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> PhaseClock:
+    """PhaseClock of ψ/2: mean precession minus turn of n about the third axis."""
     circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
-    return Clock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
+    return PhaseClock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
 
 
-def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[Clock, RealTheta]:
+def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, RealTheta]:
     """The clock of ζ and the theta functions for m ≤ ½."""
     q = nome(mean.gaps[0][0])
     j1, _, j3 = polhode.moments
@@ -240,7 +240,9 @@ def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricM
     return _clock(polhode, start, mean, _TURN, 0), RealTheta.of(q, decay, codecay, fall)
 
 
-def _hyperbolic(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[Clock, ImaginaryTheta]:
+def _hyperbolic(
+    polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean
+) -> tuple[PhaseClock, ImaginaryTheta]:
     """The clock of χ and the theta functions for m > ½."""
     complementary = polhode.complementary_mean(_CIRCULAR_STEPS)
     j1, _, j3 = polhode.moments
@@ -265,12 +267,12 @@ def _hyperbolic(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometri
 
 def _clock(
     polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean, period: DoubleDouble, steps: int
-) -> Clock:
+) -> PhaseClock:
     """The clock of a period in the unit of its phase, by so many Landen's steps in double-double for its start."""
     size = angle(*phase_squares(polhode.sine_square, polhode.cosine_square, mean.gaps, steps))
     turns = multiply(size, _PER_TURN)
     backward = start.sense * start.rate[1][0] < 0.0
-    return Clock(
+    return PhaseClock(
         rate=multiply(polhode.circulation_rate(mean), _PER_NANOSECOND),
         start=choose(backward, scaled(turns, -1.0), turns),
         period=period,
@@ -290,7 +292,7 @@ def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
         for begin in range(0, len(members), MOTIONS_PER_BLOCK):
             some = members[begin : begin + MOTIONS_PER_BLOCK]
             part = starts.at(some)
-            body = _coupled(part) if group % 2 == 1 else _diagonal(part)
+            body = _body(_indices_first(part), products=group % 2 == 1)
             x, y, z, w = part.attitude_xyzw.T
             yield fast_motion(body.frame(), (x, y, z, w), hyperbolic, steps), some
 
@@ -310,12 +312,8 @@ def fast_motion_of_one(
     body_rate: list[float],
 ) -> GeneralMotion | None:
     """The motion of one body, or None if it is not regular; see `Starts`."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia
-    body: DiagonalBody | CoupledBody
-    if xy == 0.0 and xz == 0.0 and yz == 0.0:
-        body = DiagonalBody.of_one([xx, yy, zz], body_rate)
-    else:
-        body = CoupledBody.of(inertia, moments, axes, body_rate)
+    products = inertia[0][1] != 0.0 or inertia[0][2] != 0.0 or inertia[1][2] != 0.0
+    body = _body((inertia, moments, axes, attitude_xyzw, body_rate), products=products)
     regular, hyperbolic, steps = body.classified()
     if not regular:
         return None
@@ -328,23 +326,20 @@ def _groups(starts: Starts) -> NDArray[np.intp]:
     straight = (starts.inertia[:, [0, 0, 1], [1, 2, 2]] == 0.0).all(axis=1)
     groups = np.full(len(straight), -1)
     with np.errstate(all="ignore"):
-        for members, body_of, products in (
-            (np.flatnonzero(straight), _diagonal, 0),
-            (np.flatnonzero(~straight), _coupled, 1),
-        ):
-            regular, hyperbolic, steps = body_of(starts.at(members)).classified()
+        for products, members in enumerate((np.flatnonzero(straight), np.flatnonzero(~straight))):
+            body = _body(_indices_first(starts.at(members)), products=products == 1)
+            regular, hyperbolic, steps = body.classified()
             groups[members] = np.where(regular, products + 2 * hyperbolic + 4 * steps, -1)
     return groups
 
 
-def _diagonal(starts: Starts) -> DiagonalBody:
-    return DiagonalBody.of_many(np.diagonal(starts.inertia, axis1=1, axis2=2), starts.body_rate)
+def _body(starts: Any, *, products: bool) -> DiagonalBody | CoupledBody:
+    """The body of one motion, from lists, or of many, from arrays that end with their axis; see `Starts`."""
+    inertia, moments, axes, _, rate = starts
+    if products:
+        return CoupledBody.of(inertia, moments, axes, rate)
+    return DiagonalBody.of((inertia[0][0], inertia[1][1], inertia[2][2]), triple(rate, 0))
 
 
-def _coupled(starts: Starts) -> CoupledBody:
-    inertia, axes = (_indices_first(tensor) for tensor in (starts.inertia, starts.axes))
-    return CoupledBody.of(inertia, starts.moments.T.copy(), axes, starts.body_rate.T.copy())
-
-
-def _indices_first(tensors: Array) -> Array:
-    return np.ascontiguousarray(np.moveaxis(tensors, 0, -1))
+def _indices_first(starts: Starts) -> list[Array]:
+    return [np.ascontiguousarray(np.moveaxis(column, 0, -1)) for column in starts]

@@ -14,7 +14,6 @@ algorithm 1).
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import Any, Final, NamedTuple, TypeAlias, cast
 
 import numpy as np
@@ -30,9 +29,7 @@ from lie_rigid_body.arithmetic.double_double import (
     scaled,
     subtract,
 )
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude, sign
 
 Condition: TypeAlias = Any
 """A bool of one motion, or an array of them."""
@@ -140,35 +137,30 @@ class DiagonalBody(NamedTuple):
 
     Attributes
     ----------
-    order : 3 int, or 3 arrays of int
+    order : 3 numbers
         Indices of these axes in the body frame.
     moments, rate : 3 numbers
     sense : number
         Sense of the frame, ±1.
     """
 
-    order: tuple[Any, Any, Any]
+    order: Triple
     moments: Triple
     rate: Triple
     sense: Number
 
     @classmethod
-    def of_one(cls, diagonal: list[float], rate: list[float]) -> DiagonalBody:
-        """The body of one motion."""
-        i, j, k = sorted(range(3), key=diagonal.__getitem__)
-        sense = 1.0
-        if not _about_largest((diagonal[i], diagonal[j], diagonal[k]), (abs(rate[i]), 0.0, abs(rate[k]))):
-            i, k, sense = k, i, -1.0
-        return cls((i, j, k), (diagonal[i], diagonal[j], diagonal[k]), (rate[i], rate[j], rate[k]), sense)
-
-    @classmethod
-    def of_many(cls, diagonal: Array, body_rate: Array) -> DiagonalBody:
-        """The bodies of many motions, from arrays of shape (B, 3)."""
-        order = np.argsort(diagonal, axis=1, kind="stable")
-        ascends = _about_largest(_taken(diagonal, order), _taken(np.abs(body_rate), order))
-        order = np.where(ascends[:, np.newaxis], order, order[:, ::-1])
-        i, j, k = order.T
-        return cls((i, j, k), _taken(diagonal, order), _taken(body_rate, order), np.where(ascends, 1.0, -1.0))
+    def of(cls, diagonal: Triple, rate: Triple) -> DiagonalBody:
+        """The body of one motion, or of many, from components in the body frame."""
+        axes: list[tuple[Number, ...]] = [(diagonal[i], 0.0 * rate[i] + i, rate[i]) for i in range(3)]
+        for i in (0, 1, 0):
+            falls = axes[i + 1][0] < axes[i][0]
+            axes[i], axes[i + 1] = _chosen(falls, axes[i + 1], axes[i]), _chosen(falls, axes[i], axes[i + 1])
+        (j1, _, w1), (j2, _, _), (j3, _, w3) = axes
+        ascends = _about_largest((j1, j2, j3), (magnitude(w1), 0.0, magnitude(w3)))
+        axes[0], axes[2] = _chosen(ascends, axes[0], axes[2]), _chosen(ascends, axes[2], axes[0])
+        moments, order, rates = zip(*axes, strict=True)
+        return cls(order, moments, rates, choose(ascends, ONE, (-1.0, 0.0))[0])
 
     def classified(self) -> Classification:
         """The class of the motion, or of each."""
@@ -177,40 +169,20 @@ class DiagonalBody(NamedTuple):
 
     def frame(self) -> FastFrame:
         """The frame of the motion, or of each."""
-        w1, w2, w3 = self.rate
-        i, _, k = self.order
-        if isinstance(w1, float) and isinstance(w3, float):
-            axes, conjugate, sign = _signed_axes(i, k, w1 < 0.0, w3 < 0.0)
-        else:
-            axes, conjugate, sign = _many_signed_axes(np.stack([i, k, w1 < 0.0, w3 < 0.0], axis=-1))
-        rate = _exactly((magnitude(w1), sign * w2, magnitude(w3)))
-        return FastFrame(_exactly(self.moments), rate, self.sense, axes, conjugate)
+        (i, j, k), (w1, w2, w3) = self.order, self.rate
+        first, third = sign(w1), sign(w3)
+        # right-handed: the order is cyclic where this product is 2, and not where it is −2
+        second = first * third * (0.5 * (j - i) * (k - j) * (k - i))
+        x, y, z = ((first * (i == row) + 0.0, second * (j == row) + 0.0, third * (k == row) + 0.0) for row in range(3))
+        rate = _exactly((magnitude(w1), second * w2, magnitude(w3)))
+        return FastFrame(_exactly(self.moments), rate, self.sense, (x, y, z), _conjugate_quaternion((x, y, z)))
 
 
-def _taken(values: Array, order: Integers) -> Triple:
-    first, second, third = np.take_along_axis(values, order, axis=1).T
-    return first, second, third
-
-
-@lru_cache(maxsize=24)
-def _signed_axes(i: int, k: int, i_back: bool, k_back: bool) -> tuple[Matrix, Quadruple, Number]:
-    """The frame whose first and third axes are ±i and ±k of the body: matrix, conj(F), and sign of the second axis."""
-    matrix = np.zeros((3, 3))
-    matrix[i, 0], matrix[k, 2] = (-1.0 if i_back else 1.0), (-1.0 if k_back else 1.0)
-    # + 0.0 makes −0 a plain 0
-    matrix[:, 1] = np.cross(matrix[:, 2], matrix[:, 0]) + 0.0
-    first, second, third = ((x, y, z) for x, y, z in matrix.tolist())
-    x, y, z, w = quaternion.conjugate(quaternion.from_matrix(matrix)).tolist()
-    return (first, second, third), (x, y, z, w), float(matrix[:, 1].sum())
-
-
-def _many_signed_axes(keys: Array) -> tuple[Matrix, Quadruple, Number]:
-    """The frames of many motions, from the arguments of `_signed_axes` in rows."""
-    kinds, inverse = np.unique(keys, axis=0, return_inverse=True)
-    known = [_signed_axes(i, k, bool(p), bool(q)) for i, k, p, q in kinds.tolist()]
-    numbers = np.array([[*axes[0], *axes[1], *axes[2], *frame, sign] for axes, frame, sign in known])[inverse.ravel()].T
-    xx, xy, xz, yx, yy, yz, zx, zy, zz, x, y, z, w, sign = numbers
-    return ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)), (x, y, z, w), sign
+def _chosen(condition: Condition, one: tuple[Number, ...], other: tuple[Number, ...]) -> tuple[Number, ...]:
+    """The first where the condition is true, else the second, as `choose`."""
+    if isinstance(condition, np.ndarray):
+        return tuple(np.where(condition, a, b) for a, b in zip(one, other, strict=True))
+    return one if condition else other
 
 
 class CoupledBody(NamedTuple):

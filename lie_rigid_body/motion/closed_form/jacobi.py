@@ -111,7 +111,7 @@ class RealTheta(NamedTuple):
         q, power, copower, complement : number
             The nome q, its powers q^(a/K′) = e^(−2α) and q^(1 − a/K′) = q e^(2α), and 1 − e^(−2α).
         """
-        p1, p2, p3, p4 = cubic_1(q), cubic_2(q), cubic_3(q), cubic_4(q)
+        p1, p2, p3, p4 = theta_cubics(q)
         unity = value(p4, 2.0 * q)
         # 2e^(−α) qⁿ cosh (2n+1)α = (q e^(2α))ⁿ (1 + e^(−2(2n+1)α)), and with − for sinh
         third, square = power * power * power, copower * copower
@@ -176,7 +176,7 @@ class ImaginaryTheta(NamedTuple):
         q, quarter, sine, cosine, drift : number
             q′ = exp(−2X), X, sin β, cos β and a/K.
         """
-        p1, p2, p3, p4 = cubic_1(q), cubic_2(q), cubic_3(q), cubic_4(q)
+        p1, p2, p3, p4 = theta_cubics(q)
         # P₂ at χ = 0, and z at χ = X
         unity, last = value(p2, 2.0 * q), 1.0 + q * q
         # qⁿ cos (2n+1)β and qⁿ sin (2n+1)β, by twice the cosine of 2β
@@ -317,21 +317,11 @@ def even_cosines(q: Number, sign: float) -> Cubic:
     return 1.0 - 2.0 * q4, sign * (1.0 - 3.0 * q4 * q4), q2, sign * q6
 
 
-def cubic_1(q: Number) -> Cubic:
-    """P₁ of the module's docstring."""
-    return odd_sines(q, (1.0, q, q * q, q * q * q))
-
-
-def cubic_2(q: Number) -> Cubic:
-    """P₂ of the module's docstring."""
-    return odd_cosines(q, (1.0, -q, q * q, -q * q * q))
-
-
-def cubic_3(q: Number) -> Cubic:
-    """P₃ of the module's docstring."""
-    return even_cosines(q, 1.0)
-
-
-def cubic_4(q: Number) -> Cubic:
-    """P₄ of the module's docstring."""
-    return even_cosines(q, -1.0)
+def theta_cubics(q: Number) -> tuple[Cubic, Cubic, Cubic, Cubic]:
+    """P₁, P₂, P₃ and P₄ of the module's docstring."""
+    return (
+        odd_sines(q, (1.0, q, q * q, q * q * q)),
+        odd_cosines(q, (1.0, -q, q * q, -q * q * q)),
+        even_cosines(q, 1.0),
+        even_cosines(q, -1.0),
+    )

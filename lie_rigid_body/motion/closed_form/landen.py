@@ -87,7 +87,7 @@ def third_kind_sum(ratio: DoubleDouble, shortfalls: Sequence[DoubleDouble], step
     ratio : DoubleDouble
         The first ε.
     shortfalls : sequence of DoubleDouble
-        Those of the mean of 1 and k′.
+        Values of the mean of 1 and k′.
     steps : int
         Number of steps in double-double; two more are taken in doubles.
     """
@@ -122,9 +122,9 @@ def phase_squares(
     sine_square, cosine_square : DoubleDouble
         Not negative, not both 0.
     gaps : sequence of DoubleDouble
-        Those of the mean of 1 and k′.
+        Values of the mean of 1 and k′.
     steps : int
-        As many as are taken in double-double. The others are taken in doubles, for which the gap should be below 0.2.
+        Number of steps in double-double. The others are taken in doubles, for which the gap should be below 0.2.
     """
     s, c = sine_square, cosine_square
     for d in gaps[:steps]:

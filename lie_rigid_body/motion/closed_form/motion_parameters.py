@@ -10,9 +10,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 from lie_rigid_body.motion.closed_form.jacobi import Theta
 
 Members: TypeAlias = NDArray[np.intp]
@@ -55,9 +56,9 @@ class GeneralMotion(NamedTuple):
 
     Attributes
     ----------
-    phase_clock : Clock or EndlessClock
+    phase_clock : PhaseClock or EndlessClock
         The phase of the theta functions, in proportion to u.
-    half_turn_clock : Clock
+    half_turn_clock : PhaseClock
         Half of ψ's mean growth, rad.
     theta : RealTheta or ImaginaryTheta
         The elliptic functions of u, and the libration of ψ.
@@ -75,8 +76,8 @@ class GeneralMotion(NamedTuple):
         conj(F).
     """
 
-    phase_clock: Clock | EndlessClock
-    half_turn_clock: Clock
+    phase_clock: PhaseClock | EndlessClock
+    half_turn_clock: PhaseClock
     theta: Theta
     rate_amplitudes: Triple
     direction_amplitudes: Triple
@@ -92,20 +93,20 @@ class SteadyMotion(NamedTuple):
 
     Attributes
     ----------
-    attitude_xyzw : 4 numbers
+    half_turn_rate : DoubleDouble
+        Rate of half the rotation angle, turns/ns; the attitude is a path on the double cover.
+    attitude : 4 numbers
         q₀.
-    rate : 3 numbers
+    across : 4 numbers
+        q₀ ⊗ a, where a is the unit vector along ω in the body frame, or 0 at rest.
+    body_rate : 3 numbers
         ω, rad/s, body frame.
-    axis : 3 numbers
-        Unit vector along ω in the body frame, or 0 at rest.
-    half_turn_clock : Clock
-        Half the rotation angle, modulo 2π, because the attitude is a path on the double cover.
     """
 
-    attitude_xyzw: Quadruple
-    rate: Triple
-    axis: Triple
-    half_turn_clock: Clock
+    half_turn_rate: DoubleDouble
+    attitude: Quadruple
+    across: Quadruple
+    body_rate: Triple
 
 
 BodyMotion: TypeAlias = GeneralMotion | SteadyMotion

@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.closed_form.ensemble import Ensemble
+from lie_rigid_body.motion.closed_form.evaluation import Ensemble
 from lie_rigid_body.motion.closed_form.motion_parameters import Starts
-from lie_rigid_body.motion.memory import DEFAULT_MEMORY_LIMIT, WorkingMemory, samples_within
-from lie_rigid_body.motion.motion import batch_shape, flat_batch, nanoseconds
+from lie_rigid_body.motion.motion import (
+    DEFAULT_MEMORY_LIMIT,
+    WorkingMemory,
+    batch_shape,
+    flat_batch,
+    nanoseconds,
+    samples_within,
+)
 from lie_rigid_body.wording import call_repr
 
 _WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
@@ -32,7 +38,7 @@ class ClosedForm:
     body : RigidBody
         One, or a batch.
     start : State
-        Of one instant, or of one for each body. The batches broadcast; one of shape () goes with every other.
+        One state, or one for each body. The batches broadcast; one of shape () goes with every other.
 
     Raises
     ------
@@ -82,7 +88,7 @@ class ClosedForm:
         Returns
         -------
         State
-            Of shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
+            Shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
             the batch.
 
         Raises

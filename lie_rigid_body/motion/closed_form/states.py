@@ -25,16 +25,15 @@ from lie_rigid_body.arithmetic.double_double import (
     two_sum,
 )
 from lie_rigid_body.arithmetic.elementary import sine_cosine
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, pair, quadruple, sqrt, triple
+from lie_rigid_body.arithmetic.numbers import Number, pair, quadruple, sqrt, triple
 from lie_rigid_body.compilation import Work, kernel
 from lie_rigid_body.motion.closed_form.attitude import (
     AttitudeConstants,
     Sample,
     attitude_constants,
-    multiply,
     sample,
 )
-from lie_rigid_body.motion.closed_form.clock import Clock, endless_phase, folded_phase, turns, turns_from_zero
+from lie_rigid_body.motion.closed_form.clock import PhaseClock, endless_phase, folded_phase, turns, turns_from_zero
 from lie_rigid_body.motion.closed_form.jacobi import (
     QUOTIENTS_LENGTH,
     ImaginaryTheta,
@@ -57,11 +56,11 @@ class GeneralConstants(NamedTuple):
     Attributes
     ----------
     rate, start : DoubleDouble
-        Of the phase, in turns per nanosecond and turns; on the separatrix in its unit.
+        Rate and start of the phase, turns/ns and turns; on the separatrix in the unit of the phase.
     half_turn_rate : DoubleDouble
         Rate of ψ/2, turns/ns.
     period : DoubleDouble
-        Of a hyperbolic motion, in the unit of the phase; else 0.
+        Period of a hyperbolic motion, in the unit of the phase; else 0.
     drift : number
         Turns of half of ψ per unit of the phase of a hyperbolic motion; else 0.
     theta : ThetaQuotients
@@ -82,7 +81,7 @@ class GeneralConstants(NamedTuple):
         clock, theta = motion.phase_clock, motion.theta
         period: DoubleDouble = ZERO
         drift: Number = 0.0
-        if isinstance(theta, ImaginaryTheta) and isinstance(clock, Clock):
+        if isinstance(theta, ImaginaryTheta) and isinstance(clock, PhaseClock):
             period, drift = clock.period, motion.sense * theta.drift * _HALF_IN_TURNS
         half_turn_rate, attitude = motion.half_turn_clock.rate, AttitudeConstants.of(motion)
         return cls(clock.rate, clock.start, half_turn_rate, period, drift, theta.quotients, attitude)
@@ -107,26 +106,10 @@ def general_constants(row: Sequence[Number]) -> GeneralConstants:
     )
 
 
-class SteadyConstants(NamedTuple):
-    """The numbers of a `SteadyMotion`: the rate of half of the turn, turns per ns, q₀, q₀ ⊗ axis, and ω, rad/s."""
-
-    half_turn_rate: DoubleDouble
-    attitude: Quadruple
-    across: Quadruple
-    body_rate: Triple
-
-    @classmethod
-    def of(cls, motion: SteadyMotion) -> SteadyConstants:
-        """The constants of a motion."""
-        x, y, z = motion.axis
-        across = multiply(motion.attitude_xyzw, (x, y, z, 0.0))
-        return cls(motion.half_turn_clock.rate, motion.attitude_xyzw, across, motion.rate)
-
-
 @kernel
-def steady_constants(row: Sequence[Number]) -> SteadyConstants:
+def steady_constants(row: Sequence[Number]) -> SteadyMotion:
     """The constants from their row."""
-    return SteadyConstants(pair(row, 0), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
+    return SteadyMotion(pair(row, 0), quadruple(row, 2), quadruple(row, 6), triple(row, 10))
 
 
 def flattened(constants: Any) -> list[Number]:
@@ -169,7 +152,7 @@ def separatrix_sample(constants: GeneralConstants, time: DoubleDouble) -> Sample
 
 
 @kernel
-def steady_sample(constants: SteadyConstants, time: DoubleDouble) -> Sample:
+def steady_sample(constants: SteadyMotion, time: DoubleDouble) -> Sample:
     """The state of a steady motion at a time in ns: q₀ ⊗ (axis · sin ½ωt + cos ½ωt)."""
     s, c = sine_cosine(turns_from_zero(constants.half_turn_rate, time))
     p, q, (u, v, w) = constants.attitude, constants.across, constants.body_rate
@@ -187,7 +170,7 @@ WORK_AREA: Final = _COLUMNS * _BLOCK
 """Length of the array that the functions below work in."""
 
 SIGNATURE: Final = "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[::1], int64)"
-"""Of the functions that fill in an ensemble's states
+"""Types of the arguments of the functions that fill in an ensemble's states.
 
 table : ndarray, shape (constants, B)
     Rows of motions of one kind, side by side.
@@ -221,48 +204,46 @@ def store(columns: Any, count: int, attitude: Any, rate: Any, first: int) -> Non
             rate[first + i, k] = columns[(4 + k) * _BLOCK + i]
 
 
-def fill_circular(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
-    """Fill in the states of circular motions; see `SIGNATURE`."""
+@kernel
+def fill(
+    constants_of: Any,
+    sample_at: Any,
+    table: Any,
+    members: Any,
+    t_ns: Any,
+    attitude: Any,
+    rate: Any,
+    columns: Any,
+    first: int,
+) -> None:
+    """Fill in the states of motions of the kind that these two functions belong to; see `SIGNATURE`."""
     for b in range(len(members)):
-        constants = general_constants(table[:, b])
+        constants = constants_of(table[:, b])
         for begin in range(0, len(t_ns), _BLOCK):
             times = t_ns[begin : begin + _BLOCK]
             for i in range(len(times)):
-                put(columns, i, circular_sample(constants, from_integer(times[i])))
+                put(columns, i, sample_at(constants, from_integer(times[i])))
             store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+
+
+def fill_circular(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
+    """Fill in the states of circular motions; see `SIGNATURE`."""
+    fill(general_constants, circular_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_hyperbolic(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of hyperbolic motions; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = general_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, hyperbolic_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(general_constants, hyperbolic_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_separatrix(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of motions on the separatrix; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = general_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, separatrix_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(general_constants, separatrix_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 def fill_steady(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, columns: Any, first: int) -> None:
     """Fill in the states of steady motions; see `SIGNATURE`."""
-    for b in range(len(members)):
-        constants = steady_constants(table[:, b])
-        for begin in range(0, len(t_ns), _BLOCK):
-            times = t_ns[begin : begin + _BLOCK]
-            for i in range(len(times)):
-                put(columns, i, steady_sample(constants, from_integer(times[i])))
-            store(columns, len(times), attitude[members[b]], rate[members[b]], first + begin)
+    fill(steady_constants, steady_sample, table, members, t_ns, attitude, rate, columns, first)
 
 
 SAMPLES_FOR_COMPILING: Final = 5_000_000
@@ -270,17 +251,17 @@ SAMPLES_FOR_COMPILING: Final = 5_000_000
 a second and compiles, once, in two."""
 
 SAMPLES_FOR_LOADING: Final = 2_500_000
-"""The same where it is compiled already."""
+"""Number of samples from which on loading pays, where a compiled form is kept from before."""
 
 
 @dataclass(frozen=True)
-class Kind:
+class KindOfMotion:
     """How the states of one kind of motion are computed.
 
     Attributes
     ----------
     name : str
-        That of the constant of this module that holds the kind.
+        Name of the constant of this module that holds the kind.
     constants : callable
         The constants from a row.
     sample : callable
@@ -295,7 +276,7 @@ class Kind:
     work: Work
 
     def __reduce__(self) -> str:
-        """By name: copies of a motion share what is compiled, and in another process there is one of its own."""
+        """Name of the constant: copies share what is compiled, and another process has its own."""
         return self.name
 
 
@@ -303,18 +284,18 @@ def _work(fill: Callable[..., None]) -> Work:
     return Work(fill, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING)
 
 
-CIRCULAR: Final = Kind("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
-HYPERBOLIC: Final = Kind("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
-SEPARATRIX: Final = Kind("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
-STEADY: Final = Kind("STEADY", steady_constants, steady_sample, _work(fill_steady))
+CIRCULAR: Final = KindOfMotion("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
+HYPERBOLIC: Final = KindOfMotion("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
+SEPARATRIX: Final = KindOfMotion("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
+STEADY: Final = KindOfMotion("STEADY", steady_constants, steady_sample, _work(fill_steady))
 KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
 
 
-def kind_and_row(motion: BodyMotion) -> tuple[Kind, list[Number]]:
+def kind_and_row(motion: BodyMotion) -> tuple[KindOfMotion, list[Number]]:
     """The kind of a motion, and its constants in a row: of many motions, if its numbers are arrays."""
     if isinstance(motion, SteadyMotion):
-        return STEADY, flattened(SteadyConstants.of(motion))
+        return STEADY, flattened(motion)
     row = flattened(GeneralConstants.of(motion))
     if isinstance(motion.theta, RealTheta):
         return CIRCULAR, row
-    return (HYPERBOLIC if isinstance(motion.phase_clock, Clock) else SEPARATRIX), row
+    return (HYPERBOLIC if isinstance(motion.phase_clock, PhaseClock) else SEPARATRIX), row

@@ -4,10 +4,9 @@ Modules:
 
 - `principal_frame`: the frame and units of a motion;
 - `preprocessing`: the preprocessed inertia, as power series in the step;
-- `motion_constants`: the constants of a motion, for the kernels;
 - `layout`: the places of numbers in the vectors that the kernels share;
 - `step`, `restoration`, `loop`: the kernels: one step, the projection onto the invariants, and many steps;
-- `integrator`: one body's motion.
+- `integrator`: the constants of a motion, and one body's motion.
 """
 
 from lie_rigid_body.motion.moser_veselov.integrator import LARGEST_TURN, moser_veselov_integrators

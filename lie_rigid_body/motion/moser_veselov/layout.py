@@ -1,4 +1,4 @@
-"""Where each number stands in the two vectors of floats that the integrator fills and the kernels read.
+"""Places of the numbers in the two vectors of floats that the integrator fills and the kernels read.
 
 Compiled code takes plain vectors, so their places are named here, once for the writer and all readers. Every number is
 a double-double: hi at its place, lo at the next one. Units are those of `ScaledMotion`, axes those of its frame.

@@ -5,7 +5,7 @@ is right-handed, and a body given by its principal moments changes frames by a p
 The unit of momentum is that of the motion and the unit of time the inverse of its largest body rate, so that every
 number is of order 1 whatever the body.
 
-All arithmetic but that of `PrincipalFrame.outward` is decimal, in the precision in force.
+All arithmetic but that of `CyclicFrame.outward` is decimal, in the precision in force.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ DIGITS: Final = 60
 
 
 @dataclass(frozen=True)
-class PrincipalFrame:
+class CyclicFrame:
     """The principal axes of a body, that of the intermediate moment second, in a cyclic order of the body's own.
 
     Where these axes are the body's own in another order, those of the world are put into the same order.
@@ -42,7 +42,7 @@ class PrincipalFrame:
     moments : tuple of 3 Decimal
         kg m²
     axes : 3 vectors
-        Of unit length, in the body frame, right-handed.
+        Unit vectors in the body frame, right-handed.
     order : tuple of 3 int, or None
         Which of the body's own axes these are, if the inertia has no products.
     rotation : list of 4 Decimal, or None
@@ -56,7 +56,7 @@ class PrincipalFrame:
     rotation: list[Decimal] | None
 
     @classmethod
-    def of(cls, inertia: Sequence[Sequence[float]]) -> PrincipalFrame:
+    def of(cls, inertia: Sequence[Sequence[float]]) -> CyclicFrame:
         """The principal frame of an inertia tensor in the body frame."""
         tensor = [(Decimal(x), Decimal(y), Decimal(z)) for x, y, z in inertia]
         moments, axes = diagonalised(inertia)
@@ -122,10 +122,10 @@ class ScaledMotion:
     @classmethod
     def of(cls, body: RigidBody, start: State) -> ScaledMotion:
         """The motion of a body from its start."""
-        return cls.about(PrincipalFrame.of(body.inertia.tolist()), start.body_rate.tolist())
+        return cls.about(CyclicFrame.of(body.inertia.tolist()), start.body_rate.tolist())
 
     @classmethod
-    def about(cls, frame: PrincipalFrame, body_rate: Sequence[float]) -> ScaledMotion:
+    def about(cls, frame: CyclicFrame, body_rate: Sequence[float]) -> ScaledMotion:
         """The motion of a body whose principal frame is known, from its body rate at the start, rad/s."""
         rate = [Decimal(component) for component in body_rate]
         total = [dot(row, rate) for row in frame.tensor]
@@ -136,7 +136,7 @@ class ScaledMotion:
         return cls._scaled(frame, (a, b, c), size)
 
     @classmethod
-    def _scaled(cls, frame: PrincipalFrame, momentum: Vector, size: Decimal) -> ScaledMotion:
+    def _scaled(cls, frame: CyclicFrame, momentum: Vector, size: Decimal) -> ScaledMotion:
         e1, e2, e3 = (1 / moment for moment in frame.moments)
         a, b, c = (component * component for component in momentum)
         if e1 == e3:  # a sphere: any two axes will do

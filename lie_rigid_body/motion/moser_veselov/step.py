@@ -74,7 +74,7 @@ def step_constants(x: DoubleDouble, constants: Any) -> tuple[Seven, Three]:
     x : pair
         Length of the step, in the motion's unit of time.
     constants : floats
-        Of the motion; see `layout`.
+        Constants of the motion; see `layout`.
 
     Returns
     -------

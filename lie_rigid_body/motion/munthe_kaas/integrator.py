@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.initial_conditions import InitialConditions
+from lie_rigid_body.motion.moving_ensemble import InitialConditions
 from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE
 from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
@@ -41,7 +41,7 @@ class MuntheKaasIntegrator:
     start : list of float
         The state at time 0; see `loop`.
     constants : list of float
-        Of the body and the method; see `loop`.
+        Constants of the body and the method; see `loop`.
     largest_step : float
         s
     """
@@ -98,7 +98,7 @@ def munthe_kaas_integrators(starts: InitialConditions, max_step: float, tableau:
 
 
 def _stages(tableau: Tableau) -> list[float]:
-    """For each stage the weight of the slope before it, and the stage's own weight in the sum."""
+    """Weights of each stage: that of the slope before it, and its own in the sum."""
     if any(any(row[:-1]) for row in tableau.a):
         raise ValueError(f"tableau {tableau.name}: a stage needs others than the one before")
     before = [row[-1] if row else 0 for row in tableau.a]

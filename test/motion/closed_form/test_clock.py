@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.arithmetic import double_double
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.motion.closed_form.clock import Clock, EndlessClock, endless_phase, folded_phase, turns
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock, endless_phase, folded_phase, turns
 
 PERIODS = st.sampled_from(["1", "6.28318530717958647692528676655900576839433879875021", "1e-3", "137.25"])
 RATES = st.decimals("-1e4", "1e4", places=30, allow_nan=False)
@@ -22,9 +22,9 @@ STAMPS = st.integers(-(2**63), 2**63 - 1)
 HALF = Fraction(1, 2)
 
 
-def made(rate: str | Decimal, start: str | Decimal, period: str) -> Clock:
+def made(rate: str | Decimal, start: str | Decimal, period: str) -> PhaseClock:
     with working_precision(80):
-        return Clock.of(Decimal(rate), Decimal(start), Decimal(period))
+        return PhaseClock.of(Decimal(rate), Decimal(start), Decimal(period))
 
 
 def exact_turns(rate, start, period, t_ns: int) -> Fraction:

@@ -20,7 +20,7 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
 from lie_rigid_body.motion.closed_form.decimal_constants import frame_and_polhode, general_motion
 from lie_rigid_body.motion.closed_form.decimal_frames import digits_for, principal_axes
-from lie_rigid_body.motion.closed_form.ensemble import Ensemble
+from lie_rigid_body.motion.closed_form.evaluation import Ensemble
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motion_of_one
 from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion, Starts
 

@@ -10,9 +10,9 @@ import pytest
 
 from lie_rigid_body.motion.closed_form.attitude import ATTITUDE_LENGTH, AttitudeConstants, attitude_constants
 from lie_rigid_body.motion.closed_form.jacobi import QUOTIENTS_LENGTH, ThetaQuotients, theta_quotients
+from lie_rigid_body.motion.closed_form.motion_parameters import SteadyMotion
 from lie_rigid_body.motion.closed_form.states import (
     GeneralConstants,
-    SteadyConstants,
     flattened,
     general_constants,
     steady_constants,
@@ -43,7 +43,7 @@ def general(numbers: count) -> GeneralConstants:
     ("constants", "read"),
     [
         (general(count()), general_constants),
-        (SteadyConstants(*numbered((2, 4, 4, 3), count())), steady_constants),
+        (SteadyMotion(*numbered((2, 4, 4, 3), count())), steady_constants),
         (quotients(count()), lambda row: theta_quotients(row, 0)),
         (attitude(count()), lambda row: attitude_constants(row, 0)),
     ],

@@ -10,8 +10,8 @@ from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, loop
+from lie_rigid_body.motion.moser_veselov.integrator import motion_constants
 from lie_rigid_body.motion.moser_veselov.layout import ALPHA
-from lie_rigid_body.motion.moser_veselov.motion_constants import motion_constants
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
 from reference import attitude_error, rate_error, truth_cases

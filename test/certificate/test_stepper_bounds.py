@@ -1,0 +1,47 @@
+"""The limits bound what every stepper errs, near the separatrix as well, and are not much wider than that."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import simulate
+from lie_rigid_body.motion import METHODS
+from stepper_bounds import DURATIONS, MOTIONS, STEPS, Run, runs
+
+SAMPLE = ("dzhanibekov", "separatrix, 1e-6", "about the equator", "nearly spherical", "slow", "products of inertia")
+
+
+def require_bounds(several: list[Run]) -> None:
+    found = {run: run.ratios() for run in several}
+    beyond = {(run, name): two.worst for run, ratios in found.items() for name, two in ratios.items() if two.worst >= 1}
+    assert beyond == {}
+    late = [two.late for ratios in found.values() for two in ratios.values()]
+    assert np.median(late) > 1e-3
+
+
+@pytest.mark.parametrize("method", ["rkmk1", "rkmk2", "rkmk4", "dmv4", "dmv20"])
+def test_errors_of_a_minute_stay_below_their_limits(method: str) -> None:
+    require_bounds([Run(motion, method, 100.0, 0.01, 60.0) for motion in SAMPLE])
+
+
+@pytest.mark.parametrize(("motion", "rate"), [("dzhanibekov", 100.0), ("separatrix, 1e-2", 70.0)])
+def test_errors_of_short_steps_stay_below_their_limits(motion: str, rate: float) -> None:
+    """Steps of a millisecond: here a bound that only adds up errors of the rate is passed."""
+    require_bounds([Run(motion, "rkmk4", rate, 1e-3, 60.0)])
+
+
+@pytest.mark.parametrize(("imu_rate", "gyro_rate"), [(100.0, "instantaneous"), (200.0, "integrated")])
+def test_a_gyro_of_runge_kutta_steps_near_the_separatrix_is_certified(imu_rate: float, gyro_rate: str) -> None:
+    run = simulate("dzhanibekov", duration=60.0, method="rkmk4", imu_rate=imu_rate, gyro_rate=gyro_rate)
+    assert run.certificate().passed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", METHODS)
+def test_every_stepper_keeps_to_its_limits(method: str) -> None:
+    several = list(runs([method]))
+    assert {run.motion for run in several} == set(MOTIONS)
+    assert {run.duration for run in several} <= set(DURATIONS)
+    assert {(run.rate, run.max_step) for run in several} == set(STEPS)
+    require_bounds(several)
