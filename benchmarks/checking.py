@@ -20,12 +20,11 @@ from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.motion.closed_form.evaluation import compile_all
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.message_loops import FIND, TAKE
 
 
 def compile_loops() -> bool:
     """Compile, or load, all that checking can use; whether numba is there to do it."""
-    return all([FIND.compile(), TAKE.compile(), WORK.compile(), LOOP.compile(), compile_all()])
+    return all([WORK.compile(), LOOP.compile(), compile_all()])
 
 
 def recorded(run: Run, path: Path) -> int:

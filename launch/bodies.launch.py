@@ -50,7 +50,7 @@ SWITCHES = {
 RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
 TRANSFORM = ("tf2_ros", "static_transform_publisher")
 OF_EACH_BODY = ("/markers", "/pose")
-OF_ONE_NODE = ("world_frame", "body_frame", "imu_frame", "record_path", "publish_clock")
+OF_ONE_NODE = {*launching.frames(), "record_path", "publish_clock"}
 PARAMETERS = {name: text for name, text in launching.descriptions().items() if name not in OF_ONE_NODE}
 
 
@@ -110,7 +110,7 @@ def metres(name: str, text: str) -> float:
 def words(name: str, scenario: str, given: dict[str, str]) -> list[str]:
     """Return the arguments of the simulator of one body."""
     parameters = {parameter: given[parameter] for parameter in PARAMETERS}
-    parameters |= {"world_frame": f"{name}/world", "body_frame": f"{name}/base_link", "imu_frame": f"{name}/imu_link"}
+    parameters |= {parameter: f"{name}/{frame}" for parameter, frame in launching.frames().items()}
     if given["record"] == "true":
         parameters["record_path"] = f"{name}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"
     return launching.arguments_of_node(scenario, given["params_file"], parameters)

@@ -24,7 +24,6 @@ from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording import message_loops
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.pairing import Block
 from lie_rigid_body.recording.samples import numbered_blocks
@@ -227,7 +226,6 @@ def expect(scenario: Scenario, duration: float) -> None:
     samples = math.ceil(duration * (scenario.rate + sum(sensor.rate for sensor in scenario.sensors.on.values())))
     scenario.exact_motion().expect(samples)
     WORK.compiled_for(samples)
-    message_loops.expect(2 * samples)  # pose and twist, or a reading and its bias
 
 
 def _to_the_bit(

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.number_set import PAGE, NumberSet, Runs
+from lie_rigid_body.certificate.number_runs import NumberRuns, RunList
 from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -21,6 +21,8 @@ DISORDER: Final = "ord"
 
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
+PAGE: Final = 2**15
+"""Number of samples of which it is looked up at once whether they are lost."""
 _MOST_DOUBLED: Final = 100_001
 """Number of doubled samples that are told."""
 
@@ -158,7 +160,7 @@ class StampTally:
         self._clock, self._noun, self._shown = clock, noun, shown
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
-        self._there, self._doubled = NumberSet(), NumberSet()
+        self._there = NumberRuns()
         self._displaced, self._earliest, self._pairs = 0, 0, list[str]()
         self._off, self._farthest, self._worst = 0, 0, (0, 0)
 
@@ -174,7 +176,8 @@ class StampTally:
         if not self.count:
             steps[0] = 1
         self._take_order(np.flatnonzero(steps < 0), np.concatenate([[self._previous], found]))
-        self._take_numbers(found, are_new=found[0] > self.high and bool((steps[1:] > 0).all()))
+        self._there.add(found)
+        self.low, self.high = min(self.low, int(found.min())), max(self.high, int(found.max()))
         self._previous = int(found[-1])
         self.count += len(found)
 
@@ -193,14 +196,6 @@ class StampTally:
         self._displaced += len(at)
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
 
-    def _take_numbers(self, numbers: Integers, *, are_new: bool) -> None:
-        """Take samples that rise and are new, or any, of which some may be there already: those are doubled."""
-        if not are_new:
-            numbers, counts = np.unique(numbers, return_counts=True)
-            self._doubled.add(numbers[self._there.has(numbers) | (counts > 1)])
-        self._there.add(numbers)
-        self.low, self.high = min(self.low, int(numbers[0])), max(self.high, int(numbers[-1]))
-
     def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> list[StampFault]:
         """What is wrong, of a topic that is to have all samples from one number to another but those that are lost.
 
@@ -212,17 +207,20 @@ class StampTally:
         """
         found = []
         gaps, arrived = self._gaps(first, last, lost)
+        doubled = RunList(_SHOWN)
+        edges, times = self._there.counted(self.low, self.high)
+        doubled.add(edges[:-1][times > 1], edges[1:][times > 1] - 1)
         if arrived.count:
-            some = _some([str(k) for k in arrived.first(_SHOWN)], arrived.count)
+            some = _some([str(k) for k in arrived.first()], arrived.total)
             text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
-            found.append(StampFault(DUPLICATE, arrived.count, arrived.first(1)[0], text))
+            found.append(StampFault(DUPLICATE, arrived.total, arrived.first()[0], text))
         if self._displaced:
             text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
             found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
-        if self._doubled.count:
-            doubled, count = self._doubled.first(_SHOWN), min(self._doubled.count, _MOST_DOUBLED)
-            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled], count)}"
-            found.append(StampFault(DUPLICATE, count, doubled[0], text))
+        if doubled.count:
+            count = min(doubled.total, _MOST_DOUBLED)
+            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled.first()], count)}"
+            found.append(StampFault(DUPLICATE, count, doubled.first()[0], text))
         if gaps.count:
             text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps.listed], gaps.count)}"
             found.append(StampFault(GAP, gaps.total, gaps.listed[0][0], text))
@@ -235,18 +233,19 @@ class StampTally:
             found.append(StampFault(OFF_GRID, self._farthest, number, text))
         return found
 
-    def _gaps(self, first: int, last: int, lost: Lost) -> tuple[Runs, NumberSet]:
-        """The runs of missing numbers between two, without those that are lost, and the lost ones that are there."""
-        gaps, arrived = Runs(_SHOWN), NumberSet()
+    def _gaps(self, first: int, last: int, lost: Lost) -> tuple[RunList, RunList]:
+        """Runs of missing numbers between two, without those that are lost, and of the lost ones that are there."""
+        gaps, arrived = RunList(_SHOWN), RunList(_SHOWN)
+        edges, times = self._there.counted(first, last)
         while first <= last and first < lost.end:
-            begin = first % PAGE
-            end = min(PAGE, begin + last + 1 - first)
-            there, away = self._there.page(first // PAGE)[begin:end], lost.of(first, end - begin)
-            arrived.add(first + np.flatnonzero(there & away))
+            count = min(PAGE, last + 1 - first)
+            there = times[np.searchsorted(edges, np.arange(first, first + count), side="right") - 1] > 0
+            away = lost.of(first, count)
+            arrived.add(*runs_of(first, there & away))
             gaps.add(*runs_of(first, ~(there | away)))
-            first += end - begin
-        for begins, ends in self._there.missing(first, last):
-            gaps.add(begins, ends)
+            first += count
+        begins, ends = np.maximum(edges[:-1], first)[times == 0], edges[1:][times == 0] - 1
+        gaps.add(begins[begins <= ends], ends[begins <= ends])
         return gaps, arrived
 
     def _gap_in_words(self, begin: int, end: int) -> str:

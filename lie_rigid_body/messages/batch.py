@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -24,27 +25,11 @@ TWIST: Final = "twist"
 FAULTS: Final = "~/faults"
 
 
-class _SensorTopics(Mapping[str, str]):
-    """A view of the table of sensors, which may grow."""
+SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS: STRING}, SENSORS.topics)
+"""Message types of the topics of all sensors, by their relative names; a view, as the table of sensors may grow.
 
-    def __getitem__(self, name: str) -> str:
-        return self._types()[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._types())
-
-    def __len__(self) -> int:
-        return len(self._types())
-
-    @staticmethod
-    def _types() -> dict[str, str]:
-        of_readings = {topic.name: topic.message_type for sensor in SENSORS.values() for topic in sensor.topics}
-        return {**of_readings, FAULTS: STRING}
-
-
-SENSOR_TOPICS: Final = _SensorTopics()
-"""The message types of the topics of all sensors, by their relative names; messages of equal times come in the same
-order, after those of the truth."""
+Messages of equal times come in this order, after those of the truth.
+"""
 
 
 @dataclass(frozen=True)
@@ -54,9 +39,9 @@ class Messages:
     Parameters
     ----------
     topic : str
-        Its relative name.
+        Relative name of the topic.
     times_ns : ndarray of int64, shape (N,)
-        When each is sent and logged, ns: its stamp, or later if it is delayed, or otherwise if its clock is off.
+        Time at which each is sent and logged, ns; its stamp may be another, where it is late or a clock is wrong.
     payloads : Payloads, N of them
     """
 
@@ -68,7 +53,7 @@ class Messages:
 
     @classmethod
     def joined(cls, parts: Sequence[Messages]) -> Messages:
-        """Messages of one topic and one template, one after the other."""
+        """Join messages of one topic and one template."""
         if len(parts) == 1:
             return parts[0]
         template, words = parts[0].payloads.template, np.concatenate([part.payloads.words for part in parts])
@@ -95,7 +80,7 @@ class Batch:
 
     @property
     def topics(self) -> tuple[Messages, ...]:
-        """The messages of every topic, in the order in which those of equal times come: the truth before sensors."""
+        """Messages of every topic. Messages of equal times come in this order: the truth before sensors."""
         stamps_ns = self.samples.stamps_ns
         return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
 
@@ -117,11 +102,12 @@ class Batch:
 
 
 class Gathering:
-    """Messages of small batches that wait to be laid out together, as if they were those of a larger one.
+    """Messages of small batches that wait to be laid out together, as if they were messages of a larger batch.
 
     Attributes
     ----------
     message_count : int
+        Number of messages that wait.
     """
 
     def __init__(self) -> None:
@@ -130,11 +116,11 @@ class Gathering:
 
     @property
     def sample_count(self) -> int:
-        """How many samples of the truth are among them."""
+        """Number of samples of the truth that wait."""
         return sum(len(messages.payloads) for messages in self._parts.get(POSE, ()))
 
     def fits(self, topics: Sequence[Messages]) -> bool:
-        """Whether messages have the templates of those of their topics that wait."""
+        """Whether messages have the templates of the messages of their topics that wait."""
         return all(
             parts[0].payloads.template is messages.payloads.template
             for messages in topics
@@ -142,13 +128,13 @@ class Gathering:
         )
 
     def add(self, topics: Sequence[Messages]) -> None:
-        """Take the messages of the next batch, which fit, some of each topic."""
+        """Take messages of the next batch, which fit."""
         for messages in topics:
             self._parts.setdefault(messages.topic, []).append(messages)
             self.message_count += len(messages.payloads)
 
     def take(self) -> list[Messages]:
-        """All that wait, by topic, in the order in which those of equal times come."""
+        """Take all messages that wait, by topic, in the order in which messages of equal times come."""
         parts, self._parts, self.message_count = self._parts, {}, 0
         return [Messages.joined(parts[topic]) for topic in (POSE, TWIST, *SENSOR_TOPICS) if topic in parts]
 
@@ -165,7 +151,7 @@ class BatchEncoder:
     Parameters
     ----------
     scenario : Scenario
-        Of what does not tell its own.
+        Scenario of samples that do not tell their own.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -180,7 +166,7 @@ class BatchEncoder:
         }
 
     def encode(self, taken: Taken) -> Batch:
-        """The messages of samples and readings that were taken at once, with the frames of their own scenario."""
+        """Encode samples and readings that were taken at once, with the frames of their own scenario."""
         if taken.scenario is not None and taken.scenario is not self._scenario:
             self._begin(taken.scenario)
         samples = taken.samples
@@ -196,6 +182,6 @@ class BatchEncoder:
 
 
 def _told(faults: tuple[Fault, ...]) -> Messages:
-    """The faults, each at its begin."""
+    """Encode faults, each as a message at its begin."""
     times = np.array([fault.begin_ns for fault in faults], dtype=np.int64)
     return Messages(FAULTS, times, encode_strings([fault.to_json() for fault in faults], LONGEST_TEXT))

@@ -1,4 +1,4 @@
-"""Bytes of messages back into arrays: all messages of a topic at once, of either byte order."""
+"""Decoding of messages into arrays: all messages of a topic at once, of either byte order."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Integers, windows
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
@@ -20,6 +20,7 @@ Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""
 
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
+"""Byte order, as `struct` names it, by the first two bytes of plain CDR."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +30,13 @@ class Decoded:
     Parameters
     ----------
     stamps_ns : ndarray of int64, shape (N,), or None
-        None for messages without a header.
+        Stamps of the headers, ns; None for messages without a header.
     numbers : ndarray, shape (N, K)
-        Their float64 fields in order.
+        float64 fields of each message, in order.
     frame_ids : tuple of str
         The distinct frame names, in order of appearance.
     frames : ndarray of int64, shape (N,)
-        Which of them each message has; zeros for messages without a header.
+        Number of the frame name that each message has; zeros for messages without a header.
     """
 
     stamps_ns: Integers | None
@@ -47,24 +48,24 @@ class Decoded:
 
 
 def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
-    """Read poses or twists, of either byte order: `decode_places` of payloads that stand apart."""
+    """Read messages of float64 numbers from payloads of either byte order; see `decode_places`."""
     sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
     ends = np.cumsum(sizes)
     return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)
 
 
 def decode_places(
-    data: bytes, starts: Integers, ends: Integers, numbers: int, *, stamped: bool, first: int = 0
+    data: bytes | memoryview, starts: Integers, ends: Integers, numbers: int, *, stamped: bool, first: int = 0
 ) -> Decoded:
-    """Read poses or twists, of either byte order.
+    """Read messages of float64 numbers, of either byte order, from the bytes that contain them.
 
     Parameters
     ----------
     data : bytes
     starts, ends : ndarray of int64, shape (N,)
-        Where in ``data`` each payload begins and ends.
+        Bytes of ``data`` at which each payload begins and ends.
     numbers : int
-        How many float64 fields each has.
+        Number of float64 fields of a message.
     stamped : bool
         Whether a std_msgs/Header comes first.
     first : int, optional
@@ -82,17 +83,17 @@ def decode_places(
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
     frames = _Frames(len(starts))
-    sizes, content = ends - starts, np.frombuffer(data, dtype=np.uint8)
-    for size in sorted(set(sizes.tolist())):
+    sizes = ends - starts
+    for size in np.unique(sizes).tolist():
         indices = np.flatnonzero(sizes == size)
-        rows = np.lib.stride_tricks.sliding_window_view(content, size)[starts[indices]]
+        rows = windows(data, size)[starts[indices]]
         for alike in _alike(rows, stamped=stamped):
             _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
     return Decoded(stamps if stamped else None, values, *frames.in_order())
 
 
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
-    """The rows grouped by what determines the layout of payloads of one size: encapsulation and length of the frame."""
+    """Group rows of one size by what determines their layout: the encapsulation and the length of the frame name."""
     keys = np.concatenate([rows[:, :2], rows[:, 12:FRAME]], axis=1) if stamped else rows[:, :2]
     if (keys == keys[:1]).all():
         return [slice(None)]
@@ -150,7 +151,7 @@ class _Frames:
         return self._numbers.setdefault(text_of(text, index), len(self._numbers))
 
     def in_order(self) -> tuple[tuple[str, ...], Integers]:
-        """The distinct names in order of appearance, and which of them each message has."""
+        """Distinct names in order of appearance, and the number of the name that each message has."""
         if len(self._numbers) <= 1:
             return tuple(self._numbers), self._of_messages
         _, at = np.unique(self._of_messages, return_index=True)
@@ -179,7 +180,7 @@ def decode_string(payload: bytes, index: int = 0) -> str:
 
 
 def byte_order(payload: bytes, index: int) -> str:
-    """``<`` or ``>``, as the encapsulation of a message says."""
+    """Byte order that the encapsulation of a message tells, as `struct` names it: ``<`` or ``>``."""
     order = _BYTE_ORDERS.get(payload[:2])
     if order is None:
         begin = payload[:4].hex(" ") or "nothing"
@@ -201,7 +202,7 @@ def _require_size(payload: bytes, size: int, index: int) -> None:
 
 
 def text_of(data: bytes, index: int) -> str:
-    """The text of a string's bytes, which end with a zero byte."""
+    """Decode the bytes of a string, which end with a zero byte."""
     if data and data[-1]:
         raise BagError(f"message {index} has a text that does not end with a zero byte")
     try:

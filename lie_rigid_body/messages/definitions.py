@@ -1,4 +1,4 @@
-"""Message types as a bag describes them: names, definitions, and the quality of service they were offered with."""
+"""Message types as a bag describes them: names, definitions, and the quality of service of their publishers."""
 
 from __future__ import annotations
 
@@ -69,7 +69,9 @@ _PARTS: Final = {
     VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
 _SEPARATOR: Final = "=" * 80 + "\n"
+"""Line between the types of a definition."""
 _NUMBER: Final = "float64"
+"""Type of the numbers of messages, perhaps with a length in brackets behind it."""
 
 
 def definition(message_type: str) -> str:
@@ -102,7 +104,7 @@ def has_fields_of(text: str, message_type: str) -> bool:
 
 @lru_cache(maxsize=64)
 def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
-    """Type and name of every field, by the type that has them; types without their package, the first without name."""
+    """Type and name of every field, by the type that has the field: types without packages, the first unnamed."""
     found = {}
     for part in re.split(r"^=+[ \t\r]*$", text, flags=re.MULTILINE):
         lines = [line.split("#")[0].split() for line in part.splitlines()]
@@ -114,7 +116,7 @@ def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
 
 @lru_cache(maxsize=64)
 def places(message_type: str) -> Mapping[str, range]:
-    """Where the float64 numbers of each field are among all of a message's, by names with dots between them.
+    """Places of each field's float64 numbers among all float64 numbers of a message, by names with dots between them.
 
     Parameters
     ----------
@@ -124,7 +126,7 @@ def places(message_type: str) -> Mapping[str, range]:
     Returns
     -------
     mapping of str to range
-        The empty name stands for all of them.
+        The empty name has all places.
     """
     found: dict[str, range] = {}
     types = _fields(definition(message_type))
@@ -147,14 +149,14 @@ def _base(message_type: str) -> str:
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:
-    """The channel metadata from which ``ros2 bag play`` takes its quality of service: a YAML list with one profile.
+    """Channel metadata from which ``ros2 bag play`` takes its quality of service: a YAML list with one profile.
 
     Parameters
     ----------
     latched : bool
-        Transient local, so that late subscribers get the last message; else volatile.
+        Whether late subscribers get the last message: transient local, else volatile.
     depth : int
-        Of the history.
+        Depth of the history.
 
     Returns
     -------

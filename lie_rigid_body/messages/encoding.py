@@ -18,19 +18,17 @@ from lie_rigid_body.messages.layout import (
     TWIST_NUMBERS,
     Layout,
     Payloads,
-    numbers_after,
+    header,
     text,
 )
 from lie_rigid_body.messages.template import Template
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Field, Readings, SensorModel, Topic
 from lie_rigid_body.simulation import Samples
 
 NOT_GIVEN: Final = -1.0
-"""First number of the covariance of what a message does not give (REP-145)."""
+"""First number of a covariance where the message does not give the quantity (REP-145)."""
 _ONE_TRANSFORM: Final = struct.pack("<I", 1)
-_TRANSLATION: Final = 3
 
 
 class PoseTwistEncoder:
@@ -39,21 +37,22 @@ class PoseTwistEncoder:
     Parameters
     ----------
     scenario : Scenario
-        Gives the frame names and whether twists are stamped.
+        Names the frames, and says whether twists are stamped.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        twist_frame = scenario.body_frame if scenario.stamped_twist else None
         # position and linear velocity stay zero; the rotation's numbers follow them
-        self._pose = Layout(scenario.world_frame, [0.0] * POSE_NUMBERS, [range(3, 7)])
-        self._twist = Layout(twist_frame, [0.0] * TWIST_NUMBERS, [range(3, 6)])
+        self._pose = Layout(header(scenario.world_frame), [0.0] * POSE_NUMBERS, [range(3, 7)])
+        twist = ([0.0] * TWIST_NUMBERS, [range(3, 6)])
+        stamped = scenario.stamped_twist
+        self._twist = Layout(header(scenario.body_frame), *twist) if stamped else Layout(ENCAPSULATION, *twist, None)
 
     def poses(self, samples: Samples) -> Payloads:
-        """One geometry_msgs/PoseStamped a sample, position 0."""
+        """Encode one geometry_msgs/PoseStamped for each sample, with the position 0."""
         return self._pose.encode(samples.stamps_ns, samples.states.attitude_xyzw)
 
     def twists(self, samples: Samples) -> Payloads:
-        """One geometry_msgs/TwistStamped or Twist a sample, linear velocity 0."""
+        """Encode one geometry_msgs/TwistStamped or Twist for each sample, with the linear velocity 0."""
         return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
 
 
@@ -65,7 +64,7 @@ class ReadingEncoder:
     topic : Topic
     model : SensorModel
     scenario : Scenario
-        Gives the frame name.
+        Names the frame.
 
     Attributes
     ----------
@@ -73,19 +72,19 @@ class ReadingEncoder:
     frame : str
         Name of the frame of their headers.
     numbers : list of float
-        The float64 fields of a message, with any values in those that differ.
+        The float64 numbers of a message, 0 in the fields that differ from reading to reading.
     fields : tuple of Field
-        Those of the topic that the sensor tells.
+        The fields of the topic that the sensor tells.
     """
 
     def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
         self.topic, self.frame = topic, scenario.frame(topic.frame)
         self.numbers, self.fields = fixed_numbers(topic, model), told_fields(topic, model)
         places = [numbers_of(topic, field) for field in self.fields]
-        self._layout, self._widths = Layout(self.frame, self.numbers, places), list(map(len, places))
+        self._layout, self._widths = Layout(header(self.frame), self.numbers, places), list(map(len, places))
 
     def encode(self, stamps_ns: Integers, readings: Readings) -> Payloads:
-        """One message a reading.
+        """Encode one message for each reading.
 
         Parameters
         ----------
@@ -101,7 +100,7 @@ class ReadingEncoder:
 
 
 def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
-    """The float64 numbers of a message of a topic, 0 in the fields that differ from reading to reading."""
+    """float64 numbers of a topic's messages, 0 in the fields that differ from reading to reading."""
     places = definitions.places(topic.message_type)
     numbers = [0.0] * len(places[""])
     for name, values in topic.fixed(model).items():
@@ -110,14 +109,14 @@ def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
 
 
 def told_fields(topic: Topic, model: SensorModel) -> tuple[Field, ...]:
-    """The fields of a topic that a sensor tells: not those whose covariance says that they are not given."""
+    """Fields of a topic that a sensor tells: all but those whose covariance says that they are not given."""
     places, numbers = definitions.places(topic.message_type), fixed_numbers(topic, model)
     is_told = [not f.covariance or numbers[places[f.covariance].start] != NOT_GIVEN for f in topic.fields]
     return tuple(compress(topic.fields, is_told))
 
 
 def numbers_of(topic: Topic, field: Field) -> Sequence[int]:
-    """Which of the float64 numbers of a topic's messages a field has."""
+    """Places of a field among the float64 numbers of a topic's messages."""
     place = definitions.places(topic.message_type)[field.place]
     return [place[i] for i in field.numbers] or place
 
@@ -134,19 +133,10 @@ class TransformEncoder:
     def __init__(self, frame: str, child_frame: str) -> None:
         head = ENCAPSULATION + _ONE_TRANSFORM + bytes(8) + text(frame)
         head = head.ljust(-(-len(head) // 4) * 4, b"\x00") + text(child_frame)
-        start = numbers_after(len(head))
-        self._template = head.ljust(start + 8 * (_TRANSLATION + 4), b"\x00")
-        self._fields = np.dtype(
-            {
-                "names": ["sec", "nanosec", "rotation"],
-                "formats": ["<i4", "<u4", ("<f8", (4,))],
-                "offsets": [8, 12, start + 8 * _TRANSLATION],
-                "itemsize": len(self._template),
-            }
-        )
+        self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
 
-    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> list[bytes]:
-        """One message a sample.
+    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> Payloads:
+        """Encode one message for each sample.
 
         Parameters
         ----------
@@ -155,23 +145,18 @@ class TransformEncoder:
 
         Returns
         -------
-        list of bytes
+        Payloads
         """
-        buffer = bytearray(self._template * len(stamps_ns))
-        rows = np.frombuffer(buffer, dtype=self._fields)
-        rows["sec"], rows["nanosec"] = np.divmod(stamps_ns, NS)
-        rows["rotation"] = attitude_xyzw
-        size = len(self._template)
-        return [bytes(buffer[i : i + size]) for i in range(0, len(buffer), size)]
+        return self._layout.encode(stamps_ns, attitude_xyzw)
 
 
 def encode_string(value: str) -> bytes:
-    """A text as std_msgs/String."""
+    """Encode a text as std_msgs/String."""
     return ENCAPSULATION + text(value)
 
 
 def encode_strings(values: Sequence[str], length: int) -> Payloads:
-    """Texts as std_msgs/String, with blanks behind each, so that all have one length in characters of ASCII."""
+    """Encode texts of ASCII as std_msgs/String, with blanks behind each, so that all have one length, characters."""
     data = b"".join(encode_string(value.ljust(length)) for value in values)
     rows = np.frombuffer(data, dtype=np.uint8).reshape(len(values), -1)
     template = _text_template(rows.shape[1])
@@ -180,5 +165,5 @@ def encode_strings(values: Sequence[str], length: int) -> Payloads:
 
 @lru_cache(maxsize=8)
 def _text_template(size: int) -> Template:
-    """Words all along; the last one has bytes of the one before."""
+    """A template of words all along, of which the last may share bytes with the one before."""
     return Template(bytes(size), [(0, size // 8), (size - 8, 1)])

@@ -1,4 +1,4 @@
-"""Attitudes in messages of two frames, nav_msgs/Odometry and tf2_msgs/TFMessage, whose fields have no fixed places."""
+"""Decoding of nav_msgs/Odometry and tf2_msgs/TFMessage, which have two frames and so no fixed places of fields."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from lie_rigid_body.messages.layout import numbers_after
 from lie_rigid_body.parameters import NS
 
 _ODOMETRY_NUMBERS: Final = 7 + 36 + 6 + 36
-"""Pose and its covariance, twist and its covariance."""
+"""float64 fields of an Odometry: pose and its covariance, twist and its covariance."""
 _TRANSFORM_NUMBERS: Final = 7
+"""float64 fields of a transform: translation x y z, rotation x y z w."""
 _SPARE: Final = 8
-"""A middleware may pad the end by less than this."""
+"""Bytes by which a middleware may pad the end of a message, and one more."""
 
 Frames = tuple[str, str]
 """Frame of the header, and child frame."""
@@ -30,7 +31,7 @@ class FramedNumbers:
     ----------
     stamps_ns : list of int
     numbers : list of tuple of float
-        float64 fields in order; first position or translation x y z, then x y z w of the attitude.
+        float64 fields of each message in order: position or translation x y z, attitude x y z w, and what follows.
     """
 
     stamps_ns: list[int] = field(default_factory=list)
@@ -78,7 +79,7 @@ class _Fields:
         self._order = byte_order(payload, index)
 
     def read(self, found: dict[Frames, FramedNumbers], count: int) -> None:
-        """A header, a child frame and so many numbers."""
+        """Read a header, a child frame and so many numbers."""
         stamp = self.word() * NS + self.word()
         frames = (self._text(), self._text())
         of_frames = found.setdefault(frames, FramedNumbers())

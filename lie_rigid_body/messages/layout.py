@@ -16,8 +16,9 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import short_repr
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
+"""First bytes of a payload: plain CDR, little-endian, no options."""
 FRAME: Final = 16
-"""Byte of a payload where the frame name of its header begins: after the encapsulation, the stamp and its length."""
+"""Byte of a payload at which the frame name of its header begins: after encapsulation, stamp and length of the name."""
 
 POSE_NUMBERS: Final = 7
 """float64 fields of a pose: position x y z, orientation x y z w."""
@@ -25,13 +26,18 @@ TWIST_NUMBERS: Final = 6
 """float64 fields of a twist: linear x y z, angular x y z."""
 
 
+def header(frame: str) -> bytes:
+    """Encode the begin of a payload, with a std_msgs/Header of the stamp 0."""
+    return ENCAPSULATION + bytes(8) + text(frame)
+
+
 def numbers_after(end: int) -> int:
-    """Where float64 numbers begin in a payload whose fields before them end at byte ``end``."""
+    """Byte at which float64 numbers begin in a payload whose other fields end at byte ``end``."""
     return 4 + -(-(end - 4) // 8) * 8
 
 
 def text(value: str) -> bytes:
-    """A string: its length with the closing zero byte, and its bytes."""
+    """Encode a string: its length with the closing zero byte, and its bytes."""
     data = value.encode()
     return struct.pack("<I", len(data) + 1) + data + b"\x00"
 
@@ -43,7 +49,7 @@ class Payloads(Sequence[bytes]):
     Parameters
     ----------
     template : Template
-        What they have in common.
+        The bytes that they have in common.
     words : ndarray of little-endian int64, shape (N, K)
         The words in which they differ.
     """
@@ -75,34 +81,41 @@ class Layout:
 
     Parameters
     ----------
-    frame : str or None
-        Frame name of its header; None: it has no header.
+    head : bytes
+        The bytes before its numbers, but for padding; see `header`.
     numbers : sequence of float
         Its float64 fields in order.
     places : sequence of sequence of int
-        Which of them each sample sets: of each vector the numbers that it goes to, rising.
+        For each vector of a sample, the numbers that it is written to, rising.
+    stamp : int or None, optional
+        Byte at which the stamp begins, by default where a header has it; None: there is no stamp.
     """
 
-    def __init__(self, frame: str | None, numbers: Sequence[float], places: Sequence[Sequence[int]]) -> None:
-        head = ENCAPSULATION if frame is None else ENCAPSULATION + bytes(8) + text(frame)
+    def __init__(
+        self,
+        head: bytes,
+        numbers: Sequence[float],
+        places: Sequence[Sequence[int]],
+        stamp: int | None = len(ENCAPSULATION),
+    ) -> None:
         start = numbers_after(len(head))
         template = head.ljust(start, b"\x00") + struct.pack(f"<{len(numbers)}d", *numbers)
         # the stamp's two halves, sec and nanosec, are one word
-        stamp = [] if frame is None else [(len(ENCAPSULATION), 1)]
+        stamps = [] if stamp is None else [(stamp, 1)]
         words = [(start + 8 * first, length) for vector in places for first, length in _runs(vector)]
-        self._template = Template(template, [*stamp, *words])
-        self._stamped = len(stamp)
+        self._template = Template(template, [*stamps, *words])
+        self._stamped = len(stamps)
         ends = list(accumulate(map(len, places), initial=self._stamped))
         self._columns = [slice(*bounds) for bounds in pairwise(ends)]
 
     def encode(self, stamps_ns: Integers, *vectors: Array) -> Payloads:
-        """One payload a sample.
+        """Encode one payload for each sample.
 
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
         *vectors : ndarray, shape (N, length)
-            One for each of the places.
+            Vectors for each of the places.
 
         Returns
         -------

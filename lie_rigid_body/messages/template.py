@@ -16,13 +16,13 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.compilation import Work
 
 _U: Final = tuple(np.uint64(k) for k in range(57))
-"""Unsigned numbers: a compiler need not ask whether a place of that kind is negative."""
+"""Unsigned numbers from 0 on: the compiler need not test an unsigned place for being negative."""
 _FEW: Final = 8
-"""Rows, of a live node for example, that are made one by one."""
+"""Largest number of rows that are made one by one, as for a live node."""
 _ENOUGH: Final = 4_000_000
-"""Number of rows from which on compiling pays: they take a second otherwise."""
+"""Number of rows from which compiling pays: without it they take a second."""
 _ENOUGH_TO_LOAD: Final = 400_000
-"""The same where it is compiled already."""
+"""Number of rows from which loading of compiled code pays."""
 
 
 def put_rows(data: Any, places: Any, template: Any, offsets: Any, words: Any) -> None:
@@ -32,11 +32,11 @@ def put_rows(data: Any, places: Any, template: Any, offsets: Any, words: Any) ->
     ----------
     data : ndarray of uint8
     places : ndarray of int64, shape (N,)
-        Where in the data each row begins.
+        Byte of the data at which each row begins.
     template : ndarray of uint8
-        What they have in common.
+        The bytes that they have in common.
     offsets : ndarray of int64, shape (K,)
-        Where in a row its words begin.
+        Bytes of a row at which its words begin.
     words : ndarray of int64, shape (N, K)
     """
     for i in range(len(places)):
@@ -66,14 +66,14 @@ PUT: Final = Work(
 
 
 class Template:
-    """What rows of bytes have in common, and the places of the words in which they differ.
+    """The bytes that rows have in common, and the places of the words in which they differ.
 
     Parameters
     ----------
     data : bytes
-        A row, with any words.
+        A row; its words may have any value.
     runs : sequence of (int, int)
-        Where in a row words of eight bytes begin, and how many follow each other there.
+        Bytes of a row at which words of eight bytes begin, and how many words follow each other there.
     """
 
     def __init__(self, data: bytes, runs: Sequence[tuple[int, int]]) -> None:
@@ -88,12 +88,12 @@ class Template:
         return len(self._data)
 
     def behind(self, head: bytes, runs: Sequence[tuple[int, int]]) -> Template:
-        """The template of the same rows with a head before each, which has words of its own before theirs."""
+        """Template of these rows with a head before each; the words of the head come first."""
         shifted = [(len(head) + at, size // 8) for at, size in self._parts]
         return Template(head + self._data, [*runs, *shifted])
 
     def rows(self, words: Integers) -> Iterator[bytes]:
-        """The rows with some words.
+        """Make the rows that have some words.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Template:
         return (data[i : i + size] for i in range(0, len(data), size))
 
     def _few(self, words: Integers) -> Iterator[bytearray]:
-        """The rows one by one: of few, a call of NumPy costs more than a row."""
+        """Make rows one by one: a call of NumPy costs more than a row."""
         content, begin = words.tobytes(), 0
         for _ in range(len(words)):
             row = bytearray(self._data)
@@ -116,7 +116,7 @@ class Template:
             yield row
 
     def _many(self, words: Integers) -> NDArray[np.uint8]:
-        """The rows as an array, shape (N, size)."""
+        """Make rows as an array, shape (N, size)."""
         rows, begin = np.empty((len(words), self.size), dtype=np.uint8), 0
         rows[:] = np.frombuffer(self._data, dtype=np.uint8)
         content = words.view(np.uint8)
@@ -126,7 +126,7 @@ class Template:
         return rows
 
     def words(self, rows: NDArray[np.uint8]) -> Integers:
-        """The words of some rows, given as bytes, shape (N, size); see `rows`."""
+        """Find the words of some rows, given as bytes, shape (N, size); see `rows`."""
         parts = [np.ascontiguousarray(rows[:, at : at + size]).view("<i8") for at, size in self._parts]
         return np.concatenate(parts, axis=1)
 

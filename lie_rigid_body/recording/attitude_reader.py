@@ -22,19 +22,19 @@ from lie_rigid_body.messages.definitions import (
 )
 from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import named, payloads, stamped_columns, taken
+from lie_rigid_body.recording.track_decoding import columns, named, taken
 from lie_rigid_body.wording import listed, short_repr
 
 _PLACES: Final = {POSE_STAMPED: (7, 3), POSE_WITH_COVARIANCE_STAMPED: (43, 3), QUATERNION_STAMPED: (4, 0), IMU: (37, 0)}
-"""Of each type with one frame how many float64 fields it has, and where the attitude begins among them."""
+"""Number of float64 fields of each type with one frame, and the field with which the attitude begins."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
     TF_MESSAGE: decode_transforms,
 }
 ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
-"""The message types that hold an attitude with a stamp."""
+"""Message types that hold an attitude with a stamp."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
-"""What is wrong about a topic of Imu in which no message has an orientation."""
+"""Complaint about a topic of Imu in which no message has an orientation."""
 _POSE_COVARIANCE: Final = slice(7, 43)
 """Fields of the 6 × 6 covariance after a pose."""
 _IMU_COVARIANCE: Final = slice(4, 13)
@@ -94,13 +94,15 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     track = _find(path, contents, topic)
     if track.message_type in _FRAMED:
         return _framed_track(path, track, frames)
-    _, stamps, read = stamped_columns(path, track, _PLACES[track.message_type][0])
+    found = taken(path, track)
+    with named(path, topic):
+        read = columns(found, _PLACES[track.message_type][0], stamped=True)
     if len(read.frame_ids) > 1:
         raise BagError(f"{path}: topic {topic} is of the frames {listed(read.frame_ids)}: record those of one body")
-    found = _plain_track(track.topic, track.message_type, stamps, read)
-    if not found.stamps_ns.size:
+    attitudes = _plain_track(track.topic, track.message_type, read)
+    if not attitudes.stamps_ns.size:
         raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
-    return found
+    return attitudes
 
 
 def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
@@ -124,12 +126,12 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     read = decode(payloads, _PLACES[message_type][0], stamped=True)
     if len(read.frame_ids) > 1:
         raise BagError(f"topic {topic} is of the frames {listed(read.frame_ids)}: let one node publish it")
-    assert read.stamps_ns is not None
-    track = _plain_track(topic, message_type, read.stamps_ns, read)
+    track = _plain_track(topic, message_type, read)
     return {(track.frame, ""): track}
 
 
-def _plain_track(topic: str, message_type: str, stamps: Integers, read: Decoded) -> AttitudeTrack:
+def _plain_track(topic: str, message_type: str, read: Decoded) -> AttitudeTrack:
+    assert read.stamps_ns is not None
     first = _PLACES[message_type][1]
     known = np.full(len(read.numbers), True)
     if message_type == IMU:
@@ -137,7 +139,7 @@ def _plain_track(topic: str, message_type: str, stamps: Integers, read: Decoded)
     numbers = read.numbers[known]
     covariance = _covariance(message_type, numbers)
     return AttitudeTrack(
-        topic, message_type, stamps[known], numbers[:, first : first + 4], covariance, read.frame_ids[0]
+        topic, message_type, read.stamps_ns[known], numbers[:, first : first + 4], covariance, read.frame_ids[0]
     )
 
 
@@ -162,9 +164,9 @@ def wrong_type(message_type: str) -> str:
 
 
 def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> AttitudeTrack:
-    pieces = taken(path, track)
+    raw = taken(path, track)
     with named(path, track.topic):
-        found = _FRAMED[track.message_type]([payload for _, payload in payloads(pieces)])
+        found = _FRAMED[track.message_type]([payload for _, payload in raw.payloads()])
     frames = wanted if wanted in found else next(iter(found), None)
     if frames is None:
         raise BagError(f"{path}: the messages on {track.topic} are empty: record it while an estimator runs")

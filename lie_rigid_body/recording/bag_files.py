@@ -4,29 +4,26 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 from lie_rigid_body.bounded_input import as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
-from lie_rigid_body.recording.mcap_contents import McapContents, Wanted
+from lie_rigid_body.recording.mcap_contents import KeptMessages, McapContents, Progress, Wanted
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
-
-Progress: TypeAlias = Callable[[int], object]
-"""Takes notice of how many bytes more were read."""
 
 METADATA: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
 SUFFIXES: Final = (".mcap", SUFFIX)
-"""Of the names of bags."""
+"""Suffixes of the names of bags."""
 
 LARGEST_METADATA: Final = 2**20
-"""Its largest size, bytes."""
+"""Largest size of a metadata.yaml, bytes."""
 
 
 def unheard(count: int) -> None:
@@ -65,18 +62,8 @@ class BagFiles:
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
-    def read(self, contents: McapContents, wanted: Wanted) -> Iterator[int]:
-        """Add the messages of all files to the contents, and yield after each chunk. See `read_file`."""
-        for file in self.files:
-            before = 0
-            read = read_database if file.suffix == SUFFIX else read_file
-            for position in read(file, wanted, contents):
-                self.progress(position - before)
-                before = position
-                yield position
-
     def contents(self, wanted: Wanted) -> McapContents:
-        """All messages counted, with the payloads of those that are wanted.
+        """Read all files, and count their messages; those that are wanted are kept in the tracks.
 
         Raises
         ------
@@ -84,8 +71,14 @@ class BagFiles:
             If a file is no bag, cut off or damaged, or the folder's metadata do not fit it.
         """
         contents = McapContents()
-        for _ in self.read(contents, wanted):
-            pass
+        for file in self.files:
+            read = read_database if file.suffix == SUFFIX else read_file
+            before, kept = 0, None
+            for position, found in read(file, contents, wanted):
+                kept = kept or KeptMessages(file, contents)
+                kept.keep(found)
+                self.progress(position - before)
+                before = position
         if self._information is not None:
             folder_metadata.hold(self._metadata, self._information, contents)
         return contents
@@ -120,7 +113,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
 
 
 def _information(metadata: Path) -> Mapping[str, Any] | None:
-    """What a rosbag2 folder's metadata say, or None without metadata: a recorder that was killed."""
+    """Information in a rosbag2 folder's metadata; None without metadata, as a recorder leaves it that was killed."""
     if not metadata.exists():
         return None
 

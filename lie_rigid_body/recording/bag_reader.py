@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import math
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -17,45 +18,45 @@ from lie_rigid_body import messages
 from lie_rigid_body.arrays import Booleans
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording.bag_files import BagFiles, Progress, unheard
+from lie_rigid_body.recording.bag_files import BagFiles, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
 from lie_rigid_body.recording.bodies import Body, bodies, other_bodies, tells_of_body, the_body
-from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, Wanted, nothing, of_types
-from lie_rigid_body.recording.message_loops import are_compiled
-from lie_rigid_body.recording.second_reading import (
-    Topic,
-    TopicsReader,
-    chunks,
-    may_read_again,
-    one_ahead,
-    parts_of,
-    pieces_again,
+from lie_rigid_body.recording.mcap_contents import (
+    Found,
+    McapContents,
+    Progress,
+    RawMessages,
+    RawTrack,
+    TrackKey,
+    nothing,
+    of_types,
 )
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.sensor_reader import (
     FaultMessages,
     SensorMessages,
-    SensorTopic,
-    reading_types,
     varying_fields,
 )
 from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
-from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack, joined
+from lie_rigid_body.recording.tracks import BagFacts, OfSensor, PoseTrack, Recording, TakeReadings, TwistTrack, joined
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 
 __all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
 
 _TEXTS_AT_ONCE: Final = 1000
-"""Messages about faults that are taken together."""
+"""Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
-"""Messages of poses, twists and sensors that a batch holds at least, but for the last one."""
+"""Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
-"""No topic is called otherwise."""
+"""Names for a bag whose topics have their usual ones."""
 _OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 
 
-class Bag:
+class Bag(BagFacts):
     """A bag that is read in batches, as often as they are wanted: its memory does not grow with its length.
+
+    See `BagFacts` for more attributes; the name is that of one of several bodies, too.
 
     Parameters
     ----------
@@ -67,18 +68,12 @@ class Bag:
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
-        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again. They
-        are not where compiled loops read it again, which is faster.
+        Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again.
 
     Attributes
     ----------
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
-    name : str
-        Its path; of one of several bodies also that body.
-    library, scenario_texts, expected_samples, published_otherwise, others, undefined, without_checksum, was_cut_off
-    sensors
-        As in `Recording`.
     pose_topic, twist_topic : str
     pose_count, twist_count : int
         Messages of each.
@@ -99,8 +94,8 @@ class Bag:
         *,
         in_memory: bool = False,
     ) -> None:
-        files, in_memory = BagFiles(path, progress), in_memory and not are_compiled()
-        contents = files.contents(of_types((*_OF_THE_TRUTH, *reading_types())) if in_memory else nothing)
+        files = BagFiles(path, progress)
+        contents = files.contents(of_types({*_OF_THE_TRUTH, *SENSORS.topics.values()}) if in_memory else nothing)
         body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
         self._take(files, contents, body, in_memory=in_memory)
 
@@ -136,40 +131,28 @@ class Bag:
     def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
         if body.fault:
             raise BagError(body.fault)
-        self._path, self._files, self.body, self.name = files.path, files, body.name, str(files.path)
-        self._topics = tuple(contents.tracks)
-        own, sensors, known = body.tracks, body.sensors, body.all_tracks
-        for track in known:
+        self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
+        for track in body.all_tracks:
             require_cdr(self._path, track)
-        pose, twist, scenario = own
-        self._pose, self._twist = ((track.topic, track.message_type) for track in (pose, twist))
+        pose, twist, scenario = body.tracks
+        self._pose, self._twist = pose.key, twist.key
         self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
-        self._outlines, self.pose_count, self.twist_count = contents.outlines, pose.count, twist.count
-        self.library = contents.library
-        self.scenario_texts = _scenarios(self._texts((scenario.topic, scenario.message_type)))
-        self.expected_samples = _expected_samples(self._path, contents)
-        self.published_otherwise = sum(track.published_otherwise for track in own)
-        self.others = _others(contents, known)
-        self.undefined = tuple(track.topic for track in known if not _is_defined(self._path, track))
-        self.without_checksum = contents.without_checksum
-        self.was_cut_off = CUT_OFF in contents.metadata
-        self._kept = (
-            (
-                self._pose_track(self._decoded(self._pose, pose.take(), 0)),
-                self._twist_track(self._decoded(self._twist, twist.take(), 0)),
-            )
-            if in_memory
-            else None
+        self.pose_count, self.twist_count = pose.count, twist.count
+        super().__init__(
+            library=contents.library,
+            scenario_texts=_scenarios(self._texts(scenario.key)),
+            expected_samples=_expected_samples(self._path, contents),
+            published_otherwise=sum(track.published_otherwise for track in body.tracks),
+            others=_others(contents, body.all_tracks),
+            undefined=tuple(track.topic for track in body.all_tracks if not _is_defined(self._path, track)),
+            without_checksum=contents.without_checksum,
+            was_cut_off=CUT_OFF in contents.metadata,
+            sensors=body.sensors,
+            name=str(files.path),
         )
-        self._kept_readings = {
-            name: self._decoded((track.topic, track.message_type), track.take(), 0)
-            for name, track in sensors.items()
-            if in_memory and track.message_type in reading_types()
-        }
-        self.sensors = {
-            name: SensorTopic(track.topic, track.message_type, track.count, track.published_otherwise)
-            for name, track in sensors.items()
-        }
+        self._kept: list[Found] | None = None
+        if in_memory:
+            self._kept = [{track.key: track.take() for track in body.all_tracks if track.message_type != STRING}]
 
     def batches(
         self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
@@ -187,108 +170,62 @@ class Bag:
         for name in self._of_faults:
             for told in self._faults(name) if name in sensors else ():
                 take({name: told})
-        sensors = [name for name in sensors if name not in self._of_faults]
-        if self._kept is not None:
-            take({name: self._kept_readings[name] for name in sensors})
-            yield self._kept
-            return
-        keys = {name: (self.sensors[name].topic, self.sensors[name].message_type) for name in sensors}
-        if may_read_again(
-            self._outlines, self.pose_count + self.twist_count + sum(self.sensors[name].count for name in sensors)
-        ):
-            found = self._batches_again(self._pose, self._twist, *keys.values())
-            if not keys:  # else the sensors' laws are held aside: a third thread takes two cores longer
-                found = one_ahead(found, self._outlines)
-        else:
-            found = self._batches(self._pose, self._twist, *keys.values())
-        for poses, twists, *readings in found:
+        keys = {name: self.sensors[name].key for name in sensors if name not in self._of_faults}
+        before = Counter[TrackKey]()
+        for found in self._some([self._pose, self._twist, *keys.values()]):
+            poses, twists, *readings = (
+                topic_messages(self._path, key[0], found[key], *self._layout(key), before[key]) for key in found
+            )
+            before.update({key: len(messages) for key, messages in found.items()})
             take(dict(zip(keys, readings, strict=True)))
             yield self._pose_track(poses), self._twist_track(twists)
 
-    def _batches(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
-        for pieces in self._pieces(*keys):
-            yield [self._decoded(key, *of_one) for key, of_one in zip(keys, pieces, strict=True)]
-
-    def _pieces(self, *keys: tuple[str, str]) -> Iterator[list[tuple[list[RawMessages], int]]]:
-        """The messages of some tracks, batch by batch; of each track also how many came in batches before."""
-        contents, before = McapContents(), [0] * len(keys)
-        for position in itertools.chain(self._files.read(contents, lambda *key: key in keys), [None]):
-            tracks = [contents.tracks.get(key) for key in keys]
-            waiting = sum(len(piece.starts) for track in tracks if track for piece in track.pieces)
-            if position is None or waiting >= _BATCH:
-                pieces = [[] if track is None else track.take() for track in tracks]
-                yield list(zip(pieces, before, strict=True))
-                before = [n + sum(len(p.starts) for p in taken) for n, taken in zip(before, pieces, strict=True)]
-                contents.kept = 0
-
-    def _batches_again(self, *keys: tuple[str, str]) -> Iterator[list[TopicMessages]]:
-        counts = {(topic.topic, topic.message_type): topic.count for topic in self.sensors.values()}
-        counts |= {self._pose: self.pose_count, self._twist: self.twist_count}
-        share = min(1.0, _BATCH / max(1, sum(counts[key] for key in keys)))
-        topics = [Topic(key, *self._layout(key), expected=math.ceil(share * counts[key])) for key in keys]
-        reader = TopicsReader(self._path, topics)
-        for outline, data in chunks(self._outlines, self._files.progress):
-            for part in parts_of(data):
-                reader.add(part, outline.channels)
-                if reader.count >= _BATCH:
-                    yield reader.taken()
-        yield reader.taken()
-
-    def messages_of(self, wanted: Wanted) -> McapContents:
-        """All messages that are wanted, undecoded, in memory; nothing is read if there are none."""
-        return self._files.contents(wanted) if any(wanted(*key) for key in self._topics) else McapContents()
+    def _some(self, keys: Sequence[TrackKey]) -> Iterator[Found]:
+        """Messages of some tracks, as many as a batch has, in the order of the keys."""
+        waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
+        parts = self._contents.read(keys, self._progress) if self._kept is None else iter(self._kept)
+        count, end = 0, Found()
+        for found in itertools.chain(parts, [end]):
+            for key in found.keys() & waiting.keys():
+                waiting[key].append(found[key])
+                count += len(found[key])
+            if found is end or count >= _BATCH:
+                yield {key: RawMessages.joined(pieces) for key, pieces in waiting.items()}
+                waiting, count = {key: [] for key in keys}, 0
 
     @property
     def _of_faults(self) -> list[str]:
-        """The relative names of the topics about faults."""
+        """Relative names of the topics about faults."""
         return [name for name, topic in self.sensors.items() if topic.message_type == STRING]
 
     def _faults(self, name: str) -> Iterator[FaultMessages]:
-        """The messages about faults, some at a time."""
-        found = self._texts((self.sensors[name].topic, STRING))
+        """Messages about faults, some at a time."""
+        found = self._texts(self.sensors[name].key)
         while some := list(itertools.islice(found, _TEXTS_AT_ONCE)):
             yield FaultMessages.of(some)
 
-    def _texts(self, key: tuple[str, str]) -> Iterator[tuple[int, str]]:
+    def _texts(self, key: TrackKey) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message of a topic of texts, as they are read."""
-        return texts(self._path, key[0], pieces_again(self._path, self._outlines, key))
+        return _texts(self._path, self._contents, key)
 
     def load(self) -> Recording:
         """The whole bag in memory."""
         names = [name for name in self.sensors if name not in self._of_faults]
-        readings: list[Mapping[str, Any]] = []
-        poses, twists = zip(*self.batches(names, readings.append), strict=True)
-        return Recording(
-            self.library,
-            self.scenario_texts,
-            joined(poses),
-            joined(twists),
-            self.expected_samples,
-            self.published_otherwise,
-            self.others,
-            self.undefined,
-            self.without_checksum,
-            self.was_cut_off,
-            self.sensors,
-            {
-                **{name: SensorMessages.joined([batch[name] for batch in readings]) for name in names},
-                **{
-                    name: FaultMessages.of([*self._texts((self.sensors[name].topic, STRING))])
-                    for name in self._of_faults
-                },
-            },
-            self.name,
-        )
+        batches: list[Mapping[str, Any]] = []
+        poses, twists = zip(*self.batches(names, batches.append), strict=True)
+        readings: dict[str, OfSensor] = {
+            name: SensorMessages.joined([some[name] for some in batches]) for name in names
+        }
+        told = {name: FaultMessages.of([*self._texts(self.sensors[name].key)]) for name in self._of_faults}
+        facts: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
+        return Recording(**facts, poses=joined(poses), twists=joined(twists), readings=readings | told)
 
-    def _layout(self, key: tuple[str, str]) -> tuple[Booleans, bool]:
-        """Which numbers of a topic's messages are values, and whether these have stamps."""
+    def _layout(self, key: TrackKey) -> tuple[Booleans, bool]:
+        """Mask of the numbers of a topic's messages that are values, and whether the messages have stamps."""
         if key in (self._pose, self._twist):
             count = messages.POSE_NUMBERS if key == self._pose else messages.TWIST_NUMBERS
             return np.full(count, fill_value=True), key == self._pose or self.stamped
         return varying_fields(key[1]), True
-
-    def _decoded(self, key: tuple[str, str], pieces: list[RawMessages], first: int) -> TopicMessages:
-        return topic_messages(self._path, key[0], pieces, *self._layout(key), first)
 
     def _pose_track(self, found: TopicMessages) -> PoseTrack:
         times, numbers = (found.log_times_ns, found.stamps_ns), found.values
@@ -339,9 +276,13 @@ def _is_scenario(text: str) -> bool:
     return True
 
 
+def _texts(path: Path, contents: McapContents, key: TrackKey) -> Iterator[tuple[int, str]]:
+    """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
+    return texts(path, key[0], (found[key] for found in contents.read([key], unheard)))
+
+
 def _is_ours(path: Path, contents: McapContents, track: RawTrack) -> bool:
-    pieces = pieces_again(path, contents.outlines, (track.topic, track.message_type))
-    return tells_of_body(path, track.topic, pieces)
+    return tells_of_body(_texts(path, contents, track.key))
 
 
 def _not_chosen(body: Body) -> str:

@@ -36,7 +36,7 @@ CUT_OFF: Final = "lie_rigid_body_cut_off"
 """Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
 
 LIBRARY: Final = f"{SOFTWARE} {__version__}"
-"""How a bag names its writer."""
+"""Name by which a bag calls its writer."""
 
 REWRITTEN: Final = f"; rewritten by {SOFTWARE} "
 """In the name of a bag's writer, if a recorder, named before, heard what is in it, and this package only wrote it."""
@@ -143,7 +143,7 @@ class BagWriter:
 
     @property
     def sample_count(self) -> int:
-        """How many samples of the truth were written."""
+        """Number of samples of the truth that were written."""
         return self._counts[POSE] + self._gathered.sample_count
 
     def _add_channel(self, topic: str) -> None:
@@ -207,7 +207,7 @@ class BagWriter:
             self._counts[messages.topic] += len(messages.payloads)
 
     def _new(self, topics: list[Messages]) -> list[str]:
-        """Those of the topics that are not in the bag yet, in the order of their first messages."""
+        """Names of the topics that are not in the bag yet, in the order of their first messages."""
         new = [messages for messages in topics if messages.topic not in self._channels]
         return [messages.topic for messages in sorted(new, key=lambda messages: int(messages.times_ns[0]))]
 
@@ -278,7 +278,7 @@ class BagWriter:
 
     def _finish(self) -> None:
         if self._end is not None:
-            self._mcap.add_metadata(Metadata(self._end, {"samples": str(self.sample_count)}))
+            self._mcap.add(Metadata(self._end, {"samples": str(self.sample_count)}))
         self._mcap.finish()
         self._file.commit()
 

@@ -14,8 +14,7 @@ from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
-from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
-from lie_rigid_body.recording.track_decoding import texts
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
@@ -63,7 +62,7 @@ class Body:
 
     @property
     def all_tracks(self) -> tuple[RawTrack, ...]:
-        """Those, and the sensors'."""
+        """Pose, twist, scenario and what the sensors read."""
         return *self.tracks, *self.sensors.values()
 
 
@@ -105,10 +104,16 @@ def bodies(
     return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
-def tells_of_body(path: Path, topic: str, pieces: Iterable[RawMessages]) -> bool:
-    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node."""
+def tells_of_body(found: Iterable[tuple[int, str]]) -> bool:
+    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node.
+
+    Parameters
+    ----------
+    found : iterable of (int, str)
+        Log times and texts, which may raise an error as they are read.
+    """
     try:
-        return any('"inertia"' in text for _, text in islice(texts(path, topic, pieces), 1))
+        return any('"inertia"' in text for _, text in islice(found, 1))
     except BagError:
         return True
 
@@ -218,7 +223,7 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
 
 
 def _remedy(path: Path, otherwise: str) -> str:
-    """What to do where a topic is missing: it may be in another file of a bag that was split."""
+    """Remedy where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"

@@ -31,11 +31,11 @@ HEAD: Final = np.dtype(
         ("publish_time", "<u8"),
     ]
 )
-"""What comes before the payload in a message record."""
+"""Fields before the payload of a message record."""
 _CHANNEL, _TIMES = 9, 15
-"""Bytes of it where the channel begins, and where the two times do."""
+"""Bytes of a message record where the channel begins, and where the two times do."""
 OPCODE_AND_LENGTH: Final = 9
-"""Bytes of a record that its length does not count."""
+"""Number of bytes of a record that its length does not count."""
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -100,7 +100,7 @@ class MessageRecords:
         return int(np.searchsorted(self.bounds, place))
 
     def entries(self, pieces: Integers, offset: int) -> Iterator[list[Entries]]:
-        """What the indexes have of each piece of the data.
+        """Index entries of each piece of the data.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What the metadata.yaml of a rosbag2 folder says of its files, held against what they hold."""
+"""Comparison of the metadata.yaml of a rosbag2 folder with the files in it."""
 
 from __future__ import annotations
 

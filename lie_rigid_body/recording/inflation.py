@@ -15,7 +15,7 @@ LARGEST_CHUNK: Final = 256 * 1024 * 1024
 _MOST_RECORDS: Final = 65_536
 
 _OF_THREAD: Final = threading.local()
-"""Its zstd decompressor: making one for each chunk takes as long as inflating a tenth of it."""
+"""Decompressor of zstd of each thread: to make one for each chunk takes as long as to inflate a tenth of it."""
 
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a frame of zstd, and so of whatever it compressed."""
@@ -25,7 +25,7 @@ COMPRESSED_ONE_BY_ONE: Final = (
 )
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
 _RUN_OF_ONE_BYTE: Final = 1
-"""Kind of a block of zstd that holds one byte, and in its head how often that comes."""
+"""Number of the kind of a zstd block that holds one byte, and in its head how often that comes."""
 
 
 class NotOneFrameError(ValueError):
@@ -72,7 +72,7 @@ def inflated_unverified(chunk: Chunk) -> bytes:
 
 
 def _of_frames(compression: str, data: bytes, first: int) -> str:
-    """What is wrong with compressed bytes of which the first so many are a frame."""
+    """Complaint about compressed bytes of which only the first so many are a frame."""
     if not first:
         return f"a chunk does not begin with a frame of {compression}"
     if data[first:].startswith(data[: len(ZSTD_MAGIC)]):
@@ -81,7 +81,7 @@ def _of_frames(compression: str, data: bytes, first: int) -> str:
 
 
 def _from_zstd(data: bytes, size: int) -> tuple[bytes, int]:
-    """What zstandard's own ``decompress`` gives, which would believe the size that the frame declares."""
+    """Inflate zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
     if not (frame := _zstd_frame_size(data)):
@@ -125,6 +125,8 @@ _INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {
     "zstd": _from_zstd,
     "lz4": _from_lz4,
 }
-"""Of each compression what gives at most one byte more than so many, and the size of the frame that holds them."""
+"""Functions that inflate, by the name of the compression.
+
+Each is given bytes and a size; it returns at most one byte more than so many, and the size of the compressed frame."""
 COMPRESSIONS: Final = tuple(_INFLATE)
 """Names of the compressions that are read."""

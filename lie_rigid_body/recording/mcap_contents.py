@@ -1,52 +1,96 @@
-"""What a bag holds, of one file or of several: raw messages by topic, and where in the files they are."""
+"""Contents of a bag, in one file or several: topics with their messages counted, and where these are in the files."""
 
 from __future__ import annotations
 
 import os
-from array import array
-from collections.abc import Callable, Container
+from collections.abc import Callable, Collection, Container, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, Final, TypeAlias
+from typing import BinaryIO, Final, Protocol, TypeAlias
 
-from lie_rigid_body.arrays import Integers
+import numpy as np
+
+from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.wording import short_repr
 
+TrackKey: TypeAlias = tuple[str, str]
+"""Topic and message type."""
 Wanted: TypeAlias = Callable[[str, str], bool]
-"""Whether the messages of a topic, by its name and message type, are kept until they are taken."""
+"""Whether the messages of a topic, by its name and message type, are read."""
+Progress: TypeAlias = Callable[[int], object]
+"""Takes notice of how many bytes more were read."""
 
 _KEPT_AT_LEAST: Final = 64 * 2**20
 _KEPT_PER_BYTE: Final = 200
-"""Limits of what a file's messages may take, bytes and bytes per byte of the file. What moves compresses to 1/20."""
+"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 _PER_MESSAGE: Final = 100
-"""About the bytes that a message takes beside its content."""
+"""Memory that a message takes beside its content, about, bytes."""
 
 
 @dataclass(frozen=True)
 class RawMessages:
-    """Messages of one track that stand in one chunk, undecoded, in file order.
+    """Messages of one track, undecoded, in file order.
 
     Parameters
     ----------
-    data : bytes
-        The chunk.
-    starts, ends : ndarray of int64, shape (N,)
-        Where in it each payload begins and ends.
+    data : memoryview
+        Their payloads, one after the other.
+    sizes : ndarray of int64, shape (N,)
+        Bytes of each.
     log_times_ns : ndarray of int64, shape (N,)
     """
 
-    data: bytes
-    starts: Integers
-    ends: Integers
+    data: memoryview
+    sizes: Integers
     log_times_ns: Integers
+
+    @classmethod
+    def of(cls, data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers) -> RawMessages:
+        """Messages whose payloads stand between places of some data."""
+        sizes = ends - starts
+        if len(sizes) and (sizes == sizes[0]).all():
+            return cls(windows(data, int(sizes[0]))[starts].reshape(-1).data, sizes, log_times_ns)
+        view = memoryview(data)
+        parts = [view[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True)]
+        return cls(memoryview(b"".join(parts)), sizes, log_times_ns)
+
+    @classmethod
+    def joined(cls, parts: Sequence[RawMessages]) -> RawMessages:
+        """Messages that follow each other as one."""
+        if len(parts) == 1:
+            return parts[0]
+        none = np.empty(0, dtype=np.int64)
+        sizes, times = ([none, *(getattr(part, name) for part in parts)] for name in ("sizes", "log_times_ns"))
+        return cls(memoryview(b"".join(part.data for part in parts)), np.concatenate(sizes), np.concatenate(times))
+
+    def __len__(self) -> int:
+        return len(self.sizes)
+
+    def pieces(self, count: int) -> Iterator[RawMessages]:
+        """Cut into pieces of so many messages; at least one piece."""
+        ends = np.append(0, np.cumsum(self.sizes))
+        for begin in range(0, max(len(self), 1), count):
+            rows = slice(begin, begin + count)
+            data = self.data[ends[begin] : ends[min(begin + count, len(self))]]
+            yield RawMessages(data, self.sizes[rows], self.log_times_ns[rows])
+
+    def payloads(self) -> Iterator[tuple[int, bytes]]:
+        """Log time, ns, and bytes of each message."""
+        ends = np.cumsum(self.sizes)
+        places = zip(self.log_times_ns.tolist(), (ends - self.sizes).tolist(), ends.tolist(), strict=True)
+        return ((time, bytes(self.data[start:end])) for time, start, end in places)
+
+
+Found: TypeAlias = dict[TrackKey, RawMessages]
+"""Messages of the wanted tracks in a part of a file."""
 
 
 @dataclass
 class RawTrack:
-    """The messages of one type on one topic, undecoded, in file order.
+    """Messages of one type on one topic, undecoded, in file order.
 
     Attributes
     ----------
@@ -54,9 +98,9 @@ class RawTrack:
     definition : tuple of (str, bytes)
         Encoding and text of its schema.
     pieces : list of RawMessages
-        Those not yet taken; empty when they were not wanted.
+        Those that were kept, and not yet taken.
     count : int
-        Messages, wanted or not.
+        Messages, kept or not.
     published_otherwise : int
         How many of them were not published at their log time.
     """
@@ -69,15 +113,20 @@ class RawTrack:
     count: int = 0
     published_otherwise: int = 0
 
-    def take(self) -> list[RawMessages]:
-        """The messages not yet taken, which the track then forgets."""
+    @property
+    def key(self) -> TrackKey:
+        """Topic and message type."""
+        return self.topic, self.message_type
+
+    def take(self) -> RawMessages:
+        """Messages not yet taken, which the track then forgets."""
         pieces, self.pieces = self.pieces, []
-        return pieces
+        return RawMessages.joined(pieces)
 
 
 @dataclass(frozen=True)
 class FileSpan:
-    """How many messages a file holds, and from when to when they were logged, ns."""
+    """Number of messages in a file, and from when to when they were logged, ns."""
 
     name: str
     count: int
@@ -87,37 +136,28 @@ class FileSpan:
     __repr__ = short_repr
 
 
-@dataclass(frozen=True)
-class Outline:
-    """Where the messages of a file are, that was found whole.
+class Outline(Protocol):
+    """Places of the messages in a file that was found whole."""
 
-    Parameters
-    ----------
-    path : Path
-    state : tuple of int
-        Which file it was, and what it would not be any more if it changed.
-    chunks : array of int
-        The bytes where the records of its chunks begin; empty if messages stand outside of chunks.
-    channels : dict of (topic, message type) to list of int
-    chunks_of : dict of (topic, message type) to array of int
-        Those of the chunks that have messages of a topic.
-    largest_chunk : int
-        Inflated, bytes.
-    """
+    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+        """Read the messages of some tracks, part by part.
 
-    path: Path
-    state: tuple[int, ...]
-    chunks: array[int]
-    channels: dict[tuple[str, str], list[int]]
-    chunks_of: dict[tuple[str, str], array[int]]
-    largest_chunk: int
+        Parameters
+        ----------
+        keys : collection of TrackKey
+        progress : callable
+            Called with the number of bytes that were read since it was called last.
 
-    __repr__ = short_repr
+        Raises
+        ------
+        BagError
+            If the file is not what it was when it was outlined.
+        """
 
 
 @dataclass
 class McapContents:
-    """The messages and metadata of a file, or of several that continue each other.
+    """Messages and metadata of a file, or of several that continue each other.
 
     Attributes
     ----------
@@ -131,19 +171,15 @@ class McapContents:
     outlines : list of Outline
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
-    kept, most_kept : int
-        About the bytes that the messages not yet taken need, and how many they may: each file allows for its own.
     """
 
     library: str = ""
-    tracks: dict[tuple[str, str], RawTrack] = field(default_factory=dict)
+    tracks: dict[TrackKey, RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
     files: list[FileSpan] = field(default_factory=list)
     outlines: list[Outline] = field(default_factory=list)
     without_checksum: int = 0
-    kept: int = 0
-    most_kept: int = 0
 
     __repr__ = short_repr
 
@@ -152,14 +188,39 @@ class McapContents:
         """Messages on all topics."""
         return sum(track.count for track in self.tracks.values())
 
-    def allow(self, size: int) -> None:
-        """Allow for the messages of a file of so many bytes."""
-        self.most_kept += max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * size)
+    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+        """Read the messages of some tracks again, part by part; see `Outline.read`."""
+        for outline in self.outlines:
+            yield from outline.read(keys, progress)
 
-    def keep(self, size: int, messages: int) -> bool:
-        """Count so many bytes of messages as kept; whether that is more than allowed."""
-        self.kept += size + messages * _PER_MESSAGE
-        return self.kept > self.most_kept
+
+class KeptMessages:
+    """Messages of a file that are kept in its tracks, as many as it allows for.
+
+    Parameters
+    ----------
+    path : Path
+    contents : McapContents
+    """
+
+    def __init__(self, path: Path, contents: McapContents) -> None:
+        self._path, self._tracks, self.size = path, contents.tracks, 0
+        self._most = max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * path.stat().st_size)
+
+    def keep(self, found: Found) -> None:
+        """Keep messages.
+
+        Raises
+        ------
+        BagError
+            If they are more than such a file may have.
+        """
+        for key, messages in found.items():
+            self._tracks[key].pieces.append(messages)
+            self.size += len(messages.data) + len(messages) * _PER_MESSAGE
+        if self.size > self._most:
+            what = f"messages of {self.size} bytes in a file of {self._path.stat().st_size}"
+            raise BagError(f"{self._path} has {what}, more than is read: record it again")
 
 
 def of_types(types: Container[str]) -> Wanted:
@@ -173,13 +234,13 @@ def nothing(topic: str, message_type: str) -> bool:
 
 
 def state_of(stream: BinaryIO) -> tuple[int, ...]:
-    """Which file an open one is, and what changes when it is written to."""
+    """Identity of an open file, and what changes when it is written to."""
     status = os.fstat(stream.fileno())
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def opened(path: Path) -> BinaryIO:
-    """A bag's file, open to be read.
+    """Open a bag's file to be read.
 
     Raises
     ------

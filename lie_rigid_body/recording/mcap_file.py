@@ -28,6 +28,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, Rows, record_bytes
+from lie_rigid_body.recording.indexes import attachment_index, chunk_index
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -38,7 +39,7 @@ _FOOTER: Final = struct.Struct("<BQQQ")
 
 
 ZSTD_LEVEL: Final = -1
-"""The 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag of numbers 3 % smaller."""
+"""Level of zstd; level 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag 3 % smaller."""
 
 
 Compress = Callable[[Any], bytes]
@@ -126,7 +127,7 @@ class McapFile:
 
     @property
     def message_count(self) -> int:
-        """How many messages were written."""
+        """Number of messages that were written."""
         return sum(self._counts.values())
 
     @property
@@ -160,18 +161,7 @@ class McapFile:
             end += _MESSAGE_INDEX.size + size
         self._write(b"".join(parts))
         self._note_times(chunk)
-        index = ChunkIndex(
-            message_start_time=chunk.message_start_time,
-            message_end_time=chunk.message_end_time,
-            chunk_start_offset=start,
-            chunk_length=length,
-            message_index_offsets=offsets,
-            message_index_length=end - start - length,
-            compression=chunk.compression,
-            compressed_size=len(chunk.data),
-            uncompressed_size=chunk.uncompressed_size,
-        )
-        self._note(index)
+        self._note(chunk_index(chunk, start, length, offsets, end - start - length))
 
     def _note_times(self, chunk: Chunk) -> None:
         first, last = self._times or (chunk.message_start_time, chunk.message_end_time)
@@ -181,37 +171,18 @@ class McapFile:
         self._indexes[type(index)] += record_bytes(index)
         self._index_counts[type(index)] += 1
 
-    def add_schema(self, schema: Schema) -> None:
-        """Write a schema outside of chunks."""
-        self.schemas[schema.id] = schema
-        self._write(record_bytes(schema))
-
-    def add_channel(self, channel: Channel) -> None:
-        """Write a channel outside of chunks."""
-        self.channels[channel.id] = channel
-        self._write(record_bytes(channel))
-
-    def add_metadata(self, metadata: Metadata) -> None:
-        """Write a metadata record."""
-        record = record_bytes(metadata)
-        self._note(MetadataIndex(offset=self._position, length=len(record), name=metadata.name))
-        self._write(record)
-
-    def add_attachment(self, attachment: Attachment) -> None:
-        """Write an attachment."""
-        record = record_bytes(attachment)
-        self._note(
-            AttachmentIndex(
-                offset=self._position,
-                length=len(record),
-                log_time=attachment.log_time,
-                create_time=attachment.create_time,
-                data_size=len(attachment.data),
-                name=attachment.name,
-                media_type=attachment.media_type,
-            )
-        )
-        self._write(record)
+    def add(self, record: Schema | Channel | Metadata | Attachment) -> None:
+        """Write a record outside of chunks."""
+        data = record_bytes(record)
+        if isinstance(record, Schema):
+            self.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            self.channels[record.id] = record
+        elif isinstance(record, Metadata):
+            self._note(MetadataIndex(offset=self._position, length=len(data), name=record.name))
+        else:
+            self._note(attachment_index(record, self._position, len(data)))
+        self._write(data)
 
     def finish(self) -> None:
         """Write the summary. The stream stays open."""

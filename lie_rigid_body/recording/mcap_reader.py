@@ -1,25 +1,24 @@
-"""Reading an MCAP file into raw messages by topic: every record framed, every checksum compared, nothing guessed.
+"""Reading an MCAP file: every record framed, every checksum compared, nothing guessed.
 
 The `mcap` library's own reader takes the end of a file for the end of a record; a cut would go unnoticed there.
 """
 
 from __future__ import annotations
 
-import struct
 import zlib
 from array import array
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Final, TypeVar
+from typing import Any, BinaryIO, Final
 
 import numpy as np
-from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
     AttachmentIndex,
     Channel,
-    Chunk,
     ChunkIndex,
     Footer,
     Header,
@@ -30,32 +29,43 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.chunk import HEAD, MAGIC
-from lie_rigid_body.recording.inflation import COMPRESSIONS, LARGEST_CHUNK, ZSTD_MAGIC, inflated, most_records
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated_unverified, most_records
 from lie_rigid_body.recording.inventory import Inventory, require_in_chunk
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
+    Found,
     McapContents,
-    Outline,
+    Progress,
     RawMessages,
     RawTrack,
+    TrackKey,
     Wanted,
     opened,
     state_of,
 )
-from lie_rigid_body.recording.message_loops import FIND
-from lie_rigid_body.recording.message_scan import FoundMessages
-from lie_rigid_body.recording.message_table import ContradictionError, MessageRuns, MessageTable, RecordContent
+from lie_rigid_body.recording.mcap_part import McapPart, UnknownCompressionError
+from lie_rigid_body.recording.message_table import (
+    RECORD_HEAD,
+    ContradictionError,
+    ExcessError,
+    MessageTable,
+    parsed,
+    require,
+)
 from lie_rigid_body.recording.output_file import reason, rescue
 from lie_rigid_body.wording import counted
 
-T = TypeVar("T")
-_HEAD: Final = struct.Struct("<BQ")
 _MOST_LOOSE_BYTES: Final = 2**20
-"""Messages of a file without chunks are taken in pieces of this size."""
-_SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
+"""Number of bytes of messages outside of chunks that are taken together."""
+_PARSERS: Final[dict[int, Callable[..., Any]]] = {
+    Opcode.HEADER: Header.read,
+    Opcode.FOOTER: Footer.read,
+    Opcode.SCHEMA: Schema.read,
+    Opcode.CHANNEL: Channel.read,
+    Opcode.METADATA: Metadata.read,
+    Opcode.ATTACHMENT: Attachment.read,
     Opcode.STATISTICS: Statistics.read,
     Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
@@ -63,12 +73,9 @@ _SUMMARY: Final[dict[int, Callable[[ReadDataStream], object]]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset.read,
 }
 _PROFILES: Final = ("ros2", "")
+_REMEDY: Final = "restore a copy, or record again"
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
-_COUNTED_AT_ONCE: Final = 10_000
-"""Messages after which it is asked anew whether compiled code pays."""
-_SMALL_SHARE: Final = 4
-"""Messages that take less than this part of a chunk are copied out of it, so that the rest is not kept."""
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
@@ -76,20 +83,71 @@ _OTHER_FORMATS: Final = {
 }
 
 
-def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
-    """Add a file's messages to the tracks, chunk by chunk.
+@dataclass(frozen=True)
+class McapOutline:
+    """Places of the messages in an MCAP file that was found whole.
 
     Parameters
     ----------
     path : Path
+    state : tuple of int
+        Which file it was, and what it would not be any more if it changed.
+    parts : array of int
+        Bytes where each part with messages begins and ends, by turns.
+    channels : dict of TrackKey to list of int
+    parts_of : dict of TrackKey to array of int
+        Numbers of the parts that have messages of a track.
+    """
+
+    path: Path
+    state: tuple[int, ...]
+    parts: array[int]
+    channels: dict[TrackKey, list[int]]
+    parts_of: dict[TrackKey, array[int]]
+
+    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+        """Read the messages of some tracks, part by part; see `Outline.read`."""
+        numbers = sorted({number for key in keys for number in self.parts_of.get(key, ())})
+        channels = {key: self.channels[key] for key in keys if key in self.channels}
+        with opened(self.path) as stream:
+            try:
+                self._require_same(stream)
+                before = 0
+                for number in numbers:
+                    begin, end = self.parts[2 * number : 2 * number + 2]
+                    stream.seek(begin)
+                    table, _ = McapPart.of(stream.read(end - begin), inflated_unverified).messages(LARGEST_CHUNK)
+                    yield _by_track(table, channels)
+                    progress(end - before)
+                    before = end
+                self._require_same(stream)
+            except OSError as error:
+                raise _unreadable(self.path, error) from None
+            except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
+                what = f"{self.path} changed while it was read: try again when nobody writes it"
+                raise BagError(what) from error
+
+    def _require_same(self, stream: BinaryIO) -> None:
+        require(state_of(stream) == self.state, "it is another file")
+
+
+def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
+    """Read a file, and count its messages.
+
+    Parameters
+    ----------
+    path : Path
+    contents : McapContents
+        What it holds is added there.
     wanted : callable
-        Which messages are kept until they are taken. See `Wanted`.
-    into : McapContents
+        Which messages are given out. See `Wanted`.
 
     Yields
     ------
-    int
-        The bytes that were read, after each chunk.
+    position : int
+        Bytes that were read.
+    found : Found
+        Messages that are wanted of the last part.
 
     Raises
     ------
@@ -98,43 +156,58 @@ def read_file(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
     """
     with opened(path) as stream:
         try:
-            yield from _FileReader(path, stream, wanted, into).read()
+            yield from _FileReader(path, stream, contents, wanted).read()
         except OSError as error:
-            raise BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place") from None
+            raise _unreadable(path, error) from None
+
+
+def _unreadable(path: Path, error: OSError) -> BagError:
+    return BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place")
 
 
 class _FileReader:
     """One file, read from its start to its end."""
 
-    def __init__(self, path: Path, stream: BinaryIO, wanted: Wanted, into: McapContents) -> None:
-        self._path, self._stream, self._wanted, self._into = path, stream, wanted, into
+    def __init__(self, path: Path, stream: BinaryIO, contents: McapContents, wanted: Wanted) -> None:
+        self._path, self._stream, self._contents, self._wanted = path, stream, contents, wanted
         self._size = stream.seek(0, 2)
-        into.allow(self._size)
-        self._records, self._most_records = 0, most_records(self._size)
+        self._records_left = most_records(self._size)
         self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
-        self._channels: dict[int, RawTrack] = {}
-        self._chunks_of: dict[tuple[str, str], array[int]] = {}
+        self._channels: dict[int, TrackKey] = {}
+        self._outline = McapOutline(path, state_of(stream), array("q"), {}, {})
         self._inventory = Inventory()
-        self._loose = bytearray()
-        self._loose_ends = [0]
-        self._before = into.message_count
-        self._taken = self._counted = 0
+        self._part: list[bytes] = []  # heads and contents of its records, if one has begun
+        self._part_begin = 0
+        self._before = contents.message_count
         self._crc = 0  # of the data section, then of the summary
         self._data_crc = 0
         self._bare_chunks = 0
         self._position = 0
-        self._length = 0  # of the record there, without its head
+        self._handlers: dict[int, Callable[[Any, int], object]] = {
+            Opcode.HEADER: self._header,
+            Opcode.FOOTER: self._footer,
+            Opcode.SCHEMA: self._schema,
+            Opcode.CHANNEL: self._channel,
+            Opcode.METADATA: self._metadata,
+            Opcode.ATTACHMENT: self._attachment,
+        }
 
-    def read(self) -> Iterator[int]:
+    def read(self) -> Iterator[tuple[int, Found]]:
+        """Read all records; see `read_file`."""
         self._require_magic()
-        self._stream.seek(len(MAGIC))
-        self._position = len(MAGIC)
-        self._crc = zlib.crc32(MAGIC)
-        count = 0
-        while self._read_record() != Opcode.FOOTER:
-            if self._taken > count:
-                count = self._taken
-                yield self._position
+        opcode = 0
+        while opcode != Opcode.FOOTER:
+            opcode, head, content = self._record()
+            if self._part and not self._goes_on(opcode):
+                yield self._position, self._end_part()
+            with self._named(self._position):
+                self._verify_section(opcode, head, content)
+                self._inventory.record(opcode, self._position, len(content))
+                if opcode in (Opcode.CHUNK, Opcode.MESSAGE, Opcode.MESSAGE_INDEX):
+                    self._add_to_part(opcode, head, content)
+                else:
+                    self._take(opcode, content)
+            self._position += len(head) + len(content)
         if self._stream.read() != MAGIC:
             raise self._cut_off()
 
@@ -146,36 +219,22 @@ class _FileReader:
         if not start.startswith(MAGIC):
             hint = next((text for magic, text in _OTHER_FORMATS.items() if start.startswith(magic)), "")
             raise BagError(f"{self._path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
+        self._position, self._crc = self._stream.seek(len(MAGIC)), zlib.crc32(MAGIC)
 
-    def _read_record(self) -> int:
-        head = self._stream.read(_HEAD.size)
-        if len(head) < _HEAD.size:
+    def _record(self) -> tuple[int, bytes, bytes]:
+        """Opcode, head and content of the next record."""
+        head = self._stream.read(RECORD_HEAD.size)
+        if len(head) < RECORD_HEAD.size:
             raise self._cut_off()
-        opcode, length = _HEAD.unpack(head)
-        too_long = length > self._size - self._position - _HEAD.size
-        if too_long and self._ends_well():
-            raise self._damaged("a record is longer than the file")
-        if too_long or opcode == 0:
-            raise self._cut_off()
-        if length > LARGEST_RECORD:
-            raise self._too_large(f"a record of {length} bytes")
-        content, self._length = self._stream.read(length), length
-        self._verify_section(opcode, head, content)
-        try:
-            self._inventory.record(opcode, self._position, length)
-            if opcode == Opcode.MESSAGE:
-                self._loose_message(head + content)
-            else:
-                self._end_loose_messages()
-                self._take(opcode, content)
-        except (BagError, ModuleNotFoundError):
-            raise
-        except ContradictionError as contradiction:
-            raise self._damaged(str(contradiction)) from None
-        except Exception as error:  # the library's parsers fail in many ways on damaged bytes
-            raise self._damaged(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__) from None
-        self._position += _HEAD.size + length
-        return int(opcode)
+        opcode, length = RECORD_HEAD.unpack(head)
+        too_long = length > self._size - self._position - RECORD_HEAD.size
+        with self._named(self._position):
+            require(not too_long or not self._ends_well(), "a record is longer than the file")
+            if too_long or opcode == 0:
+                raise self._cut_off()
+            if length > LARGEST_RECORD:
+                raise ExcessError(f"a record of {length} bytes")
+        return opcode, head, self._stream.read(length)
 
     def _verify_section(self, opcode: int, head: bytes, content: bytes) -> None:
         if opcode == Opcode.DATA_END:
@@ -190,207 +249,140 @@ class _FileReader:
 
     def _compare(self, content: bytes, at: int, what: str) -> None:
         declared = int.from_bytes(content[at : at + 4], "little")
-        if declared not in (0, self._crc):
-            raise self._damaged(f"the checksum of its {what} is {self._crc:08x}, not {declared:08x}")
+        require(declared in (0, self._crc), f"the checksum of its {what} is {self._crc:08x}, not {declared:08x}")
 
     def _take(self, opcode: int, content: bytes) -> None:
-        if opcode == Opcode.CHUNK:
-            self._chunk(_parse(Chunk.read, content), len(content))
-        elif opcode == Opcode.MESSAGE_INDEX:
-            self._inventory.message_index(content, self._position)
-        elif opcode == Opcode.SCHEMA:
-            schema = _parse(Schema.read, content)
-            self._inventory.schema(schema)
-            self._schemas[schema.id] = schema
-        elif opcode == Opcode.CHANNEL:
-            self._channel(_parse(Channel.read, content))
-        elif opcode == Opcode.HEADER:
-            self._header(_parse(Header.read, content))
-        elif opcode == Opcode.METADATA:
-            record = _parse(Metadata.read, content)
-            self._inventory.metadata(record, self._position, len(content))
-            self._into.metadata[record.name] = record.metadata
-        elif opcode == Opcode.ATTACHMENT:
-            self._inventory.attachment(_parse(Attachment.read, content), self._position, len(content))
-            self._into.attachments += 1
-        elif opcode in _SUMMARY:
-            self._inventory.summary(_parse(_SUMMARY[opcode], content))
-        elif opcode == Opcode.FOOTER:
-            self._inventory.finish(_parse(Footer.read, content), self._position)
-            self._into.files.append(FileSpan(self._path.name, *self._inventory.span))
-            self._into.outlines.append(self._outline())
-            if not self._data_crc:
-                self._into.without_checksum += self._bare_chunks or not self._inventory.chunk_count
+        """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
+        if opcode in _PARSERS:
+            self._handlers.get(opcode, self._inventory.summary)(parsed(_PARSERS[opcode], content), len(content))
 
-    def _outline(self) -> Outline:
-        channels: dict[tuple[str, str], list[int]] = {}
-        for number, track in self._channels.items():
-            channels.setdefault((track.topic, track.message_type), []).append(number)
-        places, largest = self._inventory.chunk_places, self._inventory.largest_chunk
-        return Outline(self._path, state_of(self._stream), places, channels, self._chunks_of, largest)
+    def _header(self, header: Header, length: int) -> None:
+        require(header.profile in _PROFILES, f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+        self._contents.library = self._contents.library or header.library
 
-    def _header(self, header: Header) -> None:
-        if header.profile not in _PROFILES:
-            raise ContradictionError(f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
-        self._into.library = self._into.library or header.library
+    def _schema(self, schema: Schema, length: int) -> None:
+        self._inventory.repeatable(schema)
+        self._schemas[schema.id] = schema
 
-    def _channel(self, channel: Channel) -> None:
-        self._inventory.channel(channel)
+    def _channel(self, channel: Channel, length: int) -> None:
+        self._inventory.repeatable(channel)
         schema = self._schemas[channel.schema_id]
         key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
-        track = self._into.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
-        if (track.encoding, track.definition) != (channel.message_encoding, definition):
-            raise ContradictionError(f"topic {channel.topic} has messages of two encodings or definitions")
-        self._channels[channel.id] = track
+        track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
+        alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
+        require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
+        self._channels[channel.id] = key
 
-    def _chunk(self, chunk: Chunk, length: int) -> None:
-        if chunk.compression not in COMPRESSIONS:
-            raise BagError(
-                f"{self._path} is compressed with {chunk.compression!r}, which is unknown here: "
-                "rewrite it with 'mcap compress'"
-            )
-        if chunk.uncompressed_size > LARGEST_CHUNK:
-            raise self._too_large(f"a chunk of {chunk.uncompressed_size} bytes")
-        try:
-            data, position = inflated(chunk), 0
-        except ValueError as error:
-            raise self._damaged(str(error)) from None
-        size = len(data)
-        runs = self._runs(data)
-        parts: list[MessageTable] = []
-        places = array("q")  # begin and end of messages that no run has
-        while position < size:
-            run = runs.at(position)
-            if run is not None:
-                parts += [*_table(data, places), run]
-                position = int(run.ends[-1])
-                self._count_records(len(run.starts))
-                continue
-            self._count_records(1)
-            opcode, record_length = _HEAD.unpack_from(data, position)
-            end = position + _HEAD.size + record_length
-            if end > size:
-                raise self._damaged("a record is longer than its chunk")
-            if opcode == Opcode.MESSAGE:
-                places.extend((position, end))
-            else:
-                require_in_chunk(opcode)
-                self._take(opcode, data[position + _HEAD.size : end])
-            position = end
-        parts += _table(data, places)
-        table = MessageTable.joined(data, parts)
-        self._inventory.chunk(chunk, table, self._position, length)
-        self._bare_chunks += not chunk.uncompressed_crc
-        self._messages(table)
+    def _metadata(self, record: Metadata, length: int) -> None:
+        self._inventory.metadata(record, self._position, length)
+        self._contents.metadata[record.name] = record.metadata
 
-    def _count_records(self, count: int) -> None:
-        """Count records in chunks: small ones that repeat are inflated to far more than their file."""
-        self._records += count
-        if self._records > self._most_records:
-            raise self._too_large(f"{self._records} records in chunks, in a file of {self._size} bytes")
+    def _attachment(self, record: Attachment, length: int) -> None:
+        self._inventory.attachment(record, self._position, length)
+        self._contents.attachments += 1
 
-    def _runs(self, data: bytes) -> MessageRuns | FoundMessages:
-        new = self._taken - self._counted
-        find = FIND.compiled_for(new if new > _COUNTED_AT_ONCE else 0)
-        self._counted += new if new > _COUNTED_AT_ONCE else 0
-        return MessageRuns(data, self._indexed_offsets()) if find is None else FoundMessages(find, data)
+    def _footer(self, footer: Footer, length: int) -> None:
+        self._inventory.finish(footer, self._position)
+        for number, key in self._channels.items():
+            self._outline.channels.setdefault(key, []).append(number)
+        self._contents.files.append(FileSpan(self._path.name, *self._inventory.span))
+        self._contents.outlines.append(self._outline)
+        if not self._data_crc:
+            self._contents.without_checksum += self._bare_chunks or not self._inventory.chunk_count
 
-    def _indexed_offsets(self) -> Integers:
-        """Where the message indexes that follow say that messages begin: hints, that nothing depends on but speed."""
-        self._stream.seek(self._position + _HEAD.size + self._length)
-        found = [np.empty(0, dtype=np.int64)]
-        while (head := self._stream.read(_HEAD.size))[:1] == bytes([Opcode.MESSAGE_INDEX]) and len(head) == _HEAD.size:
-            _, length = _HEAD.unpack(head)
-            content = self._stream.read(min(length, LARGEST_RECORD))
-            found.append(np.frombuffer(content[6 : 6 + (len(content) - 6) // 16 * 16], dtype="<i8")[1::2])
-        self._stream.seek(self._position + _HEAD.size + self._length)
-        return np.concatenate(found)
+    def _goes_on(self, opcode: int) -> bool:
+        """Whether a record of some kind continues the present part."""
+        if opcode == Opcode.MESSAGE:
+            is_small = self._position - self._part_begin <= _MOST_LOOSE_BYTES
+            return self._part[0][0] == Opcode.MESSAGE and is_small
+        return opcode == Opcode.MESSAGE_INDEX and self._part[0][0] == Opcode.CHUNK
 
-    def _loose_message(self, record: bytes) -> None:
-        """Take a message that stands in no chunk: together with its neighbours, as one alone takes long."""
-        self._loose += record
-        self._loose_ends.append(len(self._loose))
-        if len(self._loose) > _MOST_LOOSE_BYTES:
-            self._end_loose_messages()
+    def _add_to_part(self, opcode: int, *record: bytes) -> None:
+        require(bool(self._part) or opcode != Opcode.MESSAGE_INDEX, "a message index follows no chunk")
+        self._part_begin = self._part_begin if self._part else self._position
+        self._part += record
+        if self._position - self._part_begin > 2 * LARGEST_RECORD:
+            raise ExcessError("message indexes of more bytes")
 
-    def _end_loose_messages(self) -> None:
-        if self._loose:
-            table = MessageTable.of(bytes(self._loose), np.array(self._loose_ends[:-1]), np.array(self._loose_ends[1:]))
-            self._loose, self._loose_ends = bytearray(), [0]
-            self._messages(table)
+    def _end_part(self, *, is_whole: bool = True) -> Found:
+        """Take the present part; return the messages of it that are wanted."""
+        begin, raw, self._part = self._part_begin, b"".join(self._part), []
+        with self._named(begin):
+            part = McapPart.of(raw)
+            table, others = part.messages(self._records_left if part.chunk else len(raw))
+            for place in others:
+                require_in_chunk(place.opcode)
+                self._take(place.opcode, part.data[place.begin : place.end])
+            if part.chunk is not None:
+                self._records_left -= len(table.starts) + len(others)
+                self._bare_chunks += not part.chunk.uncompressed_crc
+                self._inventory.chunk(part.chunk, table, begin, part.size)
+        for place in part.indexes:
+            at = begin + place.begin - RECORD_HEAD.size
+            with self._named(at):
+                self._inventory.message_index(raw[place.begin : place.end], table, at)
+        with self._named(begin):
+            if part.indexes and is_whole:
+                self._inventory.require_indexes(table)
+            return self._count(table, begin, begin + len(raw))
 
-    def _messages(self, table: MessageTable) -> None:
+    def _count(self, table: MessageTable, begin: int, end: int) -> Found:
+        """Count the messages of a part that stands between two bytes; return those that are wanted."""
+        table.require_times()
         self._inventory.messages(table)
-        self._taken += len(table.starts)
-        otherwise = table.log_times != table.publish_times
-        any_otherwise = bool(otherwise.any())
-        for key, channels in self._by_track(table.counts).items():
-            track = self._into.tracks[key]
-            track.count += sum(table.counts[channel] for channel in channels)
-            self._note_place(key)
-            wanted = self._wanted(*key)
-            if not any_otherwise and not wanted:
-                continue
-            own = np.flatnonzero(np.isin(table.channels, channels) if channels[1:] else table.channels == channels[0])
-            log_times = table.log_times[own]
-            track.published_otherwise += int(np.count_nonzero(otherwise[own]))
-            if wanted:
-                piece = _piece(table.data, table.starts[own] + HEAD.itemsize, table.ends[own], log_times)
-                track.pieces.append(piece)
-                self._keep(len(piece.data), len(own))
-
-    def _by_track(self, channels: Iterable[int]) -> dict[tuple[str, str], list[int]]:
-        """The channels of each track: several, where several publishers or recorders had one each on a topic."""
-        found: dict[tuple[str, str], list[int]] = {}
-        for channel in channels:
-            if channel not in self._channels:
-                raise ContradictionError(f"it has a message of channel {channel}, which is not declared before it")
-            track = self._channels[channel]
-            found.setdefault((track.topic, track.message_type), []).append(channel)
-        return found
-
-    def _note_place(self, key: tuple[str, str]) -> None:
-        """Note that the present chunk has messages of a topic."""
-        places = self._chunks_of.setdefault(key, array("q"))
-        if not places or places[-1] != self._position:
-            places.append(self._position)
-
-    def _keep(self, size: int, messages: int) -> None:
-        if self._into.keep(size, messages):
-            raise self._too_large(f"messages of {self._into.kept} bytes in a file of {self._size}")
+        channels: dict[TrackKey, list[int]] = {}
+        for channel, count in table.counts.items():
+            require(
+                channel in self._channels, f"it has a message of channel {channel}, which is not declared before it"
+            )
+            channels.setdefault(self._channels[channel], []).append(channel)
+            self._contents.tracks[self._channels[channel]].count += count
+        number = len(self._outline.parts) // 2
+        self._outline.parts.extend((begin, end))
+        otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
+        for key, own in channels.items():
+            self._outline.parts_of.setdefault(key, array("q")).append(number)
+            if len(otherwise):
+                self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
+        return _by_track(table, {key: own for key, own in channels.items() if self._wanted(*key)})
 
     def _ends_well(self) -> bool:
         self._stream.seek(-len(MAGIC), 2)
         return self._stream.read() == MAGIC
 
+    @contextmanager
+    def _named(self, position: int) -> Iterator[None]:
+        """Context whose errors name the file and the byte where a record begins."""
+        try:
+            yield
+        except (BagError, ModuleNotFoundError, OSError):
+            raise
+        except UnknownCompressionError as error:
+            raise BagError(
+                f"{self._path} is compressed with {error}, which is unknown here: rewrite it with 'mcap compress'"
+            ) from None
+        except ExcessError as error:
+            what = f"{error}, more than is read: record it again"
+            raise BagError(f"{self._path} has at byte {position} {what}") from None
+        except Exception as error:  # the library's parsers fail in many ways on damaged bytes
+            is_told = isinstance(error, ContradictionError)
+            what = str(error) if is_told else ": ".join(filter(None, (type(error).__name__, str(error))))
+            raise BagError(f"{self._path} is damaged at byte {position}: {what}: {_REMEDY}") from None
+
     def _cut_off(self) -> BagError:
-        count = self._into.message_count - self._before + len(self._loose_ends) - 1
+        if self._part:
+            self._end_part(is_whole=False)
+        count = self._contents.message_count - self._before
         holds = f"it holds at least {counted(count, 'whole message')}" if count else "it may hold whole messages"
         return BagError(f"{self._path} was cut off, or is still being written: {holds}: rescue them with {rescue()}")
 
-    def _too_large(self, what: str) -> BagError:
-        return BagError(f"{self._path} has at byte {self._position} {what}, more than is read: record it again")
 
-    def _damaged(self, what: str) -> BagError:
-        return BagError(f"{self._path} is damaged at byte {self._position}: {what}: restore a copy, or record again")
-
-
-def _table(data: bytes, places: array[int]) -> list[MessageTable]:
-    """The table of messages that stand between some places, which are then forgotten; none if there are none."""
-    bounds = np.array(places, dtype=np.int64).reshape(-1, 2)
-    del places[:]
-    return [MessageTable.of(data, bounds[:, 0], bounds[:, 1])] if len(bounds) else []
-
-
-def _piece(data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers) -> RawMessages:
-    """Messages of a chunk, without the rest of it if that is much more."""
-    sizes = ends - starts
-    if _SMALL_SHARE * int(sizes.sum()) >= len(data):
-        return RawMessages(data, starts, ends, log_times_ns)
-    own = b"".join([data[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True)])
-    behind = np.cumsum(sizes)
-    return RawMessages(own, behind - sizes, behind, log_times_ns)
-
-
-def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:
-    return read(ReadDataStream(RecordContent(content)))
+def _by_track(table: MessageTable, channels: Mapping[TrackKey, Sequence[int]]) -> Found:
+    """Messages of some tracks, each of which has several channels where there were several publishers or recorders."""
+    found, starts = Found(), table.starts + HEAD.itemsize
+    for key, own in channels.items():
+        is_own = np.full(2**16, fill_value=False)
+        is_own[own] = True
+        rows = np.flatnonzero(is_own[table.heads["channel"]])
+        found[key] = RawMessages.of(table.data, starts[rows], table.ends[rows], table.log_times[rows])
+    return found

@@ -16,7 +16,7 @@ from lie_rigid_body.recording.tracks import PoseTrack, TwistTrack
 from lie_rigid_body.simulation import SampleClock
 
 _HELD_BACK: Final = 1024
-"""Samples that wait for others which stand behind them in the file, though they come first."""
+"""Number of samples that wait for others which stand behind them in the file, though they come first."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Block:
         return Block(self.samples[rows], self.stamps_ns[rows], states)
 
     def joined(self, *later: Block) -> Block:
-        """These samples followed by later ones."""
+        """Samples followed by later ones."""
         blocks = (self, *later)
         return Block(
             np.concatenate([b.samples for b in blocks]),
@@ -67,7 +67,7 @@ class StampedValues:
     values: Array
 
     def followed_by(self, later: StampedValues) -> StampedValues:
-        """These and later ones."""
+        """Stamps and values followed by later ones."""
         return StampedValues(
             np.concatenate([self.stamps_ns, later.stamps_ns]), np.concatenate([self.values, later.values])
         )
@@ -77,7 +77,7 @@ class StampedValues:
 
 
 class Pairing:
-    """Poses and twists that are put together as they come; those too late, or alone, or doubled, are left out."""
+    """Pairs of poses and twists of one stamp, made as they come; what is too late, alone or doubled is left out."""
 
     def __init__(self) -> None:
         none = np.empty(0, dtype=np.int64)
@@ -87,7 +87,7 @@ class Pairing:
         """Stamps of what was released last that only one of the topics has."""
 
     def add(self, *new: StampedValues) -> Block:
-        """Take poses and twists, and release the samples behind which none is expected any more."""
+        """Take poses and twists, and return the samples behind which none is expected any more."""
         ordered = [self._ordered(old.followed_by(later)) for old, later in zip(self._waiting, new, strict=True)]
         if any(len(topic.stamps_ns) <= _HELD_BACK for topic in ordered):
             self._waiting = ordered[0], ordered[1]
@@ -95,11 +95,11 @@ class Pairing:
         return self._release(ordered, min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in ordered))
 
     def finish(self) -> Block:
-        """Release all that are left."""
+        """Return all samples that are left."""
         return self._release(list(self._waiting), np.iinfo(np.int64).max)
 
     def _ordered(self, topic: StampedValues) -> StampedValues:
-        """In the order of the stamps, the first of those of one stamp, without those that come too late."""
+        """Sort by stamps; of several with one stamp the first is kept, and what comes too late is not."""
         stamps = topic.stamps_ns
         if len(stamps) and not (stamps[0] > self._until and (np.diff(stamps) > 0).all()):
             distinct, first = np.unique(stamps, return_index=True)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import struct
 from array import array
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final, TypeVar
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 import zstandard
-from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
@@ -22,22 +19,24 @@ from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.chunk import MAGIC, Entries, RawChunk
+from lie_rigid_body.recording.chunk import MAGIC, RawChunk
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records
 from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
+from lie_rigid_body.recording.message_table import RECORD_HEAD, MessageTable, parsed, records, require
 from lie_rigid_body.recording.output_file import NO_ROOM, OutputFile, reason, require_other, unwritten
 from lie_rigid_body.wording import short_repr
 
-T = TypeVar("T")
-_Place = tuple[int, int, int]
-"""Opcode, begin and end of the content of a record."""
-
 LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
-_RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK: Final = struct.Struct("<QQQII")
 _PIECE: Final = 65_536
+_PARSERS: Final[dict[int, Callable[..., Any]]] = {
+    Opcode.SCHEMA: Schema.read,
+    Opcode.CHANNEL: Channel.read,
+    Opcode.METADATA: Metadata.read,
+    Opcode.ATTACHMENT: Attachment.read,
+}
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -48,16 +47,16 @@ _DAMAGE: Final = (
     struct.error,
     zstandard.ZstdError,
 )
-"""What the parsers and decompressors raise on damaged bytes."""
+"""Errors that the parsers and decompressors raise on damaged bytes."""
 
 
 class NothingWholeError(BagError):
-    """There is no whole message in a file."""
+    """Error for a file without any whole message."""
 
 
 @dataclass(frozen=True)
 class Recovery:
-    """What was recovered of a file.
+    """Account of what was recovered of a file.
 
     Parameters
     ----------
@@ -168,7 +167,7 @@ class _Salvage:
         if file.log_times_ns is None:
             return None
         if unfinished is not None:
-            file.add_metadata(Metadata(CUT_OFF, {"broken_at": str(self._position)}))
+            file.add(Metadata(CUT_OFF, {"broken_at": str(self._position)}))
         file.finish()
         return Recovery(
             file.message_count,
@@ -184,9 +183,9 @@ class _Salvage:
         """Take record after record; return what there is of an unfinished chunk, or None if the file has its end."""
         while True:
             self._stream.seek(self._position)
-            head = self._stream.read(_RECORD.size)
-            opcode, length = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
-            end = self._position + _RECORD.size + length
+            head = self._stream.read(RECORD_HEAD.size)
+            opcode, length = RECORD_HEAD.unpack(head) if len(head) == RECORD_HEAD.size else (0, 0)
+            end = self._position + RECORD_HEAD.size + length
             if opcode == 0 or end > self._size:
                 return self._stream.read() if opcode == Opcode.CHUNK else b""
             content = self._stream.read(length)
@@ -200,34 +199,28 @@ class _Salvage:
 
     def _take(self, opcode: int, content: bytes) -> None:
         if opcode == Opcode.HEADER and self._file is None:
-            self._file = McapFile(self._out, _parse(Header.read, content))
+            self._file = McapFile(self._out, parsed(Header.read, content))
         self._data_ended |= opcode == Opcode.DATA_END
         if self._file is None or self._data_ended:
             return
         if opcode == Opcode.MESSAGE:
             channel, *_ = _MESSAGE.unpack_from(content)
-            _require_channel(self._file, channel)
-            self._loose += _RECORD.pack(opcode, len(content)) + content
+            require(channel in self._file.channels, "a message is on no channel")
+            self._loose += RECORD_HEAD.pack(opcode, len(content)) + content
             if len(self._loose) > LOOSE_BYTES:
                 self._close_loose()
             return
         self._close_loose()
         if opcode == Opcode.CHUNK:
-            self._take_chunk(self._file, _parse(Chunk.read, content))
-        elif opcode == Opcode.SCHEMA:
-            self._file.add_schema(_parse(Schema.read, content))
-        elif opcode == Opcode.CHANNEL:
-            self._file.add_channel(_parse(Channel.read, content))
-        elif opcode == Opcode.METADATA:
-            self._file.add_metadata(_parse(Metadata.read, content))
-        elif opcode == Opcode.ATTACHMENT:
-            self._file.add_attachment(_parse(Attachment.read, content))
+            self._take_chunk(self._file, parsed(Chunk.read, content))
+        elif opcode in _PARSERS:
+            self._file.add(parsed(_PARSERS[opcode], content))
 
     def _close_loose(self) -> None:
         """Write the messages that are in no chunk in one."""
         data, self._loose = bytes(self._loose), bytearray()
         if self._file is not None and data:
-            raw = _whole_messages(self._file, data, _records(data))
+            raw = self._whole_messages(self._file, data)
             self._file.add_chunk(compressed(raw, "zstd", compressor("zstd")), raw.indexes())
 
     def _take_chunk(self, file: McapFile, given: Chunk) -> None:
@@ -239,7 +232,7 @@ class _Salvage:
             unpacked = _unpacked(chunk.compression, chunk.data, chunk.uncompressed_size)
             chunk = replace(chunk, compression="", data=unpacked)
             data = inflated(chunk)
-        raw = _whole_messages(file, data, self._counted(data))
+        raw = self._whole_messages(file, data)
         if len(raw.data) < len(data):
             raise ValueError("a record in it is not whole")
         first_ns, last_ns = raw.log_times_ns()
@@ -254,63 +247,33 @@ class _Salvage:
             *_, size, _, length = _CHUNK.unpack_from(content)
             compression, begin = content[_CHUNK.size : _CHUNK.size + length].decode(), _CHUNK.size + length + 8
             data = _unpacked(compression, content[begin:], size)
-            raw = _whole_messages(file, data, self._counted(data))
+            raw = self._whole_messages(file, data)
         except _DAMAGE:
             return
         file.add_chunk(compressed(raw, compression, compressor(compression)), raw.indexes())
 
-    def _counted(self, data: bytes) -> Iterator[_Place]:
-        """The records of a chunk, as long as there are no more than such a file may have."""
-        for place in _records(data):
+    def _whole_messages(self, file: McapFile, data: bytes) -> RawChunk:
+        """Make a chunk of the whole records at the start of some data; at least one must be a message."""
+        end, found = 0, array("q")
+        for opcode, begin, stop in records(data):
             self._records_left -= 1
-            if self._records_left < 0:
-                raise ValueError("its records are more than are read")
-            yield place
-
-
-def _whole_messages(file: McapFile, data: bytes, records: Iterable[_Place]) -> RawChunk:
-    """The chunk that the whole records at the start of some data make; at least one must be a message."""
-    end, rows = 0, defaultdict[int, array[int]](partial(array, "Q"))
-    for opcode, begin, stop in records:
-        if opcode == Opcode.MESSAGE:
-            channel, _, log_time, _ = _MESSAGE.unpack_from(data, begin)
-            if stop < begin + _MESSAGE.size:
-                raise ValueError("a message is too short")
-            _require_channel(file, channel)
-            rows[channel].extend((log_time, begin - _RECORD.size))
-        elif opcode == Opcode.SCHEMA:
-            schema = _parse(Schema.read, data[begin:stop])
-            file.schemas[schema.id] = schema
-        elif opcode == Opcode.CHANNEL:
-            one = _parse(Channel.read, data[begin:stop])
-            file.channels[one.id] = one
-        end = stop
-    if not rows:
-        raise ValueError("no message is whole")
-    return RawChunk([data[:end]], [_entries(channel, own) for channel, own in rows.items()])
-
-
-def _entries(channel: int, numbers: array[int]) -> Entries:
-    """The messages of a channel, of log time and offset by turns."""
-    rows = np.frombuffer(numbers, "<u8").reshape(-1, 2)
-    return Entries(channel, rows, int(rows[:, 0].min()), int(rows[:, 0].max()))
-
-
-def _require_channel(file: McapFile, channel: int) -> None:
-    if channel not in file.channels:
-        raise ValueError("a message is on no channel")
-
-
-def _records(data: bytes) -> Iterator[_Place]:
-    """Opcode, begin and end of the content of each whole record at the start of some data."""
-    end = 0
-    while end + _RECORD.size <= len(data):
-        opcode, length = _RECORD.unpack_from(data, end)
-        begin = end + _RECORD.size
-        end = begin + length
-        if opcode == 0 or end > len(data):
-            return
-        yield opcode, begin, end
+            require(self._records_left >= 0, "its records are more than are read")
+            if opcode == 0:
+                break
+            if opcode == Opcode.MESSAGE:
+                found.extend((begin - RECORD_HEAD.size, stop))
+            elif opcode == Opcode.SCHEMA:
+                schema = parsed(Schema.read, data[begin:stop])
+                file.schemas[schema.id] = schema
+            elif opcode == Opcode.CHANNEL:
+                channel = parsed(Channel.read, data[begin:stop])
+                file.channels[channel.id] = channel
+            end = stop
+        require(bool(found), "no message is whole")
+        places = np.frombuffer(found, dtype=np.int64).reshape(-1, 2)
+        table = MessageTable.of(data, places[:, 0], places[:, 1])
+        require(table.counts.keys() <= file.channels.keys(), "a message is on no channel")
+        return RawChunk([data[:end]], [*table.entries.values()])
 
 
 def _require_size(size: int) -> None:
@@ -353,7 +316,3 @@ def _lz4_frames(data: bytes, size: int) -> Iterator[bytes]:
         size -= len(unpacked)
         yield unpacked
         data = decompressor.unused_data or b""
-
-
-def _parse(read: Callable[[ReadDataStream], T], content: bytes) -> T:
-    return read(ReadDataStream(BytesIO(content)))

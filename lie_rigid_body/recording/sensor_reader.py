@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -12,36 +11,13 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages import numbers_of
-from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.messages.definitions import places
-from lie_rigid_body.recording.mcap_contents import McapContents
-from lie_rigid_body.recording.track_decoding import TopicMessages, stamped_columns
+from lie_rigid_body.recording.track_decoding import TopicMessages
 from lie_rigid_body.sensors import SENSORS, Fault, Field, Topic
 from lie_rigid_body.wording import short_repr
 
 SensorMessages: TypeAlias = TopicMessages
 """Messages of a sensor's topic; their values are the numbers of `varying_fields` one after the other."""
-
-
-@dataclass(frozen=True)
-class SensorTopic:
-    """A topic of the body's sensors in a bag.
-
-    Attributes
-    ----------
-    topic, message_type : str
-    count : int
-        Messages.
-    published_otherwise : int
-        How many of them were not published at their log time.
-    """
-
-    topic: str
-    message_type: str
-    count: int
-    published_otherwise: int
-
-    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -64,43 +40,12 @@ class FaultMessages:
 
     @classmethod
     def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
-        """Of log time, ns, and text of each."""
+        """Make them of pairs of log time, ns, and text."""
         return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
 
 
-@dataclass(frozen=True)
-class SensorTrack:
-    """The messages of a sensor's topic, in file order.
-
-    Attributes
-    ----------
-    topic : str
-    log_times_ns, stamps_ns : ndarray of int64, shape (N,)
-    numbers : ndarray, shape (N, K)
-        The float64 fields of the message type, in order.
-    """
-
-    topic: str
-    log_times_ns: Integers
-    stamps_ns: Integers
-    numbers: Array
-
-    __repr__ = short_repr
-
-    @classmethod
-    def without_messages(cls, name: str) -> SensorTrack:
-        """That of a topic of which there is no message, by its relative name."""
-        none = np.empty(0, dtype=np.int64)
-        return cls(f"/{name}", none, none, np.empty((0, len(places(SENSOR_TOPICS[name])[""]))))
-
-
-def reading_types() -> frozenset[str]:
-    """The message types of the topics of readings."""
-    return frozenset(topic.message_type for sensor in SENSORS.values() for topic in sensor.topics)
-
-
 def varying_fields(message_type: str) -> Booleans:
-    """Which float64 numbers of a type differ from message to message on any topic of a sensor, shape (K,)."""
+    """Mask of the float64 numbers of a type that differ between messages on any topic of a sensor, shape (K,)."""
     numbers = np.full(len(places(message_type)[""]), fill_value=False)
     for sensor in SENSORS.values():
         for topic in sensor.topics:
@@ -111,24 +56,22 @@ def varying_fields(message_type: str) -> Booleans:
 
 
 def value_columns(topic: Topic, field: Field) -> Integers:
-    """Which columns of the values of a topic's `SensorMessages` are a field."""
+    """Columns of a field among the values of the `SensorMessages` of a topic."""
     varying = np.flatnonzero(varying_fields(topic.message_type))
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 
 
-def sensor_track(path: Path, contents: McapContents, topic: SensorTopic | None) -> SensorTrack | None:
-    """The messages of a sensor's topic; None for one that is not in the bag.
+def fixed_number(messages: SensorMessages, message_type: str, number: int) -> Array:
+    """Float64 number of each message that is no value of it, shape (N,)."""
+    place = int(np.count_nonzero(~varying_fields(message_type)[:number]))
+    fixed = np.array([np.frombuffer(bits)[place] for _, bits in messages.kinds], dtype=np.float64)
+    return np.asarray(fixed[messages.kind])
 
-    Raises
-    ------
-    BagError
-        If the messages are not of the topic's type.
-    """
-    if topic is None:
-        return None
-    track = contents.tracks[topic.topic, topic.message_type]
-    log_times, stamps, read = stamped_columns(path, track, len(places(track.message_type)[""]))
-    return SensorTrack(track.topic, log_times, stamps, read.numbers)
+
+def no_messages(message_type: str) -> SensorMessages:
+    """Messages of a topic of which there is none."""
+    none, width = np.empty(0, dtype=np.int64), np.count_nonzero(varying_fields(message_type))
+    return SensorMessages(none, none, np.empty((0, width)), (), none)
 
 
 def recorded_faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -10,34 +12,85 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, RawMessages, RawTrack, Wanted
+from lie_rigid_body.recording.mcap_contents import (
+    FileSpan,
+    Found,
+    McapContents,
+    Progress,
+    RawMessages,
+    RawTrack,
+    TrackKey,
+    Wanted,
+)
+from lie_rigid_body.recording.message_table import LAST_TIME
 
 SUFFIX: Final = ".db3"
-"""Of the names of such files."""
+"""Suffix of the names of such files."""
 _AT_ONCE: Final = 4096
-"""Messages that are read together."""
+"""Number of messages that are read together."""
 
 
-def read_database(path: Path, wanted: Wanted, into: McapContents) -> Iterator[int]:
-    """Add a file's messages to the tracks, some thousand at a time, in the order of their log times.
+@dataclass(frozen=True)
+class DatabaseOutline:
+    """Messages of an SQLite file that was read whole; see `Outline`.
 
     Parameters
     ----------
     path : Path
+    """
+
+    path: Path
+
+    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+        """Read the messages of some tracks, some thousand at a time; see `Outline.read`."""
+        with _opened(self.path) as reader:
+            before = 0
+            for position, found in _read(self.path, reader, keys):
+                yield found
+                progress(position - before)
+                before = position
+
+
+def read_database(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
+    """Read a file, and count its messages, some thousand at a time, in the order of their log times.
+
+    Parameters
+    ----------
+    path : Path
+    contents : McapContents
+        What it holds is added there.
     wanted : callable
-        Which messages are kept until they are taken. See `Wanted`.
-    into : McapContents
+        Which messages are given out. See `Wanted`.
 
     Yields
     ------
-    int
-        About the bytes that were read.
+    position : int
+        Bytes that were read, about.
+    found : Found
+        Messages that are wanted of the last ones.
 
     Raises
     ------
     BagError
         If the file cannot be read, or rosbags is not installed.
     """
+    with _opened(path) as reader:
+        tracks = {(track := _track(connection, contents)).key: track for connection in reader.connections}
+        count, first, last = 0, LAST_TIME, 0
+        for position, found in _read(path, reader, tracks):
+            for key, messages in found.items():
+                tracks[key].count += len(messages)
+                count += len(messages)
+                first, last = min(first, int(messages.log_times_ns.min())), max(last, int(messages.log_times_ns.max()))
+            yield position, {key: messages for key, messages in found.items() if wanted(*key)}
+    contents.files.append(FileSpan(path.name, count, first, last))
+    contents.outlines.append(DatabaseOutline(path))
+    contents.without_checksum += 1
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Context of a reader of the file, whose errors are told in one line."""
     try:
         from rosbags.rosbag2 import Reader
     except ModuleNotFoundError:
@@ -49,7 +102,7 @@ def read_database(path: Path, wanted: Wanted, into: McapContents) -> Iterator[in
         raise BagError(f"{path} does not exist: give the path of a bag")
     try:
         with Reader(path) as reader:
-            yield from _read(path, reader, wanted, into)
+            yield reader
     except (BagError, MemoryError, GeneratorExit):
         raise
     except (AttributeError, KeyError, TypeError):  # SQLite takes values of any type in any column
@@ -60,30 +113,20 @@ def read_database(path: Path, wanted: Wanted, into: McapContents) -> Iterator[in
         raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
 
 
-def _read(path: Path, reader: Any, wanted: Wanted, into: McapContents) -> Iterator[int]:
-    tracks = {connection.id: _track(connection, into) for connection in reader.connections}
-    messages, size = reader.messages(), path.stat().st_size
-    into.allow(size)
-    total, count, first, last = max(1, reader.message_count), 0, 2**63 - 1, 0
-    while some := list(islice(messages, _AT_ONCE)):
-        by_track: dict[int, list[tuple[int, bytes]]] = {}
+def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Iterator[tuple[int, Found]]:
+    """Bytes that were read, about, and messages of some tracks, some thousand at a time."""
+    own = [connection for connection in reader.connections if (connection.topic, connection.msgtype) in keys]
+    messages, size, count = reader.messages(own), path.stat().st_size, 0
+    total = max(1, sum(connection.msgcount for connection in own))
+    while own and (some := list(islice(messages, _AT_ONCE))):
+        by_track: dict[TrackKey, list[tuple[int, bytes]]] = {}
         for connection, time, data in some:
             for column, value, kind in (("timestamp", time, int), ("data", data, bytes)):
                 if not isinstance(value, kind):
                     raise _wrong_type(path, connection.topic, column, value)
-            by_track.setdefault(connection.id, []).append((time, data))
-        for number, own in by_track.items():
-            track = tracks[number]
-            track.count += len(own)
-            if wanted(track.topic, track.message_type):
-                track.pieces.append(_piece(own))
-                if into.keep(sum(len(data) for _, data in own), len(own)):
-                    raise BagError(f"{path} has messages of {into.kept} bytes, more than is read: record it again")
+            by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
         count += len(some)
-        first, last = min(first, some[0][1]), max(last, some[-1][1])
-        yield size * min(count, total) // total
-    into.files.append(FileSpan(path.name, count, first, last))
-    into.without_checksum += 1
+        yield size * min(count, total) // total, {key: _messages(found) for key, found in by_track.items()}
 
 
 def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:
@@ -93,14 +136,12 @@ def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:
     return BagError(f"{path} is damaged: {what}: restore a copy, or record again")
 
 
-def _track(connection: Any, into: McapContents) -> RawTrack:
+def _track(connection: Any, contents: McapContents) -> RawTrack:
     key, encoding = (connection.topic, connection.msgtype), connection.ext.serialization_format
     kind = "ros2msg" if connection.msgdef.format.name == "MSG" else ""
-    return into.tracks.setdefault(key, RawTrack(*key, encoding, (kind, connection.msgdef.data.encode())))
+    return contents.tracks.setdefault(key, RawTrack(*key, encoding, (kind, connection.msgdef.data.encode())))
 
 
-def _piece(messages: list[tuple[int, bytes]]) -> RawMessages:
-    ends = np.cumsum([len(data) for _, data in messages])
-    starts = ends - [len(data) for _, data in messages]
-    times = np.array([time for time, _ in messages], dtype=np.int64)
-    return RawMessages(b"".join(data for _, data in messages), starts, ends, times)
+def _messages(found: list[tuple[int, bytes]]) -> RawMessages:
+    times, sizes = np.array([(time, len(data)) for time, data in found], dtype=np.int64).T
+    return RawMessages(memoryview(b"".join(data for _, data in found)), sizes, times)

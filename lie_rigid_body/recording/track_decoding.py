@@ -1,10 +1,11 @@
-"""The messages of a bag's topic decoded; errors name bag and topic."""
+"""Decoding of the messages of a bag's topic, with errors that name bag and topic."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -19,10 +20,10 @@ from lie_rigid_body.recording.mcap_contents import RawMessages, RawTrack
 from lie_rigid_body.wording import short_repr
 
 _AT_ONCE: Final = 8192
-"""Messages that are decoded at once: with all their fields they take many times what is kept of them."""
+"""Number of messages that are decoded at once: with all their fields they take many times what is kept of them."""
 Kind: TypeAlias = tuple[str, bytes]
-"""What messages of one topic have alike: name of the frame, empty without a header, and the bits of the float64 fields
-that do not differ."""
+"""Parts that most messages of a topic share: the frame's name, empty without a header, and the bits of the float64
+fields that are no values."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class TopicMessages:
 
 @contextmanager
 def named(path: Path, topic: str) -> Iterator[None]:
-    """A context whose errors name the bag and the topic."""
+    """Context whose errors name the bag and the topic."""
     try:
         yield
     except BagError as error:
@@ -90,8 +91,8 @@ def require_cdr(path: Path, track: RawTrack) -> None:
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
 
 
-def taken(path: Path, track: RawTrack) -> list[RawMessages]:
-    """The messages of a topic, which the track then forgets.
+def taken(path: Path, track: RawTrack) -> RawMessages:
+    """Messages of a topic, which the track then forgets.
 
     Raises
     ------
@@ -99,115 +100,72 @@ def taken(path: Path, track: RawTrack) -> list[RawMessages]:
         If they are not in CDR, or compressed one by one.
     """
     require_cdr(path, track)
-    pieces = track.take()
-    if pieces:
-        _require_unpacked(path, pieces[0])
-    return pieces
+    found = track.take()
+    _require_unpacked(path, found)
+    return found
 
 
-def _require_unpacked(path: Path, piece: RawMessages) -> None:
-    if len(piece.starts) and piece.data[piece.starts[0] :].startswith(ZSTD_MAGIC):
+def _require_unpacked(path: Path, found: RawMessages) -> None:
+    if bytes(found.data[: len(ZSTD_MAGIC)]) == ZSTD_MAGIC:
         raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
-
-
-def payloads(pieces: Iterable[RawMessages]) -> Iterator[tuple[int, bytes]]:
-    """Log time, ns, and bytes of each message."""
-    for piece in pieces:
-        for time, start, end in zip(piece.log_times_ns.tolist(), piece.starts, piece.ends, strict=True):
-            yield time, piece.data[start:end]
 
 
 def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tuple[int, str]]:
     """Log time, ns, and text of each std_msgs/String of a topic, as they come."""
-    number = 0
+    numbers = count()
     for piece in pieces:
         _require_unpacked(path, piece)
         with named(path, topic):
-            found = [
-                (time, messages.decode_string(payload, number + i))
-                for i, (time, payload) in enumerate(payloads([piece]))
-            ]
+            found = [(time, messages.decode_string(payload, next(numbers))) for time, payload in piece.payloads()]
         yield from found
-        number += len(found)
 
 
-def columns(pieces: Sequence[RawMessages], numbers: int, *, stamped: bool, first: int = 0) -> tuple[Integers, Decoded]:
-    """Log times, ns, and contents of messages, the first of which has a number; see `messages.decode_places`."""
-    data = b"".join([piece.data for piece in pieces])
-    offsets = np.cumsum([0, *(len(piece.data) for piece in pieces)]).tolist()[: len(pieces)]
-    starts, ends, log_times = (
-        np.concatenate([np.empty(0, dtype=np.int64), *parts])
-        for parts in (
-            [piece.starts + at for piece, at in zip(pieces, offsets, strict=True)],
-            [piece.ends + at for piece, at in zip(pieces, offsets, strict=True)],
-            [piece.log_times_ns for piece in pieces],
-        )
-    )
-    return log_times, messages.decode_places(data, starts, ends, numbers, stamped=stamped, first=first)
-
-
-def stamped_columns(path: Path, track: RawTrack, numbers: int) -> tuple[Integers, Integers, Decoded]:
-    """Log times and stamps, ns, and contents of all messages of a topic that have a header and so many numbers."""
-    pieces = taken(path, track)
-    with named(path, track.topic):
-        log_times, decoded = columns(pieces, numbers, stamped=True)
-    assert decoded.stamps_ns is not None
-    return log_times, decoded.stamps_ns, decoded
+def columns(found: RawMessages, numbers: int, *, stamped: bool, first: int = 0) -> Decoded:
+    """Contents of messages, the first of which has a number; see `messages.decode_places`."""
+    ends = np.cumsum(found.sizes)
+    return messages.decode_places(found.data, ends - found.sizes, ends, numbers, stamped=stamped, first=first)
 
 
 def topic_messages(
-    path: Path, topic: str, pieces: Sequence[RawMessages], varying: Booleans, stamped: bool, first: int
+    path: Path, topic: str, found: RawMessages, varying: Booleans, stamped: bool, first: int
 ) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number.
 
     Parameters
     ----------
     path, topic : Path and str
-        For errors.
-    pieces : sequence of RawMessages
+        Names for errors.
+    found : RawMessages
     varying : ndarray of bool, shape (numbers,)
         Which of the float64 fields of a message are its values; the others are part of its kind.
     stamped : bool
         Whether a std_msgs/Header comes first.
     first : int
     """
+    _require_unpacked(path, found)
     parts = []
-    for some in _little_by_little(pieces):
+    for some in found.pieces(_AT_ONCE):
         parts.append(_topic_messages(path, topic, some, varying, stamped, first))
-        first += len(parts[-1])
+        first += len(some)
     return parts[0] if len(parts) == 1 else TopicMessages.joined(parts)
 
 
-def _little_by_little(pieces: Sequence[RawMessages]) -> Iterator[list[RawMessages]]:
-    """The same messages, some thousands at a time; at least one list."""
-    waiting, count = list[RawMessages](), 0
-    for piece in pieces:
-        for begin in range(0, len(piece.starts), _AT_ONCE):
-            rows = slice(begin, begin + _AT_ONCE)
-            some = RawMessages(piece.data, piece.starts[rows], piece.ends[rows], piece.log_times_ns[rows])
-            if count and count + len(some.starts) > _AT_ONCE:
-                yield waiting
-                waiting, count = [], 0
-            waiting.append(some)
-            count += len(some.starts)
-    yield waiting
-
-
 def _topic_messages(
-    path: Path, topic: str, pieces: Sequence[RawMessages], varying: Booleans, stamped: bool, first: int
+    path: Path, topic: str, found: RawMessages, varying: Booleans, stamped: bool, first: int
 ) -> TopicMessages:
     with named(path, topic):
-        log_times, decoded = columns(pieces, len(varying), stamped=stamped, first=first)
+        decoded = columns(found, len(varying), stamped=stamped, first=first)
+    log_times = found.log_times_ns
     stamps = np.zeros(len(log_times), dtype=np.int64) if decoded.stamps_ns is None else decoded.stamps_ns
     if varying.all():
         kinds = tuple((frame, b"") for frame in (decoded.frame_ids if stamped else ("",)))
         return TopicMessages(log_times, stamps, decoded.numbers, kinds, decoded.frames)
-    values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
+    values, rest = (np.compress(fields, decoded.numbers, axis=1) for fields in (varying, ~varying))
     return TopicMessages(log_times, stamps, values, *_kinds(decoded, rest))
 
 
 def _kinds(decoded: Decoded, rest: Array) -> tuple[tuple[Kind, ...], Integers]:
-    """The kinds of messages, and which of them each is, by frame and the fields that are no values."""
+    """Kinds of messages, by frame and the fields that are no values, and which of them each message is."""
     keys = np.column_stack([decoded.frames, rest.view(np.int64)])
     if not len(keys) or (keys == keys[0]).all():
         distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)

@@ -9,16 +9,17 @@ from typing import Any, Final, TypeAlias, TypeVar
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages, SensorTopic
+from lie_rigid_body.recording.mcap_contents import RawTrack
+from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages
 from lie_rigid_body.wording import short_repr
 
 UNNAMED: Final = "the bag"
-"""What errors call a bag without a name."""
+"""Name in errors of a bag that has none."""
 
 
 @dataclass(frozen=True)
 class PoseTrack:
-    """The messages of the pose topic, in file order.
+    """Messages of the pose topic, in file order.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class PoseTrack:
 
 @dataclass(frozen=True)
 class TwistTrack:
-    """The messages of the twist topic, in file order.
+    """Messages of the twist topic, in file order.
 
     Parameters
     ----------
@@ -73,12 +74,12 @@ class TwistTrack:
 Track = TypeVar("Track", PoseTrack, TwistTrack)
 OfSensor: TypeAlias = SensorMessages | FaultMessages
 TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
-"""Takes messages of sensors, and about their faults, by relative topic names."""
+"""Function that takes messages of sensors, and about their faults, by relative topic names."""
 
 
-@dataclass(frozen=True)
-class Recording:
-    """The messages of a run that a bag holds.
+@dataclass(kw_only=True)
+class BagFacts:
+    """Facts of a bag beside its poses, twists and readings.
 
     Parameters
     ----------
@@ -86,10 +87,8 @@ class Recording:
         The software that wrote the file.
     scenario_texts : list of (int, str)
         Log time, ns, and JSON of every scenario message, in file order.
-    poses : PoseTrack
-    twists : TwistTrack
     expected_samples : int or None
-        How many samples the writer says it wrote, where it does.
+        Number of samples that the writer says it wrote, where it does.
     published_otherwise : int
         Messages of the three topics whose time of publishing is not their log time.
     others : tuple of str
@@ -100,29 +99,41 @@ class Recording:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
-    sensors : dict of str to SensorTopic
-        The topics of the body's sensors, by their relative names.
-    readings : dict of str to SensorMessages or FaultMessages
-        Their messages.
+    sensors : dict of str to RawTrack
+        Topics of the body's sensors, with their messages counted, by their relative names.
     name : str
-        What errors call it: its path, if it has one.
+        Name in errors: its path, if it has one.
     """
 
     library: str
     scenario_texts: list[tuple[int, str]]
-    poses: PoseTrack
-    twists: TwistTrack
-    expected_samples: int | None
+    expected_samples: int | None = None
     published_otherwise: int = 0
     others: tuple[str, ...] = ()
     undefined: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
-    sensors: Mapping[str, SensorTopic] = field(default_factory=dict)
-    readings: Mapping[str, OfSensor] = field(default_factory=dict)
+    sensors: Mapping[str, RawTrack] = field(default_factory=dict)
     name: str = UNNAMED
 
     __repr__ = short_repr
+
+
+@dataclass(kw_only=True, repr=False)
+class Recording(BagFacts):
+    """Messages of a run that a bag holds, in memory. See `BagFacts` for the other parameters.
+
+    Parameters
+    ----------
+    poses : PoseTrack
+    twists : TwistTrack
+    readings : dict of str to SensorMessages or FaultMessages
+        Messages of the sensors by their relative names.
+    """
+
+    poses: PoseTrack
+    twists: TwistTrack
+    readings: Mapping[str, OfSensor] = field(default_factory=dict)
 
     @property
     def pose_topic(self) -> str:

@@ -12,7 +12,8 @@ from typing import Any, Final
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
-from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
+from lie_rigid_body.sensors import frame_parameters
 
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 
@@ -20,6 +21,11 @@ _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 def descriptions() -> dict[str, str]:
     """What each parameter of the node means, by its name, which is that of a launch argument as well."""
     return {parameter.name: parameter.description for parameter in PARAMETERS}
+
+
+def frames() -> dict[str, str]:
+    """The usual names of the frames of a node, by the parameters that name them."""
+    return {name: str(BY_NAME[name].default) for name in sorted({"world_frame", "body_frame", *frame_parameters()})}
 
 
 def require_known(file: str, argv: Iterable[str], known: Collection[str]) -> None:

@@ -29,7 +29,7 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300
-"""Memory that a sample of the truth takes at most while it is computed, bytes."""
+"""Largest memory for a sample of the truth while it is computed, bytes."""
 _NUMBER_BYTES: Final = 44
 """Memory that a number of a sensor's reading takes at most while it is computed, bytes."""
 _KEPT_BYTES: Final = 160

@@ -13,13 +13,13 @@ from lie_rigid_body.runs.recorded_estimate import TrueMotion
 from lie_rigid_body.simulation import Segment
 
 MOST_WAITING: Final = 50_000
-"""Estimates that wait for a truth; of more the oldest are given up."""
+"""Largest number of estimates that wait for a truth; of more the oldest are given up."""
 RECENT: Final = 40
-"""Batches of poses by which the latest estimates are judged."""
+"""Number of the latest batches of poses by which the latest estimates are judged."""
 
 
 class HeardTruth:
-    """What is told of the truth, message by message.
+    """Truth as messages tell it, one after the other.
 
     Parameters
     ----------
@@ -77,15 +77,15 @@ class HeardTruth:
         return self._poses.last_ns if self._poses.count else None
 
     def of_scenarios(self) -> TrueMotion:
-        """By the scenarios alone."""
+        """Motion by the scenarios alone."""
         return TrueMotion(tuple(sorted(self._segments.values(), key=lambda segment: segment.start_ns)), None)
 
     def whole(self) -> TrueMotion:
-        """By all that is kept."""
+        """Motion by all poses that are kept."""
         return self._with(self._poses.rows()) if self._poses.count else self.of_scenarios()
 
     def recent(self, since_ns: int) -> TrueMotion:
-        """By the latest poses, without the segments that had ended at a time: each costs as much as many samples."""
+        """Motion by the latest poses, without segments that had ended at a time: each costs as much as many samples."""
         true = self._with(joined(self._recent)) if self._recent else self.of_scenarios()
         ended = sum(segment.start_ns <= since_ns for segment in true.segments[1:])
         return replace(true, segments=true.segments[ended:])

@@ -1,4 +1,4 @@
-"""What the sensors of a run read, as arrays: from a simulation, from a bag, and back into samples."""
+"""Readings of the sensors of a run as arrays: from a simulation, from a bag, and back into samples."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.messages import NOT_GIVEN, numbers_of
+from lie_rigid_body.messages import NOT_GIVEN
 from lie_rigid_body.messages.definitions import places
 from lie_rigid_body.sensors import Field, Readings, Sensor, Topic
 from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
-    from lie_rigid_body.recording.sensor_reader import SensorTrack
+    from lie_rigid_body.recording.sensor_reader import SensorMessages
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ def read_only(value: T) -> T:
 
 
 class SensorArrays:
-    """What a sensor read. All arrays are read only.
+    """Readings of a sensor. All arrays are read only.
 
     Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading: of an IMU
     ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and ``accelerometer_bias``, each
@@ -78,31 +78,40 @@ class SensorArrays:
 
     @classmethod
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
-        """Those of a simulation."""
+        """Make the arrays of the readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
         return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
 
     @classmethod
-    def of_tracks(
-        cls, sensor: Sensor, tracks: Mapping[str, SensorTrack | None], declared: Collection[str]
+    def of_messages(
+        cls, sensor: Sensor, messages: Mapping[str, SensorMessages | None], declared: Collection[str]
     ) -> SensorArrays | None:
-        """Those of the topics of a bag, by their relative names, which arrived at their log times.
+        """Make the arrays of the topics of a bag, by their relative names. Readings arrived at their log times.
 
-        Whether a field is told that need not be, the messages say, or, where there are none, whether its array is
-        among those ``declared``. None without the first topic.
+        Parameters
+        ----------
+        sensor : Sensor
+        messages : mapping of str to (SensorMessages or None)
+        declared : collection of str
+            Arrays that the scenarios tell. Where there is no message, they decide whether an optional field is there.
+
+        Returns
+        -------
+        SensorArrays or None
+            None without the sensor's first topic.
         """
-        first = tracks[sensor.topics[0].name]
+        first = messages[sensor.topics[0].name]
         if first is None:
             return None
         arrays = {
-            field.array: _array(topic, field, tracks[topic.name], first.stamps_ns, declared)
+            field.array: _array(topic, field, messages[topic.name], first.stamps_ns, declared)
             for topic in sensor.topics
             for field in topic.fields
         }
         return cls(first.stamps_ns, first.log_times_ns, arrays)
 
     def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
-        """Those that arrive in a time, with all that messages tell of them.
+        """Take the readings that arrive in some time, as messages tell them.
 
         Raises
         ------
@@ -125,21 +134,24 @@ class SensorArrays:
 
 
 def _array(
-    topic: Topic, field: Field, track: SensorTrack | None, t_ns: Integers, declared: Collection[str]
+    topic: Topic, field: Field, messages: SensorMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
-    """A field at the stamps of readings: None if it is not told, NaN where it is not."""
-    numbers = list(numbers_of(topic, field))
-    shape = field.shape or (len(numbers),)
-    if track is None:
+    """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
+    from lie_rigid_body.recording.sensor_reader import fixed_number, value_columns
+
+    columns = value_columns(topic, field)
+    shape = field.shape or (len(columns),)
+    if messages is None:
         return None if len(t_ns) else np.empty((0, *shape))
     if field.covariance:
-        given = track.numbers[:, places(topic.message_type)[field.covariance].start] != NOT_GIVEN
+        begin = places(topic.message_type)[field.covariance].start
+        given = fixed_number(messages, topic.message_type, begin) != NOT_GIVEN
         if not (given.any() if len(given) else field.array in declared):
             return None
-    values = track.numbers[:, numbers].reshape(-1, *shape)
-    if np.array_equal(track.stamps_ns, t_ns):
+    values = messages.values[:, columns].reshape(-1, *shape)
+    if np.array_equal(messages.stamps_ns, t_ns):
         return values
-    order = np.argsort(track.stamps_ns, kind="stable")
-    place = order[np.minimum(np.searchsorted(track.stamps_ns[order], t_ns), len(order) - 1)]
-    told = (track.stamps_ns[place] == t_ns)[:, np.newaxis]
+    order = np.argsort(messages.stamps_ns, kind="stable")
+    place = order[np.minimum(np.searchsorted(messages.stamps_ns[order], t_ns), len(order) - 1)]
+    told = (messages.stamps_ns[place] == t_ns)[:, np.newaxis]
     return np.where(told, values[place], np.nan)

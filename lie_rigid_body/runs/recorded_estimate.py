@@ -31,8 +31,8 @@ from lie_rigid_body.wording import listed, short_repr, shown
 
 _TYPES: Final = (*ATTITUDE_TYPES, STRING)
 LENIENCE_NS: Final = NS
-"""How far the last estimate and the last pose heard may be apart, ns, as each has its way. The scenario tells the truth
-so far beyond the poses: stamps further on are of another clock. A filter is so late: one further behind has ended."""
+"""Largest time between the last estimate and the last pose heard, ns, as each has its way. The scenario tells the truth
+so far beyond the poses: stamps further on are of another clock. A filter further behind has ended."""
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 
@@ -161,12 +161,12 @@ def _part(track: AttitudeTrack, kept: Booleans) -> AttitudeTrack:
 
 
 def passed_by(ahead: Booleans) -> Booleans:
-    """Which of the messages that are stamped ahead of the truth came before one that is not: their stamps are wrong."""
+    """Mask of the messages stamped ahead of the truth that came before one that is not: their stamps are wrong."""
     return np.asarray(ahead & np.logical_or.accumulate(~ahead[::-1])[::-1])
 
 
 def left_ahead(ahead_s: Array, count: int) -> tuple[str, ...]:
-    """What a reader of a score should know of estimates that are stamped so far ahead, s, and left out; of all."""
+    """Note of a score about estimates that are left out, as they are stamped so far ahead, s; of so many in all."""
     if not len(ahead_s):
         return ()
     return (
@@ -176,7 +176,7 @@ def left_ahead(ahead_s: Array, count: int) -> tuple[str, ...]:
 
 
 def disorder(late: int, count: int) -> str:
-    """What a reader of a score should know of estimates out of order, which are left out: so many late of all."""
+    """Note of a score about estimates out of order, which are left out: so many of all."""
     return (
         f"{late} of {count} estimates were stamped before one that had come, and are left out: is there one publisher, "
         "and does time never jump back?"
@@ -190,7 +190,7 @@ def _estimate_or_truth(*topics: str) -> Wanted:
 
 @dataclass(frozen=True)
 class TrueMotion:
-    """What is told of the truth: scenarios, poses, or both.
+    """True motion as it is told: by scenarios, poses, or both.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class TrueMotion:
 
     @property
     def source(self) -> str:
-        """What it is made of."""
+        """Names of what it is made of."""
         return " and ".join([*(["poses"] if self.poses is not None else []), *(["scenario"] if self.segments else [])])
 
     def until(self, last_ns: int) -> Truth:
@@ -250,7 +250,7 @@ def _true_motion(
     if scenario is not None:
         segments = tuple(
             declared_segments(
-                (text for _, text in texts(path, scenario.topic, taken(path, scenario))), f"{path}"
+                (text for _, text in texts(path, scenario.topic, [taken(path, scenario)])), f"{path}"
             ).values()
         )
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
@@ -265,7 +265,7 @@ def _true_motion(
 
 def _is_of_others(path: Path, track: RawTrack) -> bool:
     """Whether a topic of texts is that of another node, which calls something else a scenario."""
-    return track.message_type == STRING and not tells_of_body(path, track.topic, track.pieces)
+    return track.message_type == STRING and not tells_of_body(texts(path, track.topic, track.pieces))
 
 
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:

@@ -113,32 +113,35 @@ class Run(ReadOnly):
         from lie_rigid_body.recording.samples import recorded_segments
         from lie_rigid_body.recording.segments import as_written
         from lie_rigid_body.recording.sensor_clocks import measured_ns
-        from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorTrack, recorded_faults, sensor_track
+        from lie_rigid_body.recording.sensor_reader import (
+            FaultMessages,
+            SensorMessages,
+            no_messages,
+            recorded_faults,
+        )
 
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         try:
-            bag = Bag(path, topics=topics)
+            recording = Bag(path, topics=topics, in_memory=True).load()
         except BagError as error:
             raise for_python(error) from None
-        path = Path(path)
-        sensors = {name: bag.sensors.get(name) for name in SENSOR_TOPICS if name != FAULTS}
-        keys = {(sensor.topic, sensor.message_type) for sensor in sensors.values() if sensor}
-        contents, own = bag.messages_of(lambda *key: key in keys), as_written(bag)
-        tracks = {name: sensor_track(path, contents, sensor) for name, sensor in sensors.items()}
-        recording = bag.load()
         pieces = recorded_segments(recording)
         declared = [piece.segment.scenario.sensors for piece in pieces]
         models = [(name, model) for sensors in declared for name, model in sensors.on.items()]
+        readings: dict[str, SensorMessages | None] = {
+            name: messages if isinstance(messages := recording.readings.get(name), SensorMessages) else None
+            for name in SENSOR_TOPICS
+        }
         for name in {SENSORS[name].topics[0].name for name, _ in models}:
-            tracks[name] = tracks[name] or SensorTrack.without_messages(name)
-        for name, track in () if own else list(tracks.items()):
-            if track is not None and name in recording.readings:
-                tracks[name] = replace(track, log_times_ns=measured_ns(recording, name))
+            readings[name] = readings[name] or no_messages(SENSOR_TOPICS[name])
+        for name, of_topic in () if as_written(recording) else list(readings.items()):
+            if of_topic is not None and len(of_topic):
+                readings[name] = replace(of_topic, log_times_ns=measured_ns(recording, name))
         fields = {
             f.array for name, model in models for topic in SENSORS[name].topics for f in told_fields(topic, model)
         }
-        found = {sensor.key: SensorArrays.of_tracks(sensor, tracks, fields) for sensor in SENSORS.values()}
+        found = {sensor.key: SensorArrays.of_messages(sensor, readings, fields) for sensor in SENSORS.values()}
         has_faults = any(models.have_faults for models in declared)  # else they are of others
         told = recording.readings.get(FAULTS) if has_faults else None
         return cls(
@@ -149,7 +152,7 @@ class Run(ReadOnly):
             ),
             {key: arrays for key, arrays in found.items() if arrays is not None},
             tuple(piece.segment for piece in pieces),
-            recorded_faults(bag.name, told) if isinstance(told, FaultMessages) else (),
+            recorded_faults(recording.name, told) if isinstance(told, FaultMessages) else (),
             recording,
         )
 
@@ -306,7 +309,7 @@ class Run(ReadOnly):
         return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
 
     def unavoidable_error(self) -> UnavoidableError | None:
-        """What the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
+        """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
 
         Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
         and of the hard iron a bound. Readings that are missing or late count as well.

@@ -72,7 +72,7 @@ class ScenarioTruth(Truth):
         return attitude
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
-        """What the interpolation between samples may miss, rad."""
+        """Largest error of the interpolation between samples, rad."""
         pieces = ((i, inside) for i, inside in self._segments_of(stamps_ns) if i in self._corrections)
         return max((self._corrections[i].uncertainty_at(stamps_ns[inside]) for i, inside in pieces), default=0.0)
 
@@ -90,7 +90,7 @@ class ScenarioTruth(Truth):
 
 
 class _Correction(SampledTruth):
-    """What the exact solution misses the samples of a segment by: nothing at its start, where every stepper begins.
+    """Rotation by which the exact solution misses samples of a segment: none at its start, where every stepper begins.
 
     It is a rotation on the world's axes: on those of the body it would turn with the body from sample to sample.
     Behind the last two samples it goes on for as long as these are apart, and stays: it grows slowly, so that two near

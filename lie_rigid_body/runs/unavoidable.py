@@ -29,7 +29,7 @@ THINNED: Final = 40_000
 Measured over an hour: within 1.5 % of the bound of all (rms, median, 95 % and last) up to 3 rad/s, at 20 rad/s 12 %.
 """
 FEWEST: Final = 100
-"""The same of a segment at least, however many there are: they share the others by their times."""
+"""Least number of such readings in a segment. The segments share the other readings by their durations."""
 
 
 def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | None = None) -> UnavoidableError | None:
@@ -125,7 +125,7 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int | None) -> Int
 
 
 def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
-    """What the sensors read of the attitude."""
+    """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
     vectors, attitudes = [], []
     for model in segment.scenario.sensors.on.values():
         stamps = _stamps(segment, model.rate, last_ns)
@@ -144,7 +144,7 @@ def _covariance(aid: AttitudeAid) -> Array:
 
 
 def _has_noise(sensors: Sensors) -> bool:
-    """Whether each sensor that tells of the attitude has white noise: none would leave no error."""
+    """Whether each sensor that tells of the attitude has white noise; one without would leave no error."""
     aids = [aid for model in sensors.on.values() for aid in model.aids]
     return bool(
         sensors.imu.orientation is None and sensors.imu.gyro.noise_density and not any(aid.is_exact for aid in aids)

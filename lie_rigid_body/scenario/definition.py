@@ -246,7 +246,7 @@ class Scenario:
 
     def _require_distinct_frames(self) -> None:
         """Refuse a world that turns with the body: tf2 takes no frame that is its own parent."""
-        of_sensors = frame_parameters(SENSORS) if self.has_sensors else ()
+        of_sensors = frame_parameters() if self.has_sensors else ()
         for name in sorted({"body_frame", *of_sensors} - {"world_frame"}):
             if self.frame(name) == self.world_frame:
                 raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")

@@ -2,8 +2,9 @@
 
 In the order of a measurement:
 
-- `sensor`: what a sensor is: model, instrument, readings, topics; `table`: all sensors and their parameters;
-- `equipment`: the sensors of a scenario, validated once; `parameters`, `fault_parameters`: what several sensors have;
+- `sensor`: what a sensor is: model, instrument, readings, topics;
+- `table`: all sensors and their parameters, and the sensors of a scenario, validated once;
+- `parameters`: the parameters that several sensors have;
 - `grades`: the errors of real sensors, from data sheets;
 - `gyro_rate`, `specific_force`: the true quantities that gyro and accelerometer measure;
 - `noise`: random numbers from the seed alone, the same in batches of any size;
@@ -15,7 +16,6 @@ In the order of a measurement:
 
 from lie_rigid_body.sensors.attitude_sensor import AttitudeSensor, AttitudeSensorModel
 from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.equipment import Sensors, frame_parameters, without_effect
 from lie_rigid_body.sensors.fault import Fault
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import Imu, ImuModel
@@ -23,7 +23,7 @@ from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
 from lie_rigid_body.sensors.sensor import Carrier, Field, Instrument, Readings, Sensor, SensorModel, Topic
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.sun_sensor import SunSensor, SunSensorModel
-from lie_rigid_body.sensors.table import SENSORS
+from lie_rigid_body.sensors.table import SENSORS, Sensors, frame_parameters, without_effect
 
 __all__ = [
     "GRADE",

@@ -50,7 +50,7 @@ class AttitudeSensorModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> AttitudeSensorModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class AttitudeSensorModel(SensorModel):
 
     @property
     def aids(self) -> tuple[AttitudeAid, ...]:
-        """The attitude."""
+        """The attitude, worst about the boresight."""
         return (AttitudeAid(self.boresight, self.roll_noise, self.cross_noise),)
 
     def covariance(self, attitude_xyzw: Array) -> Array:
@@ -87,12 +87,12 @@ class AttitudeSensorModel(SensorModel):
 
 
 def direction(values: Mapping[str, Value], name: str) -> Vector:
-    """A direction as a unit vector.
+    """Make a unit vector of the numbers of a parameter.
 
     Raises
     ------
     ParameterError
-        If the numbers have none, or are too large or small to tell it.
+        If the numbers are 0, or so large or small that they tell no direction.
     """
     components = vector(values, name)
     size = float(so3.norm(components))
@@ -154,7 +154,7 @@ def _made(model: AttitudeSensorModel, carrier: Carrier, before_ns: int) -> Attit
 
 
 _ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))
-"""The covariance of the rotation among the numbers of a pose's, whose position is known exactly."""
+"""Numbers of a pose's covariance that belong to the rotation; the position is known exactly."""
 ATTITUDE_SENSOR: Final = Sensor(
     "attitude_sensor",
     "attitude sensor",

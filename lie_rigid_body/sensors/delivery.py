@@ -1,4 +1,4 @@
-"""How the readings of a sensor arrive: some late, some never, stamped by the sensor's own clock."""
+"""Delivery of the readings of a sensor: some arrive late, some never, and the sensor's own clock stamps them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lie_rigid_body.sensors.noise import Draws
 
 @dataclass(frozen=True)
 class Delivery:
-    """The way of a sensor's readings to whoever listens.
+    """Faults on the way of a sensor's readings to whoever listens.
 
     A reading measured at t arrives at the largest of t + latency + jitter · u so far, with u uniform between 0 and 1:
     none overtakes another. It is stamped t + offset + skew · (t − epoch), what the sensor's clock shows at t.
@@ -28,15 +28,19 @@ class Delivery:
     sensor : str
         See `Fault`.
     seed : int
+        Seed of the random numbers.
     window : Window
-        Of lost readings.
+        Time in which readings are lost by dropouts.
     dropout_probability : float
-        Of each reading, independent of the others.
+        Probability that a reading is lost, independent of the others.
     outages : Episodes or None
-        In which every reading is lost.
+        Episodes in which every reading is lost.
     latency_ns, jitter_ns : int
+        Constant and largest random part of the delay, ns.
     clock_offset_ns : int
+        Lead of the sensor's clock at the epoch, ns.
     clock_skew : float
+        Rate at which the clock gains, s/s.
     """
 
     sensor: str
@@ -51,7 +55,7 @@ class Delivery:
 
     @classmethod
     def from_values(cls, sensor: str, values: Mapping[str, Value]) -> Delivery | None:
-        """The delivery of the parameters whose names begin with ``sensor``; None if it has no fault.
+        """Make the delivery of the parameters whose names begin with ``sensor``; None if it has no fault.
 
         Raises
         ------
@@ -75,18 +79,18 @@ class Delivery:
 
     @property
     def is_off(self) -> bool:
-        """Whether the clock that stamps errs."""
+        """Whether the sensor's clock is wrong."""
         return bool(self.clock_offset_ns or self.clock_skew)
 
     def lost(self, first: int, times_ns: Integers) -> Booleans:
-        """Which of some readings never arrive.
+        """Tell which of some readings never arrive.
 
         Parameters
         ----------
         first : int
             Number of the first of them, counted from 0 in the segment.
         times_ns : ndarray of int64, shape (N,)
-            When they were measured, since the segment's start, ns.
+            Times of their measurement since the segment's start, ns.
         """
         lost = self._dropped(first, times_ns)
         return lost if self.outages is None else lost | (self.outages.at(times_ns) >= 0)
@@ -98,23 +102,23 @@ class Delivery:
         return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
 
     def delays_ns(self, first: int, count: int) -> Integers:
-        """Latency and jitter of some readings, ns, before none may overtake another."""
+        """Delays of some readings, ns: latency and jitter, by which alone one could overtake another."""
         drawn = Draws(self.seed, stream(self.sensor, "latency_jitter")).following(first, count)[:, 0]
         return self.latency_ns + (drawn * self.jitter_ns).astype(np.int64)
 
     def stamps_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
-        """What the sensor's clock shows at some times, ns.
+        """Stamps that the sensor's clock gives at some times, ns.
 
         Parameters
         ----------
         measured_ns : ndarray of int64, shape (N,)
         epoch_ns : int
-            When the clock is off by its offset alone.
+            Time at which the clock is wrong by its offset alone, ns.
 
         Raises
         ------
         ParameterError
-            If that is no stamp of ROS.
+            If a stamp is negative, or beyond the last that ROS can tell.
         """
         stamps = np.asarray(measured_ns + self.error_ns(measured_ns, epoch_ns), dtype=np.int64)
         if len(stamps) and not 0 <= stamps.min() <= stamps.max() <= MAX_EPOCH_NS:
@@ -126,12 +130,12 @@ class Delivery:
         return stamps
 
     def error_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
-        """How far the sensor's clock is ahead at some times, ns; see `stamps_ns`."""
+        """Lead of the sensor's clock at some times, ns; see `stamps_ns`."""
         drift = np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
         return np.asarray(self.clock_offset_ns + drift)
 
     def measured_ns(self, stamps_ns: Integers, epoch_ns: int) -> Integers:
-        """When the sensor's clock shows some stamps, to 8 ns; see `stamps_ns`.
+        """Times at which the sensor's clock shows some stamps, to 8 ns; see `stamps_ns`.
 
         With a skew of at most 0.01 and times below 2³¹ s, roundings to doubles made 6 ns at most in 600 000 stamps.
         """
@@ -140,7 +144,7 @@ class Delivery:
         return np.asarray(epoch_ns + since - drift)
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
-        """What happened to the readings of a stretch of time; see `Faulty`."""
+        """Faults of the delivery in a stretch of time; see `Faulty`."""
         found = list(self._lasting()) if begin_ns <= 0 < end_ns else []
         for time in times_ns[self._dropped(first, times_ns)].tolist():
             found.append(Fault("dropout", self.sensor, "", time, time))

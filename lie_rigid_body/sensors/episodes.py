@@ -15,25 +15,26 @@ from lie_rigid_body.sensors.fault import stream
 from lie_rigid_body.sensors.noise import Draws
 
 SHORTEST_INTERVAL_S: Final = 1e-3
+"""Shortest interval from one episode to the next, s."""
 END_OF_TIME: Final = 2**62
-"""Later than any time since a start, ns."""
+"""A time since a start that no run reaches, ns."""
 
 
 def nanoseconds(seconds: float) -> int:
-    """A time in s as the nearest integer of ns."""
+    """Convert a time in s to the nearest integer of ns."""
     return round(seconds * NS)
 
 
 @dataclass(frozen=True)
 class Window:
-    """The time in which faults come and go, since the segment's start, ns; without its end."""
+    """Time in which faults come and go, ns since the segment's start; the end is not part of it."""
 
     begin_ns: int
     end_ns: int
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> Window:
-        """The window of ``fault_begin`` and ``fault_end``.
+        """Make the window of the parameters ``fault_begin`` and ``fault_end``.
 
         Raises
         ------
@@ -46,16 +47,16 @@ class Window:
         return cls(nanoseconds(begin), nanoseconds(end) if end else END_OF_TIME)
 
     def holds(self, times_ns: Integers) -> Booleans:
-        """Whether each time is in it."""
+        """Tell of each time whether it is in the window, shape (N,)."""
         return np.asarray((times_ns >= self.begin_ns) & (times_ns < self.end_ns))
 
 
 @dataclass(frozen=True)
 class Episodes:
-    """Episodes of one kind: one in each interval from the window's begin on, whose place in it follows from the seed.
+    """Episodes of one kind: one in each interval from the window's begin on, at a place in it that the seed decides.
 
-    So there are as many in a long time as the interval says, and none meets the next, whatever the seed. Where the
-    duration is the interval, one begins as the other ends.
+    A long time has as many episodes as intervals, and no episode meets the next, whatever the seed. Where the duration
+    is the interval, one begins as the other ends.
 
     Parameters
     ----------
@@ -75,12 +76,12 @@ class Episodes:
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value], sensor: str, kind: str, name: str = "") -> Episodes | None:
-        """Those of the parameters whose names begin with both, or with ``name``; None if the interval is 0.
+        """Make the episodes of the parameters that begin with ``sensor_kind``, or ``name``; None if the interval is 0.
 
         Raises
         ------
         ParameterError
-            If they are longer than their interval, or the interval is too short.
+            If the duration is longer than the interval, or the interval is too short.
         """
         name = name or f"{sensor}_{kind}"
         interval, duration = (cast(float, values[f"{name}_{what}"]) for what in ("interval", "duration"))
@@ -99,14 +100,14 @@ class Episodes:
         return cls(cast(int, values["sensor_seed"]), sensor, kind, window, nanoseconds(interval), nanoseconds(duration))
 
     def draws(self, numbers: Integers) -> Array:
-        """Three uniform numbers for each episode, shape (N, 3), that decide all but its time."""
+        """Three uniform numbers for each episode, shape (N, 3), which decide everything but its time."""
         return self._draws(numbers)[:, 1:]
 
     def _draws(self, numbers: Integers) -> Array:
         return Draws(self.seed, stream(self.sensor, self.kind)).of(numbers)
 
     def begins_ns(self, numbers: Integers) -> Integers:
-        """When each episode begins, ns since the segment's start."""
+        """Begin of each episode, ns since the segment's start, shape (N,)."""
         spare = self._draws(numbers)[:, 0] * (self.interval_ns - self.duration_ns)
         return self.window.begin_ns + numbers * self.interval_ns + spare.astype(np.int64)
 

@@ -1,4 +1,4 @@
-"""A fault of a sensor as it happened: the truth about it, and its text."""
+"""Faults of sensors as they happened, and their text."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ KINDS: Final = (
 )
 """The kinds of faults. The order is part of the keys of the random numbers."""
 AXES: Final = ("x", "y", "z")
+"""Names of the axes in the text of a fault."""
 LONGEST_TEXT: Final = 192
-"""Characters of the text of a fault at most."""
+"""Largest length of the text of a fault, characters."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: what of which sensor, from when to when.
+    """One fault of a sensor, from its begin to its end.
 
     Parameters
     ----------
@@ -33,11 +34,11 @@ class Fault:
     axis : str
         ``x``, ``y`` or ``z``; empty where a fault is not of one axis.
     begin_ns : int
-        Simulated time of its begin, ns: of one reading the time of its measurement.
+        Simulated time at which it begins, ns; for a fault of one reading the time of the measurement.
     end_ns : int or None
-        The first time after it, ns; of one reading that of its measurement; None: it lasts until a reset.
+        First time after it, ns; for a fault of one reading the time of the measurement; None: it lasts until a reset.
     size : float or None
-        In the unit of the parameter that sets it; None where a fault has none.
+        Size in the unit of the parameter that sets it; None where the fault has none.
     """
 
     kind: str
@@ -50,17 +51,17 @@ class Fault:
     __repr__ = short_repr
 
     def later(self, by_ns: int) -> Fault:
-        """The same fault so much later, ns."""
+        """Move the fault to a later time, by so many ns."""
         return replace(
             self, begin_ns=self.begin_ns + by_ns, end_ns=None if self.end_ns is None else self.end_ns + by_ns
         )
 
     def to_json(self) -> str:
-        """Its text."""
+        """The text of the fault, as the topic of faults has it."""
         return json.dumps(vars(self))
 
     def _is_one(self) -> bool:
-        """Whether it is a fault, and not only has the fields of one."""
+        """Whether the fields have values that a fault can have."""
         times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
         size = 0.0 if self.size is None else self.size
         names = self.kind in KINDS and self.sensor in _parts() and self.axis in (*AXES, "")
@@ -73,7 +74,7 @@ class Fault:
         Raises
         ------
         InputError
-            If the text is none.
+            If the text tells of no fault.
         """
         try:
             fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
@@ -85,15 +86,15 @@ class Fault:
 
 
 class Faulty(Protocol):
-    """What can tell its faults."""
+    """A part of a sensor's model that can have faults, and tells them."""
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
-        """Those that begin in a stretch of time since the segment's start.
+        """Faults that begin in a stretch of time since the segment's start.
 
         Parameters
         ----------
         begin_ns, end_ns : int
-            The stretch, without its end, ns.
+            Begin and end of the stretch, ns; the end is not part of it.
         first : int
             Number of the sensor's first reading in it, counted from 0 in the segment.
         times_ns : ndarray of int64, shape (N,)
@@ -103,12 +104,12 @@ class Faulty(Protocol):
 
 
 def stream(sensor: str, kind: str, part: int = 0) -> int:
-    """Source of the random numbers of a fault; ``part`` is 1 for a second one."""
+    """Source of the random numbers of one kind of fault; ``part`` is 1 for a second source of the kind."""
     return 256 * (1 + _parts().index(sensor)) + 2 * KINDS.index(kind) + part
 
 
 def _parts() -> tuple[str, ...]:
-    """What can have faults, as the table of sensors has it, whose entries are made of this module."""
+    """Names of what can have faults, from the table of sensors, whose entries are made with this module."""
     from lie_rigid_body.sensors.table import SENSORS
 
     return SENSORS.parts

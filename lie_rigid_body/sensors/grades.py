@@ -16,15 +16,15 @@ from typing import Final
 from lie_rigid_body.parameters import Value, Vector
 
 GRADE: Final = "sensor_grade"
-"""Name of the parameter."""
+"""Name of the parameter that chooses a grade."""
 PERFECT: Final = "perfect"
 """The grade without any error."""
 
 _DEGREE: Final = math.radians(1.0)
 _PER_HOUR: Final = _DEGREE / 3600.0
-"""Of a gyro's bias, (rad/s) / (°/h)."""
+"""Conversion of a gyro's bias from data sheets, (rad/s) / (°/h)."""
 _PER_ROOT_HOUR: Final = _DEGREE / 60.0
-"""Of an angle random walk, (rad/s/√Hz) / (°/√h)."""
+"""Conversion of an angle random walk from data sheets, (rad/s/√Hz) / (°/√h)."""
 _G: Final = 9.80665
 """Standard gravity, m/s²."""
 _PPM: Final = 1e-6
@@ -35,12 +35,12 @@ def _walk(lowest_allan_deviation: float, noise_density: float) -> float:
 
 
 def _signed(size: float, offset: float = 0.0) -> Vector:
-    """A size with the signs +, −, +, about an offset."""
+    """Three numbers that differ from an offset by a size, with the signs +, −, +."""
     return (offset + size, offset - size, offset + size)
 
 
 def _stretched(size: float) -> Vector:
-    """A soft-iron matrix of errors of scale alone."""
+    """Soft-iron matrix, row by row, of errors of scale alone."""
     x, y, z = _signed(size, 1.0)
     return (x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z)
 
@@ -106,12 +106,12 @@ GRADES: Final[Mapping[str, Mapping[str, Value]]] = MappingProxyType(
 
 
 def graded(given: Mapping[str, object]) -> dict[str, object]:
-    """The given parameters with those of their grade beside them; single ones override.
+    """Add the errors of a grade to the parameters that are given, which override them.
 
     Parameters
     ----------
     given : mapping of str to object
-        An unknown grade is left for the table of parameters to refuse.
+        Parameters by their names; an unknown grade is left for the table of parameters to refuse.
     """
     grade = given.get(GRADE, PERFECT)
     return {**(GRADES.get(grade, {}) if isinstance(grade, str) else {}), **given}

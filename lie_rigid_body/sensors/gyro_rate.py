@@ -29,7 +29,7 @@ class InstantaneousRate:
 
 
 class IntegratedRate:
-    """The constant rate that takes the attitude of the sample before to that of this one.
+    """The constant rate that takes the attitude of one sample to the attitude of the next.
 
     ``log(R_(j-1)ᵀ R_j) / (t_j − t_(j-1))``, so that the product of the ``exp(ω_j (t_j − t_(j-1)))`` is the rotation of
     the truth, with no error of integration. The logarithm takes the shorter way round: between two samples the body
@@ -40,7 +40,7 @@ class IntegratedRate:
     before_ns : int
         Time of the state one interval before the first sample, ns.
     before : State
-        That state, of one instant.
+        The state at that time, of one instant.
     """
 
     def __init__(self, before_ns: int, before: State) -> None:

@@ -15,11 +15,10 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import triad_fault_parameters
 from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
-from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_parameters
+from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_fault_parameters, triad_parameters
 from lie_rigid_body.sensors.sensor import (
     Carrier,
     Field,
@@ -36,6 +35,7 @@ from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
 
 LONGEST_LEVER_ARM_M: Final = 1e6
+"""Largest component of the lever arm, m."""
 LARGEST_TURN_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 
@@ -54,11 +54,11 @@ class ImuModel(SensorModel):
     accelerometer_mode : str
         ``free_fall``, or ``pivot_gravity``: held at the mass centre.
     gravity : float
-        m/s².
+        Standard gravity, m/s².
     lever_arm : tuple of float, length 3
         From the mass centre to the accelerometer in the body frame, m.
     orientation : OrientationModel or None
-        None: it tells none.
+        Orientation that it tells; None: it tells none.
     """
 
     gyro_rate: str
@@ -73,7 +73,7 @@ class ImuModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> ImuModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class ImuModel(SensorModel):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Delivery, gyro and accelerometer, which can have faults."""
         return (self.delivery, self.gyro.faults, self.accelerometer.faults)
 
     @property
@@ -134,7 +134,7 @@ class Imu(Instrument):
     ----------
     model : ImuModel
     body : RigidBody
-        To which it is fixed.
+        The body to which it is fixed.
     before_ns : int
         A time one interval before the first sample, ns; it may be negative.
     before : State
@@ -208,7 +208,7 @@ class Imu(Instrument):
 
 
 def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
-    """What the gyro measures from a time, ns, and the state at it on."""
+    """Rate that the gyro measures from a time, ns, on, at which the body has a state."""
     return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
 
 
@@ -223,7 +223,7 @@ def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
 
 
 def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
-    """The fields of a reading's message that are the same in all (REP-145)."""
+    """Fields that are the same in all messages of readings (REP-145)."""
     return {
         **_UNORIENTED,
         **({} if model.orientation is None else {"orientation_covariance": model.orientation.covariance}),

@@ -25,7 +25,7 @@ class MagneticDisturbance:
     ----------
     episodes : Episodes
     size : float
-        At its height, T; its direction in the world is drawn, all alike.
+        Magnitude at its height, T; the direction in the world is drawn evenly over the sphere.
     """
 
     episodes: Episodes
@@ -33,7 +33,7 @@ class MagneticDisturbance:
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> MagneticDisturbance | None:
-        """The disturbance of the parameters; None if there is none.
+        """Make the disturbance of the parameters; None if there is none.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class MagneticDisturbance:
         return np.asarray(self.size * np.stack([x, y, z], axis=-1) / np.sqrt(x * x + y * y + z * z)[:, np.newaxis])
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
-        """Those that begin in a stretch of time, one for each axis of the world; see `Faulty`."""
+        """Faults that begin in a stretch of time, one for each axis of the world; see `Faulty`."""
         return [
             Fault(_KIND, _SENSOR, axis, begin, end, size)
             for number, begin, end in self.episodes.between(begin_ns, end_ns)

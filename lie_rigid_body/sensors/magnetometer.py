@@ -15,10 +15,9 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import episode_parameters, triad_fault_parameters
 from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
 from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import not_negative, numbers
+from lie_rigid_body.sensors.parameters import episode_parameters, not_negative, numbers, triad_fault_parameters
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.sensors.sensor import (
     Carrier,
@@ -112,7 +111,7 @@ class MagnetometerModel(SensorModel):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Delivery, surroundings and axes, which can have faults."""
         return (self.delivery, self.disturbance, self.faults)
 
     @property

@@ -22,21 +22,22 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Array, Integers
 
 BLOCK: Final = 256
-"""Samples drawn at once when fewer are wanted: one costs almost as much as all of them."""
+"""Vectors drawn at once when fewer are wanted: to draw one costs almost as much as to draw all of them."""
 _WORDS_PER_COUNT: Final = 4
-"""Words that Philox 4×64 makes of one value of its counter."""
+"""Random words that Philox 4×64 makes of one value of its counter."""
 _SKIPPED_AT_ONCE: Final = 65_536
+"""Vectors of a walk that are drawn together where they are left out, which bounds the memory."""
 _HIGHEST_BIT: Final = np.uint64(2**63)
-"""The sign of a double; in a random word it is not set where the uniform number is below ½."""
+"""Bit of the sign of a double. In a random word it is clear where the uniform number is below ½."""
 _ONE: Final = np.float64(1.0).view(np.uint64)
-"""The bits of the double 1."""
+"""Bits of the double 1."""
 
 
 @unique
 class NoiseSource(IntEnum):
     """The sources of noise. The numbers are part of the keys: one that changed would change every recording.
 
-    Those of faults are above 255; see `fault.stream`.
+    Sources of faults have numbers above 255; see `fault.stream`.
     """
 
     GYRO_TURN_ON = 1
@@ -69,7 +70,7 @@ class WhiteNoise:
     Parameters
     ----------
     seed : int
-        From 0 to 2⁶⁴ − 1.
+        Seed from 0 to 2⁶⁴ − 1.
     source : int
         A `NoiseSource`, or the stream of a fault.
     sigma : float
@@ -93,7 +94,7 @@ class WhiteNoise:
         return self._sigma
 
     def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors, in a time that does not depend on how many."""
+        """Leave out the next ``count`` vectors. The time that this takes does not depend on ``count``."""
         self._taken += 3 * count
         blocks, rest = divmod(self._taken, _WORDS_PER_COUNT)
         self._words = np.random.Philox(counter=blocks, key=self._key)
@@ -120,7 +121,7 @@ class Draws:
     Parameters
     ----------
     seed : int
-        From 0 to 2⁶⁴ − 1.
+        Seed from 0 to 2⁶⁴ − 1.
     source : int
     """
 
@@ -128,12 +129,12 @@ class Draws:
         self._key = np.array([seed, source], dtype=np.uint64)
 
     def following(self, first: int, count: int) -> Array:
-        """Those of ``count`` whole numbers from ``first`` on, shape (count, 4)."""
+        """Numbers that belong to ``count`` whole numbers from ``first`` on, shape (count, 4)."""
         words = np.random.Philox(counter=first, key=self._key).random_raw(4 * count)
         return uniform(words).reshape(count, 4)
 
     def of(self, numbers: Integers) -> Array:
-        """Those of some whole numbers, shape (N, 4)."""
+        """Numbers that belong to some whole numbers, shape (N, 4)."""
         if not len(numbers):
             return np.empty((0, 4))
         low, high = int(numbers.min()), int(numbers.max())
@@ -143,7 +144,7 @@ class Draws:
 
 
 class RandomWalk:
-    """Random walk: start value plus cumulative sum of white noise.
+    """A random walk: a start value plus the cumulative sum of white noise.
 
     Parameters
     ----------
@@ -163,7 +164,7 @@ class RandomWalk:
         return path[:count]
 
     def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors, whose steps have to be drawn all the same, if there are any."""
+        """Leave out the next ``count`` vectors. Steps have to be drawn for it, unless all of them are 0."""
         if self._steps.sigma == 0.0:
             self._steps.skip(count)
             return

@@ -1,15 +1,25 @@
-"""Parameters that several kinds of sensors have, as they stand in the table."""
+"""Parameters that several kinds of sensors have, and those of their faults, which are all off by default."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from lie_rigid_body.parameters import Parameter
 
 LARGEST: Final = 1e9
-"""Largest value of a parameter that has no narrower limit, in its own unit."""
+"""Largest value of a parameter that has no narrower limit, in its unit."""
+_LONGEST_S: Final = 1e9
+"""Longest duration of a fault, s."""
+_LONGEST_DELAY_S: Final = 10.0
+"""Longest latency of a reading, and largest jitter, s."""
+_LARGEST_OFFSET_S: Final = 2.2e9
+"""Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
+_LARGEST_SKEW: Final = 0.01
+"""Largest skew of a sensor's clock, s/s."""
 _HALF_TURN: Final = math.pi
+"""Largest angle of a parameter, rad."""
 _ONES: Final = (1.0, 1.0, 1.0)
 _ZEROS: Final = (0.0, 0.0, 0.0)
 
@@ -48,3 +58,87 @@ def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
         not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
         not_negative(f"{sensor}_range", f"{name}: largest size of a reading on each axis, {unit}; 0: no limit."),
     )
+
+
+def _either_sign(name: str, description: str, limit: float) -> Parameter:
+    return Parameter(name, "double", 0.0, description, minimum=-limit, maximum=limit)
+
+
+def episode_parameters(name: str, what: str, duration: float) -> Iterator[Parameter]:
+    """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
+    yield not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
+    yield not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
+
+
+def delivery_parameters(sensor: str, title: str) -> Iterator[Parameter]:
+    """Parameters of how the readings of a sensor arrive."""
+    name = capitalised(title)
+    yield not_negative(
+        f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
+    )
+    yield from episode_parameters(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0)
+    yield not_negative(
+        f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
+    )
+    yield not_negative(
+        f"{sensor}_latency_jitter",
+        f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
+        maximum=_LONGEST_DELAY_S,
+    )
+    yield _either_sign(
+        f"{sensor}_clock_offset",
+        f"{name}: how far its clock, which stamps, is ahead at the epoch, s.",
+        _LARGEST_OFFSET_S,
+    )
+    yield _either_sign(f"{sensor}_clock_skew", f"{name}: by how much its clock is too fast, s/s.", _LARGEST_SKEW)
+
+
+def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> Iterator[Parameter]:
+    """Parameters of the faults of a sensor's axes; sizes are defaults for when a fault is switched on."""
+    name = sensor.capitalize()
+    yield not_negative(
+        f"{sensor}_spike_probability",
+        f"{name}: probability of a spike in a reading, on one axis; 0: none.",
+        maximum=1.0,
+    )
+    yield not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike)
+    yield from episode_parameters(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0)
+    yield not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density)
+    yield from episode_parameters(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0)
+    yield from episode_parameters(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0)
+    yield not_negative(
+        f"{sensor}_saturation_level", f"{name}: largest size of a reading during a saturation, {unit}.", level
+    )
+    yield not_negative(
+        f"{sensor}_temperature_drift",
+        f"{name}: standard deviation on each axis of the bias' change with temperature, {unit}; 0: none.",
+    )
+    yield not_negative(
+        f"{sensor}_temperature_drift_duration",
+        f"{name}: time from fault_begin on in which that change comes about, s.",
+        600.0,
+        _LONGEST_S,
+    )
+
+
+def capitalised(title: str) -> str:
+    """Write a title as the begin of a sentence."""
+    return title[:1].upper() + title[1:]
+
+
+def fault_switches(parameters: Iterable[Parameter]) -> dict[str, tuple[str, ...]]:
+    """The parameters that switch a fault on, each with how the names of the others of that fault begin."""
+    names = [parameter.name for parameter in parameters]
+    some = {name: (f"{name.rpartition('_')[0]}_",) for name in names if name.endswith(("_interval", "_probability"))}
+    return {**some, **{name: (f"{name}_",) for name in names if name.endswith("_temperature_drift")}}
+
+
+WINDOW_PARAMETERS: Final = (
+    not_negative(
+        "fault_begin",
+        "Lost readings, spikes and episodes of faults: from so many seconds after a start on.",
+        maximum=_LONGEST_S,
+    ),
+    not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
+)
+"""The parameters that limit all faults that have a switch."""

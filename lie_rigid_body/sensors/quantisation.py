@@ -11,9 +11,9 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 
 FINEST_RESOLUTION: Final = 1e-18
-"""In the sensor's unit: far below any instrument, and far above where a reading in steps would overflow."""
+"""Finest step of a converter, in the sensor's unit: far finer than any instrument, and no count of steps overflows."""
 _ROUND_OFF: Final = 2.0**-50
-"""Of the ratio of two numbers that were rounded: 0.3 has three steps of 0.1, though their product is more."""
+"""Relative round-off granted to a limit over a step: 0.3 holds three steps of 0.1, though 3 · 0.1 exceeds 0.3."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Converter:
 
     @property
     def variance(self) -> float:
-        """What rounding adds to the variance of a signal that crosses many steps, resolution²/12."""
+        """Variance that rounding adds to a signal that crosses many steps, resolution²/12."""
         return self.resolution * self.resolution / 12.0
 
     def validate(self, sensor: str) -> None:
@@ -66,7 +66,7 @@ class Converter:
         Parameters
         ----------
         sensor : str
-            What its parameters' names begin with.
+            Begin of the names of its parameters.
 
         Raises
         ------

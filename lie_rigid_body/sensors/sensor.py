@@ -1,4 +1,4 @@
-"""What a sensor is: its model, the instrument that measures, its readings, its topics, and its entry in the table."""
+"""Sensors in general: model, instrument that measures, readings, topics, and entry in the table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.fault_parameters import delivery_parameters
+from lie_rigid_body.sensors.parameters import delivery_parameters
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.wording import short_repr
 
@@ -28,7 +28,7 @@ class Readings:
     Parameters
     ----------
     arrays : mapping of str to ndarray, shape (N, ...)
-        What was read, by the names that `Field.array` gives.
+        Arrays by the names of `Field.array`.
     """
 
     arrays: Mapping[str, Array]
@@ -42,7 +42,7 @@ class Readings:
         return Readings({name: array[rows] for name, array in self.arrays.items()})
 
     def joined(self, later: Readings) -> Readings:
-        """These readings followed by later ones of the same arrays."""
+        """Join these readings and later ones of the same arrays."""
         return Readings({name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()})
 
 
@@ -175,7 +175,7 @@ class SensorModel(ABC):
     seed : int
         Seed of its noise.
     delivery : Delivery or None
-        What goes wrong on the way of its readings; None: nothing does.
+        Faults on the way of its readings; None: there are none.
     """
 
     rate: float
@@ -188,7 +188,7 @@ class SensorModel(ABC):
     @classmethod
     @abstractmethod
     def from_values(cls, values: Mapping[str, Value]) -> SensorModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------
@@ -198,12 +198,12 @@ class SensorModel(ABC):
 
     @property
     def faulty(self) -> tuple[Faulty | None, ...]:
-        """What may have faults."""
+        """Parts of the model that can have faults; None where one has none."""
         return (self.delivery,)
 
     @property
     def aids(self) -> tuple[VectorAid | AttitudeAid, ...]:
-        """What its readings tell of the attitude, for the error that no estimator can avoid."""
+        """Vectors and attitudes that its readings tell, from which the smallest error of an estimator follows."""
         return ()
 
     def refusal(self, fastest: float) -> ParameterError | None:
@@ -218,7 +218,7 @@ class _ExactMotion(Protocol):
 
 
 class Carrier(Protocol):
-    """What carries a sensor: a body and its motion, as a `Scenario` has them."""
+    """The body that carries a sensor, and its motion, as a `Scenario` has them."""
 
     def body(self) -> RigidBody:
         """The body."""
@@ -240,20 +240,20 @@ class Field:
     Parameters
     ----------
     array : str
-        Name of the array of the readings, and of `Run`, that it holds.
+        Name of the array with its values, in `Readings` and in `Run`.
     place : str
-        Where it is in the message: names of ROS with dots between them, such as ``pose.pose.orientation``.
+        Name of the field in the message, with dots between its parts, such as ``pose.pose.orientation``.
     unit : str
         Unit of its numbers; empty for quaternions and unit vectors.
     quantity : str
-        What the certificate calls it.
+        Name of the quantity, by which the certificate calls its law.
     covariance : str
-        The field that tells its covariance. Where that begins with −1, the message does not tell this field (REP-145).
-        Empty: it always does.
+        Name of the field with its covariance. Where that begins with −1, the message does not tell this field
+        (REP-145). Empty: every message tells it.
     numbers : tuple of int
-        Which of the field's float64 numbers it has; empty: all.
+        Numbers of the message's field that belong to it; empty: all.
     shape : tuple of int
-        Shape of a row of the array, where that is no vector.
+        Shape of a row of the array; empty: a vector.
     """
 
     array: str
@@ -268,7 +268,7 @@ class Field:
 
 
 def diagonal(variance: float) -> tuple[float, ...]:
-    """The covariance of three independent components of a variance, row by row."""
+    """Covariance, row by row, of three independent components of one variance."""
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
 
@@ -283,17 +283,17 @@ class Topic:
     Parameters
     ----------
     name : str
-        Its relative name.
+        Relative name of the topic.
     message_type : str
-        Such as ``sensor_msgs/msg/Imu``.
+        Name of the type in ROS, such as ``sensor_msgs/msg/Imu``.
     title : str
-        What the certificate calls its fields that are the same in every message.
+        Name of the certificate's law of the frame, and of the fields that are the same in every message.
     fields : tuple of Field
-        Those that differ.
+        Fields that differ from message to message.
     frame : str
-        Name of the parameter that names the frame of its headers.
+        Name of the parameter whose value is the frame of the headers.
     fixed : callable
-        ``fixed(model)`` gives the numbers of fields that are the same in every message, by their places; others are 0.
+        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names.
     """
 
     name: str
@@ -308,34 +308,34 @@ class Topic:
 
 @dataclass(frozen=True)
 class Sensor:
-    """An entry of the table of sensors: all that is particular to one.
+    """An entry of the table of sensors: everything particular to one sensor.
 
     Parameters
     ----------
     name : str
-        Its name: that of its parameters begins so, and ``NAME_rate`` switches it on.
+        Name, with which the names of its parameters begin. The parameter ``NAME_rate`` switches it on.
     title : str
-        What tables and sentences call it.
+        Name of the sensor in tables and sentences.
     model : type of SensorModel
     make : callable
         ``make(model, carrier, before_ns)`` gives the `Instrument` of a segment. Its first reading comes one interval
         after ``before_ns``, ns since the start, which may be negative.
     topics : tuple of Topic
-        The first one has the readings; others tell more of them, at the same stamps.
+        Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
     parameters : tuple of Parameter
-        Those that the text of a scenario leaves out at their defaults, so that it is the same as without the sensor.
+        Parameters that the text of a scenario leaves out at their defaults: it is then that of before the sensor was.
     told : tuple of Parameter
-        Those that it always tells.
+        Parameters that the text of a scenario always tells.
     faults : tuple of Parameter
-        Those of its faults, beside the delivery's.
+        Parameters of its faults, without those of the delivery, which every sensor has.
     parts : tuple of str
         Parts of it that have faults of their own. The order is part of the keys of the random numbers.
     attribute : str
-        Its name in `Run`; empty: ``name``.
+        Name of its readings in `Run`; empty: ``name``.
     prefixes : tuple of str
-        How the names of the parameters begin that have no effect without it; empty: ``NAME_``.
+        Begins of the names of parameters that have no effect while it is off; empty: ``NAME_``.
     switches : mapping of str to tuple of str
-        Further parameters that switch something on, and how the names of those begin that have no effect without.
+        Further parameters that switch something on, with the begins of names of parameters that have no effect without.
     """
 
     name: str
@@ -360,15 +360,15 @@ class Sensor:
 
     @property
     def key(self) -> str:
-        """Its name in `Run`."""
+        """Name of its readings in `Run`."""
         return self.attribute or self.name
 
     @property
     def all_faults(self) -> tuple[Parameter, ...]:
-        """The parameters of its delivery and of its other faults."""
+        """Parameters of its delivery and of its other faults."""
         return (*delivery_parameters(self.name, self.title), *self.faults)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all parameters that are its own."""
+        """Names of all parameters of this sensor alone."""
         return tuple(parameter.name for parameter in (*self.told, *self.parameters, *self.all_faults))

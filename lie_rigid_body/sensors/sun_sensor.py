@@ -32,7 +32,7 @@ class SunSensorModel(SensorModel):
     sun : tuple of float, length 3
         s, a unit vector in the world frame.
     noise : float
-        σ, standard deviation of the small rotation about each axis, rad; that about the sun itself shows nowhere.
+        σ, standard deviation of the small rotation about each axis, rad; a rotation about the sun does not show.
     """
 
     sun: Vector
@@ -42,7 +42,7 @@ class SunSensorModel(SensorModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Value]) -> SunSensorModel:
-        """The model of the parameters' values, validated.
+        """Make the model of the parameters' values, and validate it.
 
         Raises
         ------

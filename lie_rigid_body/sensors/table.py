@@ -1,20 +1,25 @@
-"""The table of sensors, and of their parameters."""
+"""The table of sensors and of their parameters, and the sensors of a scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final, cast
 
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.attitude_sensor import ATTITUDE_SENSOR
-from lie_rigid_body.sensors.fault_parameters import WINDOW_PARAMETERS
-from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT
+from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import IMU
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.sensor import Sensor
+from lie_rigid_body.sensors.parameters import WINDOW_PARAMETERS, fault_switches
+from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 from lie_rigid_body.sensors.sun_sensor import SUN_SENSOR
+from lie_rigid_body.wording import listed, short_repr
 
+SLOWEST_RATE: Final = 1e-6
+"""Smallest sampling rate of a sensor, Hz."""
 _SHARED: Final = (
     Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
     Parameter(
@@ -36,8 +41,8 @@ _SHARED: Final = (
 """Parameters of several sensors."""
 
 
-class SensorTable(Mapping[str, Sensor]):
-    """Sensors by their names.
+class SensorTable(dict[str, Sensor]):
+    """Sensors by their names, in the order in which they are shown.
 
     Parameters
     ----------
@@ -47,39 +52,33 @@ class SensorTable(Mapping[str, Sensor]):
     ----------
     parameters : dict of str to Parameter
         Every parameter of the sensors by its name, in the order in which they are shown.
+    topics : dict of str to str
+        Message types of the topics of readings, by their relative names.
     quiet : frozenset of str
-        Names of those that the text of a scenario leaves out at their defaults: they came later than bags did.
+        Names of the parameters that the text of a scenario leaves out at their defaults: they came later than bags did.
     parts : tuple of str
-        What can have faults. The order is part of the keys of the random numbers.
+        Sensors and parts of sensors that can have faults. The order is part of the keys of the random numbers.
     """
 
     def __init__(self, *sensors: Sensor) -> None:
-        self._sensors: dict[str, Sensor] = {}
         self.parameters: dict[str, Parameter] = {}
+        self.topics: dict[str, str] = {}
         self._set(sensors)
 
     def _set(self, sensors: tuple[Sensor, ...]) -> None:
-        self._sensors = {sensor.name: sensor for sensor in sensors}
+        self.clear()
+        self.update({sensor.name: sensor for sensor in sensors})
         told = [parameter for sensor in sensors for parameter in sensor.told]
-        rates = {sensor.switch for sensor in sensors}
+        rates = [parameter for parameter in told if any(parameter.name == sensor.switch for sensor in sensors)]
         later = [parameter for sensor in sensors for parameter in sensor.parameters]
-        faults = [parameter for sensor in sensors for parameter in sensor.all_faults]
-        quiet = (*later, *WINDOW_PARAMETERS, *faults)
-        first = [parameter for parameter in told if parameter.name in rates]
-        everything = (*first, *_SHARED, *(p for p in told if p.name not in rates), *quiet)
-        self.parameters.clear()  # others have views of it
-        self.parameters.update({parameter.name: parameter for parameter in everything})
+        quiet = [*later, *WINDOW_PARAMETERS, *(fault for sensor in sensors for fault in sensor.all_faults)]
         self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
         self.parts = tuple(part for sensor in sensors for part in (sensor.name, *sensor.parts))
-
-    def __getitem__(self, name: str) -> Sensor:
-        return self._sensors[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._sensors)
-
-    def __len__(self) -> int:
-        return len(self._sensors)
+        # the same dictionaries, of which others have views
+        self.parameters.clear()
+        self.parameters.update({parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)})
+        self.topics.clear()
+        self.topics.update({topic.name: topic.message_type for sensor in sensors for topic in sensor.topics})
 
     @contextmanager
     def including(self, sensor: Sensor) -> Iterator[None]:
@@ -93,4 +92,109 @@ class SensorTable(Mapping[str, Sensor]):
 
 
 SENSORS: Final = SensorTable(IMU, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
-"""All sensors, in the order in which they are shown."""
+"""The sensors that there can be on a body."""
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """The sensors on the body. Build them with `from_parameters`, which validates.
+
+    The model of each is an attribute as well, by its name in `SENSORS`; None where there is no such sensor.
+
+    Parameters
+    ----------
+    models : tuple of (str, SensorModel)
+        The sensors that there are, by name, in the order of `SENSORS`.
+    """
+
+    models: tuple[tuple[str, SensorModel], ...] = ()
+
+    __repr__ = short_repr
+
+    @classmethod
+    def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:
+        """Make the sensors of the given parameters, the rest at their defaults, validated as a whole.
+
+        Parameters
+        ----------
+        given : mapping of str to object, optional
+            Values of ``SENSORS.parameters``, as a YAML file or a ROS parameter gives them.
+
+        Returns
+        -------
+        Sensors
+
+        Raises
+        ------
+        ParameterError
+            Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
+        """
+        return cls.from_values(read_table(SENSORS.parameters.values(), graded(given or {})))
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Value]) -> Sensors:
+        """Make the sensors of all their parameters, each in its own type; see `from_parameters`."""
+        for name in frame_parameters() & set(values):
+            require_frame_name(name, cast(str, values[name]))
+        models = {name: sensor.model.from_values(values) for name, sensor in SENSORS.items()}  # refuse also what is off
+        return cls(tuple((name, models[name]) for name, sensor in SENSORS.items() if _is_on(sensor.switch, values)))
+
+    def __getattr__(self, name: str) -> Any:
+        if name in SENSORS:
+            return self.on.get(name)
+        raise AttributeError(f"there is no sensor {name}")
+
+    @property
+    def on(self) -> dict[str, SensorModel]:
+        """The sensors that there are, by name."""
+        return dict(self.models)
+
+    @property
+    def have_faults(self) -> bool:
+        """Whether any fault is on."""
+        return any(faulty is not None for model in self.on.values() for faulty in model.faulty)
+
+
+def frame_parameters() -> set[str]:
+    """Names of the parameters that name the frames of messages of sensors."""
+    return {topic.frame for sensor in SENSORS.values() for topic in sensor.topics}
+
+
+def _is_on(name: str, values: Mapping[str, Value]) -> bool:
+    rate = cast(float, values[name])
+    if 0.0 < rate < SLOWEST_RATE:
+        raise ParameterError(name, f"{rate:g} is below {SLOWEST_RATE:g} samples per second: give more, or 0 for none")
+    return rate > 0.0
+
+
+def without_effect(values: Mapping[str, Value]) -> str:
+    """Say in a sentence without a full stop what is asked of sensors and faults that are off; empty if nothing.
+
+    A grade asks for nothing: it is that of whichever sensors there are.
+
+    Parameters
+    ----------
+    values : mapping of str to value
+        Every one of ``SENSORS.parameters``.
+    """
+    default = {name: parameter.default for name, parameter in SENSORS.parameters.items()}
+    usual = {**default, **GRADES[str(values[GRADE])], GRADE: values[GRADE]}
+    faults = fault_switches(SENSORS.parameters.values())
+    switches = {sensor.switch: sensor.prefixes or (f"{sensor.name}_",) for sensor in SENSORS.values()}
+    for sensor in SENSORS.values():
+        switches |= sensor.switches
+    asked = [name for name, value in values.items() if value != usual[name] and name not in frame_parameters()]
+    sentences = []
+    for switch, prefixes in {**switches, **faults}.items():
+        names = [name for name in asked if not values[switch] and name.startswith(prefixes)]
+        asked = [name for name in asked if name not in names]  # those of a sensor that is off are not told twice
+        if names:
+            sentences.append(f"{_idle(names)}, as {switch} is {'false' if values[switch] is False else 0}")
+    window = [parameter.name for parameter in WINDOW_PARAMETERS if parameter.name in asked]
+    if window and not any(values[switch] for switch in faults):
+        sentences.append(f"{_idle(window)}, as no fault that comes and goes is on")
+    return f"{'; '.join(sentences)}: give what switches them on" if sentences else ""
+
+
+def _idle(names: list[str]) -> str:
+    return f"{listed(names)} {'have' if len(names) > 1 else 'has'} no effect"

@@ -4,11 +4,12 @@ Modules:
 
 - `sample_clock`: the stamps of samples, by their numbers;
 - `samples`: states and readings at their stamps;
-- `arrivals`: when readings arrive, which late ones and lost ones do otherwise than they are measured;
+- `arrivals`: the times at which readings arrive, which may be late or lost;
 - `fault_log`: the faults of the sensors as they begin;
 - `segment`: a stretch of motion between two resets, and its JSON;
 - `sample_queue`: samples of one clock, computed ahead and taken in order, across resets;
-- `shared_motion`: the motion of those who have the same clock, computed once;
+- `measurement`: the readings of one sensor in one segment;
+- `shared_motion`: one motion for all sensors of a rate, computed once;
 - `loop`: the truth and the sensors together, across resets.
 """
 

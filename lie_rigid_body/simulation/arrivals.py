@@ -1,4 +1,4 @@
-"""When the readings of a sensor arrive, by their numbers."""
+"""Arrival times of the readings of a sensor, by the numbers of the readings."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 
 
 class Arrivals:
-    """The times at which readings arrive, and what their stamps say; of lost ones, when they would have arrived.
+    """The times at which readings arrive, and their stamps. A lost reading has the time at which it would have arrived.
 
     Parameters
     ----------
     clock : SampleClock
-        Of the measurements.
+        Clock of the measurements.
     first : int
         Number of the segment's first reading.
     start_ns : int
         The segment's start, ns.
     delivery : Delivery or None
-        None: every reading arrives when it is measured, and is stamped so.
+        Faults on the way; None: every reading arrives at the time of its measurement, which is its stamp.
     """
 
     def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery | None) -> None:
@@ -32,13 +32,13 @@ class Arrivals:
         self._delivery = delivery
 
     def stamp_ns(self, number: int) -> int:
-        """When one reading arrives, ns."""
+        """Time at which one reading arrives, ns."""
         if self._delivery is None:
             return self._clock.stamp_ns(number)
         return int(self._latest(number, np.array([self._clock.stamp_ns(number)]))[0])
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many readings of the clock, from number 0 on, arrive at or before a time."""
+        """Number of readings of the clock, from number 0 on, that arrive at or before a time, ns."""
         if self._delivery is None:
             return self._clock.count_until(stamp_ns)
         at_most = self._clock.count_until(stamp_ns - self._delivery.latency_ns)
@@ -50,7 +50,7 @@ class Arrivals:
         return at_least + int(np.searchsorted(between, stamp_ns, side="right"))
 
     def of(self, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
-        """When readings that follow each other arrive, their stamps, ns, and which of them are lost."""
+        """Arrival times and stamps, ns, of readings that follow each other, and which of them are lost."""
         delivery = self._delivery
         if delivery is None or not len(measured_ns):
             return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
@@ -60,7 +60,7 @@ class Arrivals:
         return self._latest(number, measured_ns), stamps, lost
 
     def _latest(self, number: int, measured_ns: Integers) -> Integers:
-        """When the readings from one number on arrive, ns: none before those that came before it."""
+        """Arrival times of the readings from one number on, ns: no reading overtakes an earlier one."""
         assert self._delivery is not None
         # of those measured more than the jitter ago none can be late enough to hold up another
         since = int(measured_ns[0]) - self._delivery.jitter_ns if len(measured_ns) else 0

@@ -11,16 +11,16 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.segment import Segment
 
 _READINGS_AHEAD: Final = 64
-"""Readings of the fastest sensor whose faults are looked for at once, for a second at most: few take almost as long."""
+"""Readings of the fastest sensor whose faults are sought at once, within a second: to seek for one takes as long."""
 
 
 class FaultLog:
-    """The faults of the segments of a simulation, told once each.
+    """The faults of the segments of a simulation, each told once.
 
     Parameters
     ----------
     segment : Segment
-        The first.
+        The first segment.
     """
 
     def __init__(self, segment: Segment) -> None:
@@ -33,7 +33,7 @@ class FaultLog:
         self._last = _SegmentFaults(segment)
 
     def take(self, until_ns: int) -> tuple[Fault, ...]:
-        """Those that begin up to a time, ns, and were not taken yet."""
+        """Faults that begin up to a time, ns, and were not taken yet."""
         found: list[Fault] = []
         while self._ending:
             faults, end_ns = self._ending[0]
@@ -45,7 +45,7 @@ class FaultLog:
 
 
 class _SegmentFaults:
-    """The faults of one segment, looked for ahead of their time."""
+    """The faults of one segment, found some time before they are taken."""
 
     def __init__(self, segment: Segment) -> None:
         sensors = segment.scenario.sensors.on.values()
@@ -69,7 +69,7 @@ class _SegmentFaults:
         return taken
 
     def _of(self, sensor: SensorModel, end_ns: int) -> Iterator[Fault]:
-        """Those of a sensor from where they are known until a time."""
+        """Faults of a sensor from the time until which all are known to another, ns."""
         start_ns, begin_ns = self._segment.start_ns, self._known_ns
         clock = SampleClock(self._segment.scenario.epoch_ns, sensor.rate)
         before = clock.count_until(start_ns - 1)

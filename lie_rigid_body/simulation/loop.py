@@ -24,12 +24,12 @@ from lie_rigid_body.simulation.shared_motion import Latest, SharedMotion
 from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
-"""Makes the motions of a start; see `motions_of`."""
+"""A function that makes the motions of a scenario; see `motions_of`."""
 
 LOOK_AHEAD: Final = 64
-"""Samples computed at once when fewer are wanted: the closed form takes almost as long for one as for all of them."""
+"""Samples computed at once when fewer are wanted: the closed form takes as long for one as for all of them."""
 STEPS_AHEAD: Final = 64
-"""Largest number of integrator steps spent on looking ahead, about 1 ms."""
+"""Largest number of integrator steps for samples that are not wanted yet, about 1 ms."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class Taken:
     sensors : mapping of str to SensorSamples
         The readings that arrived, by the names of the sensors that there are.
     faults : tuple of Fault
-        Those that began.
+        The faults that began.
     scenario : Scenario or None
-        That of the segment, where it was told.
+        The scenario of the segment, where it is known.
     """
 
     samples: Samples
@@ -120,7 +120,7 @@ class Simulation:
 
     @property
     def next_stamp_ns(self) -> int:
-        """When the next sample of truth or sensors is due, ns: a reading when it arrives, also one that is lost."""
+        """Time at which the next sample is due, ns; a reading, also a lost one, is due when it arrives."""
         return min(queue.stamp_ns(0) for queue in self._queues)
 
     @property
@@ -132,7 +132,7 @@ class Simulation:
         return self._truth.take(count)
 
     def take_until(self, stamp_ns: int, at_most: int) -> Taken:
-        """What comes next up to a time, of the truth and of every sensor, in one segment.
+        """Take what comes next up to a time, from the truth and from every sensor, in one segment.
 
         Readings left over from before a reset come alone, and first: messages tell the frame and the noise of the
         sensor that made them.
@@ -142,7 +142,7 @@ class Simulation:
         stamp_ns : int
             The last stamp wanted, ns, and the last time at which a reading may arrive.
         at_most : int
-            The most samples wanted of each, with readings that are lost: all end with the one that reaches it first.
+            Most samples of the truth, and of each sensor, lost readings included. All end where one reaches it.
 
         Returns
         -------
@@ -162,7 +162,7 @@ class Simulation:
         return Taken(truth, received, self._faults.take(last_ns), scenario)
 
     def _oldest(self, until_ns: int) -> tuple[Scenario, int]:
-        """The scenario of what comes next, and the last time up to one at which it is in force, ns."""
+        """The scenario of the next samples, and the last time up to ``until_ns`` at which it is in force, ns."""
         while self._ended:
             scenario, end_ns = self._ended[0]
             if any(queue.count_until(end_ns) for queue in self._sensors.values()):
@@ -171,7 +171,7 @@ class Simulation:
         return self._segment.scenario, until_ns
 
     def require_stamps(self, last_ns: int) -> None:
-        """Refuse samples and readings until a time, ns, whose stamps would be none.
+        """Refuse a time, ns, up to which some sample or reading would have a stamp that ROS cannot tell.
 
         Raises
         ------
@@ -206,7 +206,7 @@ class Simulation:
 def _followed(
     sensor: SensorQueue[SensorSamples] | None, queue: SampleQueue[SensorSamples], segment: Segment
 ) -> SensorQueue[SensorSamples]:
-    """Queue of a sensor, which may have been there before, that continues with the new segment."""
+    """Continue the queue of a sensor with a new segment, or begin it where there was none."""
     if sensor is None:
         return SensorQueue(queue)
     sensor.follow(queue, segment.start_ns)
@@ -214,10 +214,10 @@ def _followed(
 
 
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:
-    """The motions of one start: first of the truth, then of each sensor that there is.
+    """Motions from the start of a scenario: each call gives one, first that of the truth, then that of each sensor.
 
-    A moving chart divides the time between the samples asked of it into steps, so that those of another clock in
-    between would change its bits: each clock has one of its own, and those who have the same clock share it.
+    A moving chart takes steps from one sample to the next, so samples of another clock in between would change its
+    bits. Each clock has a motion of its own, and sensors of one rate share it.
     """
     rates = [scenario.rate, *(model.rate for model in scenario.sensors.on.values())]
     clocks, start, turns = {rate: Latest() for rate in rates}, scenario.make_motion(), iter(rates)

@@ -43,7 +43,7 @@ class SampleClock:
         return self.epoch_ns + _round_ratio(number * period.numerator, period.denominator)
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many samples from number 0 on are stamped at or before a time; 0 or more."""
+        """Number of samples from number 0 on whose stamps are at or before a time, ns; 0 or more."""
         period = self.period_ns
         # the last k with k n/d < elapsed + 1/2, or equal to it, which rounds to even
         last = (2 * (stamp_ns - self.epoch_ns) + 1) * period.denominator // (2 * period.numerator)
@@ -76,11 +76,11 @@ class SampleClock:
         return quotients
 
     def count_before(self, duration: Fraction) -> int:
-        """How many samples lie before a time after the epoch: every k with k / rate < duration (s)."""
+        """Number of samples before a time after the epoch, s: of every k with k / rate < duration."""
         return -int(-(duration * Fraction(repr(self.rate))) // 1)
 
     def last_ns_before(self, duration: Fraction) -> int:
-        """The last stamp, ns, that a reading may have in this time (s) after the epoch, rounded as for samples."""
+        """Last stamp, ns, that lies before a time after the epoch, s, which is rounded as stamps are."""
         count = self.count_before(duration)
         end = self.epoch_ns + math.ceil(duration * NS) - 1
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)

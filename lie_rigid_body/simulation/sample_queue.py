@@ -18,7 +18,7 @@ class Rows(Protocol):
 
     @property
     def times_ns(self) -> Integers:
-        """When they are sent, ns, shape (N,)."""
+        """Times at which the samples are sent, ns, shape (N,)."""
         ...
 
     def __len__(self) -> int: ...
@@ -26,7 +26,7 @@ class Rows(Protocol):
     def __getitem__(self: R, index: slice) -> R: ...
 
     def joined(self: R, later: R) -> R:
-        """These samples followed by later ones."""
+        """Join these samples and later ones."""
         ...
 
 
@@ -70,12 +70,12 @@ class SampleQueue(Generic[R]):
         return self._next - len(self._ready)
 
     def stamp_ns(self, ahead: int) -> int:
-        """When the sample is sent that comes after ``ahead`` others, ns."""
+        """Time at which the sample behind ``ahead`` others is sent, ns."""
         kept = len(self._ready)
         return int(self._ready.times_ns[ahead]) if ahead < kept else self._arrivals.stamp_ns(self._next + ahead - kept)
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many samples that were not yet taken are sent at or before a time."""
+        """Number of samples that were not yet taken and are sent at or before a time, ns."""
         count = int(np.searchsorted(self._ready.times_ns, stamp_ns, side="right")) if len(self._ready) else 0
         if count < len(self._ready):
             return count
@@ -103,13 +103,13 @@ class SampleQueue(Generic[R]):
 class SensorQueue(Generic[R]):
     """Readings of a sensor across resets: one queue per segment.
 
-    Readings left over when a segment ends come before those of the next one, and are computed only when taken. Those
-    under way to arrive later are lost with it.
+    Readings left over when a segment ends come before the readings of the next one, and are computed only when taken.
+    Readings that were to arrive after the end are lost.
 
     Parameters
     ----------
     queue : SampleQueue
-        Of the first segment.
+        Queue of the first segment.
     """
 
     def __init__(self, queue: SampleQueue[R]) -> None:
@@ -123,7 +123,7 @@ class SensorQueue(Generic[R]):
         self._last = queue
 
     def stamp_ns(self, ahead: int) -> int:
-        """When the sample is sent that comes after ``ahead`` others, ns."""
+        """Time at which the sample behind ``ahead`` others is sent, ns."""
         for queue, end_ns in self._ending:
             left = queue.count_until(end_ns)
             if ahead < left:
@@ -132,7 +132,7 @@ class SensorQueue(Generic[R]):
         return self._last.stamp_ns(ahead)
 
     def count_until(self, stamp_ns: int) -> int:
-        """How many samples that were not yet taken are sent at or before a time."""
+        """Number of samples that were not yet taken and are sent at or before a time, ns."""
         ending = sum(queue.count_until(min(stamp_ns, end_ns)) for queue, end_ns in self._ending)
         return ending + self._last.count_until(stamp_ns)
 

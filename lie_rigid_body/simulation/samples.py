@@ -20,7 +20,7 @@ class Samples:
     ----------
     stamps_ns : ndarray of int64, shape (N,)
     states : State
-        Of shapes (N, 4) and (N, 3).
+        States of N instants.
     """
 
     stamps_ns: Integers
@@ -30,7 +30,7 @@ class Samples:
 
     @property
     def times_ns(self) -> Integers:
-        """When they are sent and logged, ns: at their stamps."""
+        """Times at which the samples are sent and logged, ns: their stamps."""
         return self.stamps_ns
 
     def __len__(self) -> int:
@@ -40,7 +40,7 @@ class Samples:
         return Samples(self.stamps_ns[index], self.states[index])
 
     def joined(self, later: Samples) -> Samples:
-        """These samples followed by later ones."""
+        """Join these samples and later ones."""
         attitude = np.concatenate([self.states.attitude_xyzw, later.states.attitude_xyzw])
         body_rate = np.concatenate([self.states.body_rate, later.states.body_rate])
         return Samples(np.concatenate([self.stamps_ns, later.stamps_ns]), State.trusted(attitude, body_rate))
@@ -48,14 +48,14 @@ class Samples:
 
 @dataclass(frozen=True)
 class SensorSamples:
-    """Readings of a sensor.
+    """Readings of a sensor with their times.
 
     Parameters
     ----------
     times_ns : ndarray of int64, shape (N,)
-        When they arrive, are sent and logged, ns.
+        Times at which they arrive, are sent and logged, ns.
     stamps_ns : ndarray of int64, shape (N,)
-        What their headers say, ns: the sensor's own clock at the time of measurement.
+        Stamps of their headers, ns: what the sensor's own clock shows at the time of measurement.
     lost : ndarray of bool, shape (N,)
         Which of them never arrive.
     readings : Readings, N of them
@@ -75,7 +75,7 @@ class SensorSamples:
         return SensorSamples(self.times_ns[rows], self.stamps_ns[rows], self.lost[rows], self.readings[rows])
 
     def joined(self, later: SensorSamples) -> SensorSamples:
-        """These samples followed by later ones."""
+        """Join these samples and later ones."""
         return SensorSamples(
             np.concatenate([self.times_ns, later.times_ns]),
             np.concatenate([self.stamps_ns, later.stamps_ns]),
@@ -84,5 +84,5 @@ class SensorSamples:
         )
 
     def received(self) -> SensorSamples:
-        """Those that arrive."""
+        """Leave out the readings that never arrive."""
         return self[~self.lost] if self.lost.any() else self

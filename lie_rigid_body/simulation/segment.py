@@ -14,8 +14,9 @@ from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.wording import short_repr
 
 SOFTWARE: Final = "lie_rigid_body"
+"""Name of this software in the scenario message."""
 LONGEST_TEXT: Final = 64 * 1024
-"""Characters of the longest scenario message that is read; those of this package have about 2000."""
+"""Largest length of a scenario message that is read, characters; this package writes about 2000."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +26,11 @@ class Segment:
     Parameters
     ----------
     scenario : Scenario
-        With the epoch in force.
+        The scenario, with the epoch in force.
     first_sample : int
         Number of the sample that carries the initial state.
     start_ns : int
-        Its stamp, ns.
+        Stamp of that sample, ns.
     """
 
     scenario: Scenario
@@ -87,12 +88,12 @@ class Segment:
 
 @lru_cache(maxsize=1)
 def _scenario(parameters: str) -> Scenario:
-    """The scenario of a JSON object; most resets repeat the one before, and to validate it takes most of the time."""
+    """Read a scenario from a JSON object. The last one is kept: most resets repeat it, and to read it takes long."""
     return Scenario.from_parameters(json.loads(parameters))
 
 
 def _parsed(text: str) -> dict[str, Any]:
-    """The object that is a scenario message."""
+    """Parse a scenario message."""
     try:
         content = json.loads(text, object_pairs_hook=_without_repeats)
     except RecursionError:
@@ -105,7 +106,7 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """The object of these names and values; of a name given twice, some readers would take the first value."""
+    """Make an object of names and values, and refuse a name given twice: some readers would take its first value."""
     content: dict[str, object] = {}
     for name, value in pairs:
         if name in content:

@@ -1,4 +1,4 @@
-"""A motion that several ask for the same times, one after the other, and that is computed once."""
+"""One motion for several users who ask for the same times one after the other; it is computed once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lie_rigid_body.motion import Motion
 
 @dataclass
 class Latest:
-    """The latest call of those who are in step: its number from 1 on, times and states, and the motion after it."""
+    """Latest call of the users in step: its number from 1 on, its times and states, and the motion after it."""
 
     number: int = 0
     t_ns: Any = None
@@ -26,15 +26,15 @@ class Latest:
 class SharedMotion:
     """A motion for one of several users, each of whom gets the bits of a motion of their own.
 
-    As long as they ask for the same times in the same order, each answer is computed for the first and kept for the
-    others until the next one. Who asks otherwise goes on alone.
+    As long as they ask for the same times in the same order, each answer is computed for the first of them and kept
+    for the others until the next one. A user who asks for other times goes on alone.
 
     Parameters
     ----------
     motion : Motion
-        At the start; it is copied.
+        The motion at the start, which is copied.
     latest : Latest
-        The same for all users.
+        What all users share.
     """
 
     def __init__(self, motion: Motion, latest: Latest) -> None:

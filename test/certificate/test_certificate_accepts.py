@@ -23,14 +23,15 @@ def recording(*parts: tuple[str, int, Samples], log_delay: int = 0, stamped: boo
     attitudes = np.concatenate([samples.states.attitude_xyzw for _, _, samples in parts])
     rates = np.concatenate([samples.states.body_rate for _, _, samples in parts])
     zeros, logged = np.zeros((len(stamps), 3)), stamps + log_delay
+    if stamped:
+        twists = TwistTrack("/twist", logged + (7 if log_delay else 0), stamps, rates, zeros, ("base_link",))
+    else:
+        twists = TwistTrack("/twist", logged, None, rates, zeros, ())
     return Recording(
-        "test",
-        [(start + log_delay, text) for text, start, _ in parts],
-        PoseTrack("/pose", logged, stamps, attitudes, zeros, ("world",)),
-        TwistTrack("/twist", logged + (7 if log_delay else 0), stamps, rates, zeros, ("base_link",))
-        if stamped
-        else TwistTrack("/twist", logged, None, rates, zeros, ()),
-        None,
+        library="test",
+        scenario_texts=[(start + log_delay, text) for text, start, _ in parts],
+        poses=PoseTrack("/pose", logged, stamps, attitudes, zeros, ("world",)),
+        twists=twists,
     )
 
 

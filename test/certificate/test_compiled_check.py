@@ -1,11 +1,8 @@
-"""A bag that is read and judged by compiled loops gets the certificate that it gets in Python, to the bit."""
+"""A bag that is judged by compiled loops gets the certificate that it gets in Python, to the bit."""
 
 from __future__ import annotations
 
-import os
 import struct
-import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,24 +11,19 @@ from test_streaming import honest  # noqa: F401
 
 from lie_rigid_body.certificate import certify, residuals
 from lie_rigid_body.certificate.residuals import Residuals
-from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording import message_loops, message_scan
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK
-from lie_rigid_body.recording.message_loops import FIND, TAKE
-from lie_rigid_body.recording.second_reading import one_ahead
 from lie_rigid_body.recording.sensor_reader import SensorMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 pytest.importorskip("numba")
 CHUNK_BYTES = 20_000
-"""So little that a bag has many chunks: by the first one of a topic its layout is learned."""
+"""So little that a bag has many chunks."""
 SENSORS = {"imu": 100.0, "magnetometer": 25.0, "attitude_sensor": 10.0, "sun_sensor": 5.0}
-KERNELS = {message_loops: ("FIND", "TAKE"), residuals: ("WORK",)}
+KERNELS = {residuals: ("WORK",)}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -149,47 +141,6 @@ def test_files_that_continue_each_other_are_one_bag(honest, tmp_path, in_python)
     assert certify(Bag(folder)) == quick
 
 
-def test_a_message_that_is_no_pose_is_named(honest, tmp_path):  # noqa: F811
-    short = on("/pose", at(700, lambda message: message._replace(data=message.data[:-1])))
-    bag = Bag(tamper(honest, tmp_path / "short.mcap", short))
-    with pytest.raises(BagError, match=r"topic /pose: message 700 has \d+ bytes where"):
-        list(bag.batches())
-
-
-def test_a_bag_that_changes_between_two_readings_is_refused(honest, tmp_path):  # noqa: F811
-    path = tmp_path / "bag.mcap"
-    path.write_bytes(honest.read_bytes())
-    bag = Bag(path)
-    list(bag.batches())
-    with path.open("r+b") as stream:
-        stream.seek(5000)
-        stream.write(b"changed")
-    with pytest.raises(BagError, match="changed while it was read"):
-        list(bag.batches())
-    os.replace(tamper(honest, tmp_path / "other.mcap", lambda ms: ms), path)
-    with pytest.raises(BagError, match="changed while it was read"):
-        list(bag.batches())
-
-
-def test_the_next_batch_is_made_while_one_is_used(honest):  # noqa: F811
-    outlines, begun = Bag(honest)._outlines, threading.Event()
-
-    def made():
-        yield threading.get_ident()
-        begun.set()
-        yield 1 // 0
-
-    batches = one_ahead(made(), outlines)
-    assert next(batches) != threading.get_ident()
-    assert begun.wait(60)
-    with pytest.raises(ZeroDivisionError):
-        next(batches)
-    begun.clear()
-    batches = one_ahead(made(), [replace(outlines[0], largest_chunk=LARGEST_CHUNK)])
-    assert next(batches) == threading.get_ident()
-    assert not begun.is_set()  # two chunks of that size would take much memory
-
-
 def test_residuals_have_the_bits_of_arrays(in_python):
     rng = np.random.default_rng(3)
     attitude = rng.normal(size=(50, 4))
@@ -201,22 +152,3 @@ def test_residuals_have_the_bits_of_arrays(in_python):
     found.append(Residuals.of(body, states, other, spans, 5.0, 0.4))
     for name, value in vars(found[0]).items():
         np.testing.assert_array_equal(value, getattr(found[1], name), err_msg=name)
-
-
-def test_messages_are_found_as_they_lie(honest):  # noqa: F811
-    outline = Bag(honest)._outlines[0]
-    assert len(outline.chunks) > 10
-    data = b"".join(_record(5, b"\1\0" + bytes(4) + (7).to_bytes(8, "little") * 2 + b"payload") for _ in range(3))
-    found = message_scan.FoundMessages(FIND.compiled_for(0), data + _record(4, b"a channel") + data)
-    table = found.at(0)
-    assert table is not None
-    assert (table.starts.tolist(), table.ends.tolist()) == ([0, 38, 76], [38, 76, 114])
-    for column in (table.log_times, table.publish_times):
-        assert column.tolist() == [7] * 3
-    assert found.at(114) is None
-    assert message_scan.FoundMessages(FIND.compiled_for(0), data[:-1]).at(76) is None
-    assert TAKE.compiled_for(0) is not None
-
-
-def _record(opcode: int, content: bytes) -> bytes:
-    return bytes([opcode]) + len(content).to_bytes(8, "little") + content

@@ -22,7 +22,7 @@ from lie_rigid_body.messages.definitions import (
     definition,
     places,
 )
-from lie_rigid_body.messages.layout import Layout, Payloads
+from lie_rigid_body.messages.layout import Layout, Payloads, header
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Readings, Sensor
 
@@ -214,7 +214,9 @@ def test_fields_lie_where_rosbags_reads_them(sensor: Sensor) -> None:
     """Each number of each field, by its place in a message made of the numbers 0, 1, 2 and so on."""
     for topic in sensor.topics:
         numbers = np.arange(len(places(topic.message_type)[""]), dtype=np.float64)
-        payload = next(iter(Layout("f", [0.0] * len(numbers), [range(len(numbers))]).encode(STAMPS[:1], numbers)))
+        payload = next(
+            iter(Layout(header("f"), [0.0] * len(numbers), [range(len(numbers))]).encode(STAMPS[:1], numbers))
+        )
         message = decode_by_rosbags(topic.message_type, payload)
         for field in topic.fields:
             content = reduce(getattr, field.place.split("."), message)

@@ -12,8 +12,8 @@ from bags import write_bag
 from test_bag_reader import rewrite
 
 from lie_rigid_body.messages.definitions import IMU
-from lie_rigid_body.recording import second_reading, track_decoding
-from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.recording import track_decoding
+from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.mcap_contents import RawMessages
 from lie_rigid_body.recording.sensor_reader import varying_fields
 from lie_rigid_body.recording.track_decoding import topic_messages
@@ -23,18 +23,6 @@ from lie_rigid_body.recording.track_decoding import topic_messages
 def large(tmp_path: Path) -> Path:
     """A bag of one chunk, with other messages between those of the body."""
     return rewrite(write_bag(tmp_path / "bag.mcap", count=400), tmp_path / "large.mcap", chunk_size=2**24)
-
-
-def test_the_parts_of_a_chunk_are_its_records(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    ((_, data),) = second_reading.chunks(Bag(large)._outlines, lambda count: None)
-    assert [*second_reading.parts_of(data)] == [data]
-    monkeypatch.setattr(second_reading, "_PART", 5000)
-    parts = [*second_reading.parts_of(data)]
-    assert b"".join(parts) == data
-    assert len(parts) > 10
-    assert max(map(len, parts)) < 6000
-    tables = [len(table.starts) for part in parts for table in second_reading._tables(part)]
-    assert sum(tables) == sum(len(table.starts) for table in second_reading._tables(data))
 
 
 def test_what_is_decoded_little_by_little_is_the_same(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,11 +38,10 @@ def test_what_is_decoded_little_by_little_is_the_same(large: Path, monkeypatch: 
 def test_decoding_takes_little_more_than_what_is_kept() -> None:
     payload = b"\0\1\0\0" + struct.pack("<iII4s37d", 1, 2, 4, b"imu\0", *range(37))
     count, size = 60_000, len(payload)
-    starts = size * np.arange(count)
-    piece = RawMessages(payload * count, starts, starts + size, starts)
+    raw = RawMessages(memoryview(payload * count), np.full(count, size), np.arange(count))
     tracemalloc.start()
     try:
-        found = topic_messages(Path("bag"), "/imu", [piece], varying_fields(IMU), stamped=True, first=0)
+        found = topic_messages(Path("bag"), "/imu", raw, varying_fields(IMU), stamped=True, first=0)
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

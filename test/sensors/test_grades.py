@@ -85,8 +85,9 @@ def test_a_grade_in_a_file_and_an_error_in_an_assignment(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("grade", ["cheap", 3, ["mems"]])
 def test_other_grades_are_refused(grade: object) -> None:
-    with pytest.raises(ParameterError, match="sensor_grade: "):
+    with pytest.raises(ParameterError) as refusal:
         read_parameters({"sensor_grade": grade})
+    assert refusal.value.name == "sensor_grade"
 
 
 def test_the_page_has_a_column_for_each_grade() -> None:

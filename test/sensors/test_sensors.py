@@ -29,6 +29,11 @@ LIMITS = {
     "field": ("magnetic_field", {"magnetic_field": [0.0, 0.0, 48.0e6]}, r"±1000 T"),
     "hard iron": ("magnetometer_hard_iron", {"magnetometer_hard_iron": [1e4, 0.0, 0.0]}, r"±1000 T"),
     "soft iron": ("magnetometer_soft_iron", {"magnetometer_soft_iron": [1e7] * 9}, r"±1e\+06: give"),
+    "boresight": ("attitude_sensor_boresight", {"attitude_sensor_boresight": [0.0] * 3}, "tells no direction"),
+    "episodes": ("gyro_stuck_duration", {"gyro_stuck_interval": 0.5}, "at most gyro_stuck_interval, 0.5 s"),
+    "interval": ("imu_outage_interval", {"imu_outage_interval": 1e-4}, "below 0.001 s"),
+    "window": ("fault_end", {"fault_begin": 3.0, "fault_end": 2.0}, "not after fault_begin, 3 s"),
+    "grade": ("sensor_grade", {"sensor_grade": "cheap"}, "choose one of perfect, navigation"),
     "unknown": ("gyro_noise_densty", {"gyro_noise_densty": 1.0}, r"did you mean gyro_noise_density or "),
     **{
         f"{sensor} resolution": (
@@ -85,7 +90,7 @@ def test_every_parameter_reaches_its_sensor() -> None:
     on |= {p.name: 8.0 for p in SENSORS.parameters.values() if p.name.endswith("_interval")}
     on |= {p.name: 0.3 for p in SENSORS.parameters.values() if p.name.endswith("_drift")}
     plain = Sensors.from_parameters(on)
-    for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters(SENSORS)):
+    for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters()):
         other: object = 0.005 if parameter.name.endswith("_skew") else 9.0 if parameter.name in on else 0.25
         if parameter.name.endswith("_probability"):
             other = 0.75
@@ -105,6 +110,17 @@ def test_sensors_are_frozen() -> None:
     sensors = Sensors.from_parameters({"imu_rate": 1.0})
     with pytest.raises(dataclasses.FrozenInstanceError):
         sensors.models = ()  # type: ignore[misc]
+
+
+def test_the_order_of_parameters_is_that_of_all_bags() -> None:
+    """It is the order of the text of a scenario, so another one would change the bytes of every bag."""
+    names = list(SENSORS.parameters)
+    assert names[:6] == ["imu_rate", "magnetometer_rate", "imu_frame", "sensor_seed", "sensor_grade", "gyro_rate"]
+    begins = ["gyro_noise_density", "accelerometer_mode", "magnetic_field", "imu_orientation", "attitude_sensor_rate"]
+    begins += ["sun_sensor_rate", "fault_begin", "imu_dropout_probability", "gyro_spike_probability"]
+    begins += ["accelerometer_spike_probability", "magnetometer_dropout_probability", "magnetometer_spike_probability"]
+    begins += ["magnetic_disturbance_interval", "attitude_sensor_dropout_probability", "sun_sensor_dropout_probability"]
+    assert sorted(begins, key=names.index) == begins
 
 
 def test_names_are_distinct_and_defaults_are_allowed() -> None:

@@ -56,8 +56,9 @@ def test_many_stamps_are_those_one_by_one(epoch, rate, first, count):
 def test_stamps_end_with_the_message_type():
     clock = SampleClock(MAX_EPOCH_NS - 10_000_000, 100.0)
     assert clock.stamps_ns(0, 2)[-1] == MAX_EPOCH_NS
-    with pytest.raises(ParameterError, match="beyond"):
+    with pytest.raises(ParameterError) as refusal:
         clock.stamps_ns(0, 3)
+    assert refusal.value.name == "epoch_ns"
 
 
 @pytest.mark.parametrize(
@@ -112,8 +113,9 @@ def test_another_rate_begins_at_the_next_stamp():
 def test_look_ahead_does_not_end_a_run_before_its_last_stamp():
     run = simulation(motion="closed_form", epoch_ns=MAX_EPOCH_NS - 20_000_000)
     assert run.take(3).stamps_ns[-1] == MAX_EPOCH_NS
-    with pytest.raises(ParameterError, match="beyond"):
+    with pytest.raises(ParameterError) as refusal:
         run.take(1)
+    assert refusal.value.name == "epoch_ns"
 
 
 def test_a_segment_survives_its_json():

@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
-from lie_rigid_body.messages.layout import Layout
+from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.ros.publishing.diagnostics import TOPIC
 from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
 
@@ -64,7 +64,7 @@ class Scores:
         self._node = node
         self._error = node.create_publisher(Vector3Stamped, ERROR, QoSProfile(depth=DEPTH))
         self._diagnostics = node.create_publisher(DiagnosticArray, TOPIC, 10)
-        self._layout = Layout("", [0.0] * 3, [(0, 3)])
+        self._layout = Layout(header(""), [0.0] * 3, [range(3)])
         self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
         self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0
         self._score: Score | None = None

@@ -1,0 +1,159 @@
+"""Messages are found in one way, whatever indexes say, and are the same when a bag is read again."""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import MakeBag
+from mcap.reader import make_reader
+from mcap.writer import IndexType
+from test_bag_reader import rewrite
+
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.definitions import STRING
+from lie_rigid_body.recording.bag_files import BagFiles, unheard
+from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.mcap_contents import Found, McapContents, RawMessages
+from lie_rigid_body.recording.message_table import NO_HINTS, ContradictionError, ExcessError, find_messages
+from lie_rigid_body.runs import Run
+
+POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
+
+
+def record(opcode: int, content: bytes) -> bytes:
+    return bytes([opcode]) + len(content).to_bytes(8, "little") + content
+
+
+def message(channel: int, payload: bytes = b"payload", time: int = 7) -> bytes:
+    return record(5, struct.pack("<HIQQ", channel, 0, time, time) + payload)
+
+
+RECORDS = [message(1), record(4, b"a channel"), message(2, b""), message(1, b"longer payload", 9), record(3, b"schema")]
+DATA = b"".join(RECORDS)
+STARTS = [sum(map(len, RECORDS[:i])) for i in range(len(RECORDS)) if RECORDS[i][0] == 5]
+
+
+@pytest.mark.parametrize(
+    "hints",
+    [
+        [],
+        STARTS,
+        STARTS[::-1],
+        STARTS[:1],
+        STARTS[1:],
+        [STARTS[0], STARTS[0]],
+        [STARTS[1] + 1],
+        [-1],
+        [len(DATA)],
+        [2**62],
+        [len(RECORDS[0])],
+        [*STARTS, STARTS[1] + 9],
+    ],
+)
+def test_hints_change_nothing_but_time(hints: list[int]) -> None:
+    table, others = find_messages(DATA, np.array(hints, dtype=np.int64), 5)
+    assert table.starts.tolist() == STARTS
+    assert [DATA[start:end] for start, end in zip(table.starts, table.ends, strict=True)] == [
+        one for one in RECORDS if one[0] == 5
+    ]
+    assert table.heads["channel"].tolist() == [1, 2, 1]
+    assert table.log_times.tolist() == [7, 7, 9]
+    assert [(place.opcode, DATA[place.begin : place.end]) for place in others] == [(4, b"a channel"), (3, b"schema")]
+
+
+def test_a_hint_into_a_payload_is_not_followed() -> None:
+    """What stands there is a whole message, too, but within another."""
+    data = message(1, message(2))
+    table, _ = find_messages(data, np.array([len(data) - len(message(2))]), 9)
+    assert table.heads["channel"].tolist() == [1]
+
+
+@pytest.mark.parametrize(
+    ("data", "most", "error"),
+    [
+        (DATA[:-1], 5, ContradictionError),
+        (DATA + b"\5", 5, ContradictionError),
+        (record(5, b"short"), 5, ContradictionError),
+        (DATA, 4, ExcessError),
+    ],
+)
+def test_what_does_not_add_up_is_refused(data: bytes, most: int, error: type[Exception]) -> None:
+    for hints in (NO_HINTS, np.array(STARTS[:2])):
+        with pytest.raises(error):
+            find_messages(data, hints, most)
+
+
+def again(path: Path) -> RawMessages:
+    contents: McapContents = BagFiles(path).contents(lambda *key: False)
+    return RawMessages.joined([found[POSE] for found in contents.read([POSE], unheard) if POSE in found])
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"chunk_size": 1000},
+        {"use_chunking": False},
+        {"index_types": IndexType.NONE},
+        {"chunk_size": 1, "index_types": IndexType.NONE},
+    ],
+)
+def test_the_second_reading_gives_what_the_library_reads(
+    make_bag: MakeBag, tmp_path: Path, options: dict[str, int]
+) -> None:
+    path = rewrite(make_bag(count=300), tmp_path / "x.mcap", **options)  # type: ignore[arg-type]
+    with path.open("rb") as stream:
+        read = make_reader(stream).iter_messages([POSE[0]], log_time_order=False)
+        expected = [(one.log_time, one.data) for _, _, one in read]
+    assert len(expected) == 300
+    assert [*again(path).payloads()] == expected
+    kept = BagFiles(path).contents(lambda *key: key == POSE).tracks[POSE].take()
+    assert [*kept.payloads()] == expected
+    assert [*kept.pieces(7)][-1].data == b"".join(data for _, data in expected[-6:])
+
+
+def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, told = make_bag(count=300), list[int]()
+    Bag(path, told.append, in_memory=True).load()
+    assert sum(told) <= path.stat().st_size
+    monkeypatch.setattr(McapContents, "read", lambda self, keys, progress: texts_alone(self, keys))
+    assert len(Run.from_bag(path).t_ns) == 300
+
+
+def texts_alone(contents: McapContents, keys: Collection[tuple[str, str]]) -> Iterator[Found]:
+    assert {kind for _, kind in keys} == {STRING}
+    return (found for outline in contents.outlines for found in outline.read(keys, unheard))
+
+
+def test_a_bag_that_changes_between_two_readings_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    path = make_bag(count=700)
+    whole, bag = path.read_bytes(), Bag(path)
+    assert sum(len(poses.stamps_ns) for poses, _ in bag.batches()) == 700
+    with path.open("r+b") as stream:
+        stream.seek(5000)
+        stream.write(b"changed")
+    with pytest.raises(BagError, match="changed while it was read"):
+        list(bag.batches())
+    (tmp_path / "other.mcap").write_bytes(whole)
+    os.replace(tmp_path / "other.mcap", path)
+    with pytest.raises(BagError, match="changed while it was read"):
+        list(bag.batches())
+
+
+def test_a_message_that_is_no_pose_is_named(make_bag: MakeBag, tmp_path: Path) -> None:
+    numbers = iter(range(1000))
+    bag = Bag(
+        rewrite(
+            make_bag(count=700),
+            tmp_path / "short.mcap",
+            change=lambda number, topic, data: data[:-1] if topic == "/pose" and next(numbers) == 650 else data,
+            chunk_size=5000,
+        )
+    )
+    with pytest.raises(BagError, match=r"topic /pose: message 650 has \d+ bytes where"):
+        list(bag.batches())
