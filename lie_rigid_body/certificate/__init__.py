@@ -3,7 +3,8 @@
 - `survey`, `stamps`, `segments`: a recording cut at its resets, its samples numbered, paired and complete;
 - `tolerance`, `propagation`: the limit of each law for the declared motion;
 - `laws`, `law_result`: the laws, and how near each came to its limit;
-- `readings`, `imu_readings`, `sensor_topics`, `sensors`: what sensors should have read, and their messages beside it;
+- `readings`, `sensor_topics`, `sensors`: what sensors should have read, replayed, and their messages beside it;
+- `told_faults`: the messages about faults, beside those that the scenarios make;
 - `certification`: the verdict on a bag.
 """
 

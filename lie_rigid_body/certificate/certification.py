@@ -10,7 +10,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
-from lie_rigid_body.certificate.aside import Aside
+from lie_rigid_body.certificate.aside import aside
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
 from lie_rigid_body.certificate.residuals_over_time import Watch
@@ -239,7 +239,7 @@ def _held(
     """The laws held against the samples of a bag that is surveyed, as they come, and those of its sensors."""
     of_sensors = SensorLaws(bag, surveyed, watch)
     count = sum(bag.sensors[name].count for name in of_sensors.wanted)
-    with Aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
+    with aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
         return list(_of_segments(surveyed, read(of_sensors.wanted, add), watch)), of_sensors
 
 

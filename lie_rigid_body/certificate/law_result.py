@@ -66,7 +66,7 @@ class LawResult:
         return 0.0 if self.holds else np.inf
 
 
-class Judgement:
+class LawTally:
     """A law held against residuals as they come.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans
-from lie_rigid_body.certificate.law_result import Judgement, LawResult
+from lie_rigid_body.certificate.law_result import LawResult, LawTally
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
@@ -34,7 +34,7 @@ class _Law(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparedSamples:
     """Samples beside the motion that the bag declares, which the laws compare.
 
     Parameters
@@ -108,7 +108,7 @@ class SegmentLaws:
         self._motion = scenario.exact_motion()
         self._tolerance = tolerance(scenario, found.duration)
         WORK.compiled_for(found.count)
-        self._judgements: dict[str, Judgement] = {}
+        self._judgements: dict[str, LawTally] = {}
         self._before: Block | None = None
         self._is_exact = True
 
@@ -121,15 +121,13 @@ class SegmentLaws:
         block = new if self._before is None else self._before.joined(new)
         compared = self._compared(block)
         for law in _all_laws(compared):
-            judgement = self._judgements.setdefault(
-                law.name, Judgement(law.name, law.unit, law.what, watch=self._watch)
-            )
+            judgement = self._judgements.setdefault(law.name, LawTally(law.name, law.unit, law.what, watch=self._watch))
             last = slice(len(block.stamps_ns) - len(law.values), None)
             judgement.add(law.values, law.limits, block.samples[last], block.stamps_ns[last])
         if len(block.stamps_ns):
             self._before = block[-1:]
 
-    def _compared(self, block: Block) -> Comparison:
+    def _compared(self, block: Block) -> ComparedSamples:
         elapsed = block.stamps_ns - self._found.segment.start_ns
         spans = np.diff(block.stamps_ns) * 1e-9
         fastest = self._tolerance.fastest
@@ -138,7 +136,7 @@ class SegmentLaws:
         exact = self._motion.at(elapsed)
         self._is_exact &= np.array_equal(block.states.attitude_xyzw, exact.attitude_xyzw)
         self._is_exact &= np.array_equal(block.states.body_rate, exact.body_rate)
-        return Comparison(
+        return ComparedSamples(
             self._body,
             self._start,
             self._tolerance,
@@ -161,7 +159,7 @@ class SegmentLaws:
         return HeldLaws(results, self._tolerance.fastest, expected, self._is_exact)
 
 
-def _all_laws(compared: Comparison) -> Iterator[_Law]:
+def _all_laws(compared: ComparedSamples) -> Iterator[_Law]:
     first = 1 if compared.follows else 0
     for law in (
         _unit_norm(compared),
@@ -178,7 +176,7 @@ def _all_laws(compared: Comparison) -> Iterator[_Law]:
             yield law._replace(values=law.values[first:], limits=limits)
 
 
-def _unit_norm(compared: Comparison) -> _Law:
+def _unit_norm(compared: ComparedSamples) -> _Law:
     """The attitude is a unit quaternion, |q| = 1."""
     return _Law(
         "unit norm",
@@ -189,7 +187,7 @@ def _unit_norm(compared: Comparison) -> _Law:
     )
 
 
-def _kinetic_energy(compared: Comparison) -> _Law:
+def _kinetic_energy(compared: ComparedSamples) -> _Law:
     """The kinetic energy ½ ω·Mω is that of the start."""
     start = float(compared.body.kinetic_energy(compared.start))
     return _Law(
@@ -201,7 +199,7 @@ def _kinetic_energy(compared: Comparison) -> _Law:
     )
 
 
-def _world_momentum(compared: Comparison) -> list[_Law]:
+def _world_momentum(compared: ComparedSamples) -> list[_Law]:
     """Each component of the angular momentum in the world, A M ω, is that of the start."""
     start = compared.body.angular_momentum(compared.start)
     scale = float(so3.norm(start))
@@ -218,7 +216,7 @@ def _world_momentum(compared: Comparison) -> list[_Law]:
     ]
 
 
-def _neighbours(compared: Comparison) -> list[_Law]:
+def _neighbours(compared: ComparedSamples) -> list[_Law]:
     """Each sample follows from the one before by the Taylor flow.
 
     The attitude follows from the twist, the twist from Euler's equations, the sign of the quaternion from continuity.
@@ -246,7 +244,7 @@ def _neighbours(compared: Comparison) -> list[_Law]:
     ]
 
 
-def _sign_continuity(compared: Comparison) -> _Law:
+def _sign_continuity(compared: ComparedSamples) -> _Law:
     """Each quaternion has the sign of the continuous path from the one before.
 
     The first, and any after a long gap, has that of the path from the segment's start.
@@ -263,7 +261,7 @@ def _sign_continuity(compared: Comparison) -> _Law:
     )
 
 
-def _closed_form(compared: Comparison) -> _Law:
+def _closed_form(compared: ComparedSamples) -> _Law:
     """The attitude is that of the closed form from the segment's start."""
     return _Law(
         "closed form",
@@ -274,7 +272,7 @@ def _closed_form(compared: Comparison) -> _Law:
     )
 
 
-def _exact_rate(compared: Comparison) -> _Law:
+def _exact_rate(compared: ComparedSamples) -> _Law:
     """The body rate is that of the closed form from the segment's start."""
     return _Law(
         "exact rate",

@@ -101,7 +101,7 @@ class Piece:
         return self.first + len(self.times_ns)
 
 
-class Work:
+class WalkBudget:
     """How many readings of a bag may still be left out through which a bias walks."""
 
     def __init__(self) -> None:
@@ -125,7 +125,7 @@ class Replay:
         The sensor's.
     duration : float
         Length of the segment, s.
-    work : Work
+    work : WalkBudget
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class Replay:
         How far the declared motion that the readings are of may err, rad, before any cap.
     """
 
-    def __init__(self, segment: Segment, name: str, duration: float, work: Work) -> None:
+    def __init__(self, segment: Segment, name: str, duration: float, work: WalkBudget) -> None:
         self._segment, self._name, self._work = segment, name, work
         self._measurement = self._begun()
         self._limits = _limits_of(segment, self._measurement.model.rate, duration)

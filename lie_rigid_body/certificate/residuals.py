@@ -27,7 +27,7 @@ _SAMPLES_FOR_COMPILING: Final = 1_000_000
 """Number of samples from which on compiling pays: they take some seconds on arrays, while numba loads in half a second
 and compiles, once, in ten."""
 _SAMPLES_FOR_LOADING: Final = 200_000
-"""The same where it is compiled already."""
+"""Number of samples from which on compiled code pays that is in the cache."""
 
 _OF_SAMPLES: Final = 8
 _OF_STEPS: Final = 4

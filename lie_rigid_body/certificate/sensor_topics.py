@@ -10,8 +10,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.certificate.law_result import Judgement, LawResult
-from lie_rigid_body.certificate.readings import Piece, Replay, Work
+from lie_rigid_body.certificate.law_result import LawResult, LawTally
+from lie_rigid_body.certificate.readings import Piece, Replay, WalkBudget
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
@@ -68,10 +68,10 @@ class TopicLaws:
 
     def __init__(self, told: _Told, title: str, topic: str, tally: StampTally, watch: Watch | None) -> None:
         self.topic, self.tally, self._told = topic, tally, told
-        self._alike = Judgement(title, "", "frame or covariances are not as declared, at {where}", "reading")
+        self._alike = LawTally(title, "", "frame or covariances are not as declared, at {where}", "reading")
         what = "{law} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
         self._values = [
-            Judgement(law, unit, what.format(law=law, unit=f" {unit}" if unit else ""), "reading", watch)
+            LawTally(law, unit, what.format(law=law, unit=f" {unit}" if unit else ""), "reading", watch)
             for law, unit, _, _ in told.readings
         ]
 
@@ -114,7 +114,7 @@ class SegmentSensor:
         The sensor's.
     topics : mapping of str to str
         Full names of the topics that are held against it, by relative names.
-    work : Work
+    work : WalkBudget
     watch : Watch, optional
 
     Attributes
@@ -137,7 +137,7 @@ class SegmentSensor:
         successors: Sequence[Segment],
         name: str,
         topics: Mapping[str, str],
-        work: Work,
+        work: WalkBudget,
         watch: Watch | None = None,
     ) -> None:
         self.found, self._successors, self._name, self._work = found, successors, name, work

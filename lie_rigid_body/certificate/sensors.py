@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.readings import Work
+from lie_rigid_body.certificate.readings import WalkBudget
 from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import (
     MOST_LOST,
@@ -80,7 +80,7 @@ class SensorLaws:
     """
 
     def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
-        self._bag, self._surveyed, self._work, self._watch = bag, surveyed, Work(), watch
+        self._bag, self._surveyed, self._work, self._watch = bag, surveyed, WalkBudget(), watch
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
         held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
         self._held = held if surveyed.as_written else [name for name in held if name in bag.sensors]

@@ -150,7 +150,7 @@ class _Facts:
         self._moved = self.logged_otherwise = 0
 
     def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """The same batches, counted."""
+        """Give the batches on, and count what is in them."""
         for poses, twists in batches:
             tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
             for i, track in enumerate(tracks):

@@ -78,7 +78,7 @@ class ExpectedFaults:
 
 
 @dataclass
-class _Expected:
+class _MadeFault:
     """A fault of the scenarios, its number in the list of all, and whether the bag told of it."""
 
     number: int
@@ -112,7 +112,7 @@ class FaultLaw:
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
         self._expected = ExpectedFaults(segments, most)
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
-        self._known = OrderedDict[Fault, _Expected]()  # by all but their sizes
+        self._known = OrderedDict[Fault, _MadeFault]()  # by all but their sizes
         self._count = self._number = 0
         self._first, self._last = (0 if is_whole else None), -1
         self._wrong: dict[str, tuple[int, str]] = {}
@@ -156,22 +156,22 @@ class FaultLaw:
                 self._note("out of order", where, fault.begin_ns)
             self._last = max(self._last, found.number)
 
-    def _coming(self, until_ns: int) -> Iterator[_Expected]:
+    def _coming(self, until_ns: int) -> Iterator[_MadeFault]:
         for fault in self._expected.until(until_ns):
-            yield _Expected(self._number, fault)
+            yield _MadeFault(self._number, fault)
             self._number += 1
 
-    def _remember(self, expected: _Expected) -> None:
+    def _remember(self, expected: _MadeFault) -> None:
         self._known[replace(expected.fault, size=None)] = expected
         if len(self._known) > _MOST_KEPT:
             self._miss([self._known.popitem(last=False)[1]])
 
-    def _found(self, text: str, fault: Fault) -> _Expected | None:
+    def _found(self, text: str, fault: Fault) -> _MadeFault | None:
         """The fault that a message tells of, if the scenarios make it."""
         found = self._known.get(replace(fault, size=None)) if fault.to_json() == text else None
         return found if found is not None and _are_alike(found.fault, fault) else None
 
-    def _miss(self, some: Iterable[_Expected], until_ns: int = -1) -> None:
+    def _miss(self, some: Iterable[_MadeFault], until_ns: int = -1) -> None:
         """Note those of some faults that the bag should have told of; in a whole bag also those up to a time, ns."""
         for expected in some:
             begin_ns, first = expected.fault.begin_ns, self._first

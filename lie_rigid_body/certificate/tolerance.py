@@ -91,10 +91,6 @@ class Tolerance:
         """Limit of the attitude error before the cap, rad, shape (N,)."""
         return np.asarray(READING + self.drift.attitude(t))
 
-    def rate(self, t: Array) -> Array:
-        """Limit of the error of the body rate at times t, divided by Ω, capped, shape (N,)."""
-        return np.asarray(np.minimum(READING * self.conditions.inverse + self.drift.rate(t), ATTITUDE_CAP))
-
     def stepper_attitude(self, t: Array) -> Array:
         """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
         return np.asarray(np.minimum(self.drift.attitude(t), ATTITUDE_CAP))

@@ -184,13 +184,14 @@ class Bag(BagFacts):
         """Messages of some tracks, as many as a batch has, in the order of the keys."""
         waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
         parts = self._contents.read(keys, self._progress) if self._kept is None else iter(self._kept)
-        end: Found = {}
+        count, end = 0, Found()
         for found in itertools.chain(parts, [end]):
             for key in found.keys() & waiting.keys():
                 waiting[key].append(found[key])
-            if found is end or sum(len(piece) for pieces in waiting.values() for piece in pieces) >= _BATCH:
+                count += len(found[key])
+            if found is end or count >= _BATCH:
                 yield {key: RawMessages.joined(pieces) for key, pieces in waiting.items()}
-                waiting = {key: [] for key in keys}
+                waiting, count = {key: [] for key in keys}, 0
 
     @property
     def _of_faults(self) -> list[str]:

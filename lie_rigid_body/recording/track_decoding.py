@@ -160,7 +160,7 @@ def _topic_messages(
     if varying.all():
         kinds = tuple((frame, b"") for frame in (decoded.frame_ids if stamped else ("",)))
         return TopicMessages(log_times, stamps, decoded.numbers, kinds, decoded.frames)
-    values, rest = (np.ascontiguousarray(decoded.numbers[:, fields]) for fields in (varying, ~varying))
+    values, rest = (np.compress(fields, decoded.numbers, axis=1) for fields in (varying, ~varying))
     return TopicMessages(log_times, stamps, values, *_kinds(decoded, rest))
 
 

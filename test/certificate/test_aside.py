@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from lie_rigid_body.certificate.aside import Aside
+from lie_rigid_body.certificate.aside import aside
 
 
 @pytest.mark.parametrize("is_worth_it", [False, True])
 def test_calls_aside_are_all_done_in_order(is_worth_it):
     done: list[int] = []
-    with Aside(done.append, is_worth_it=is_worth_it) as add:
+    with aside(done.append, is_worth_it=is_worth_it) as add:
         for number in range(100):
             add(number)
     assert done == list(range(100))
@@ -28,8 +28,10 @@ def test_an_error_of_the_caller_comes_before_that_of_a_call_aside():
 
 
 def _divide_aside(*numbers: int | None, is_worth_it: bool) -> None:
-    aside: Aside[int] = Aside(lambda number: 1 // number, is_worth_it=is_worth_it)
-    with aside as add:
+    def divide(number: int) -> int:
+        return 1 // number
+
+    with aside(divide, is_worth_it=is_worth_it) as add:
         for number in numbers:
             if number is None:
                 raise TypeError
