@@ -8,7 +8,6 @@ from __future__ import annotations
 import zlib
 from array import array
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Final
@@ -73,7 +72,6 @@ _PARSERS: Final[dict[int, Callable[..., Any]]] = {
     Opcode.SUMMARY_OFFSET: SummaryOffset.read,
 }
 _PROFILES: Final = ("ros2", "")
-_REMEDY: Final = "restore a copy, or record again"
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
 _OTHER_FORMATS: Final = {
@@ -165,6 +163,38 @@ def _unreadable(path: Path, error: OSError) -> BagError:
     return BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place")
 
 
+class _Named:
+    """Context whose errors name the file and the byte where a record begins.
+
+    It is no generator: one that raises another error than it was given keeps that, and its frames, in a circle.
+
+    Parameters
+    ----------
+    path : Path
+    position : int
+    """
+
+    def __init__(self, path: Path, position: int) -> None:
+        self._path, self._position = path, position
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        if isinstance(error, Exception) and not isinstance(error, BagError | ModuleNotFoundError | OSError):
+            raise BagError(f"{self._path} {self._what(error)}") from None
+
+    def _what(self, error: Exception) -> str:
+        """Words for an error; the library's parsers fail in many ways on damaged bytes."""
+        if isinstance(error, UnknownCompressionError):
+            return f"is compressed with {error}, which is unknown here: rewrite it with 'mcap compress'"
+        if isinstance(error, ExcessError):
+            return f"has at byte {self._position} {error}, more than is read: record it again"
+        is_told = isinstance(error, ContradictionError)
+        what = str(error) if is_told else ": ".join(filter(None, (type(error).__name__, str(error))))
+        return f"is damaged at byte {self._position}: {what}: restore a copy, or record again"
+
+
 class _FileReader:
     """One file, read from its start to its end."""
 
@@ -183,14 +213,6 @@ class _FileReader:
         self._data_crc = 0
         self._bare_chunks = 0
         self._position = 0
-        self._handlers: dict[int, Callable[[Any, int], object]] = {
-            Opcode.HEADER: self._header,
-            Opcode.FOOTER: self._footer,
-            Opcode.SCHEMA: self._schema,
-            Opcode.CHANNEL: self._channel,
-            Opcode.METADATA: self._metadata,
-            Opcode.ATTACHMENT: self._attachment,
-        }
 
     def read(self) -> Iterator[tuple[int, Found]]:
         """Read all records; see `read_file`."""
@@ -253,8 +275,16 @@ class _FileReader:
 
     def _take(self, opcode: int, content: bytes) -> None:
         """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
+        take: dict[int, Callable[[Any, int], object]] = {
+            Opcode.HEADER: self._header,
+            Opcode.FOOTER: self._footer,
+            Opcode.SCHEMA: self._schema,
+            Opcode.CHANNEL: self._channel,
+            Opcode.METADATA: self._metadata,
+            Opcode.ATTACHMENT: self._attachment,
+        }
         if opcode in _PARSERS:
-            self._handlers.get(opcode, self._inventory.summary)(parsed(_PARSERS[opcode], content), len(content))
+            take.get(opcode, self._inventory.summary)(parsed(_PARSERS[opcode], content), len(content))
 
     def _header(self, header: Header, length: int) -> None:
         require(header.profile in _PROFILES, f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
@@ -350,24 +380,8 @@ class _FileReader:
         self._stream.seek(-len(MAGIC), 2)
         return self._stream.read() == MAGIC
 
-    @contextmanager
-    def _named(self, position: int) -> Iterator[None]:
-        """Context whose errors name the file and the byte where a record begins."""
-        try:
-            yield
-        except (BagError, ModuleNotFoundError, OSError):
-            raise
-        except UnknownCompressionError as error:
-            raise BagError(
-                f"{self._path} is compressed with {error}, which is unknown here: rewrite it with 'mcap compress'"
-            ) from None
-        except ExcessError as error:
-            what = f"{error}, more than is read: record it again"
-            raise BagError(f"{self._path} has at byte {position} {what}") from None
-        except Exception as error:  # the library's parsers fail in many ways on damaged bytes
-            is_told = isinstance(error, ContradictionError)
-            what = str(error) if is_told else ": ".join(filter(None, (type(error).__name__, str(error))))
-            raise BagError(f"{self._path} is damaged at byte {position}: {what}: {_REMEDY}") from None
+    def _named(self, position: int) -> _Named:
+        return _Named(self._path, position)
 
     def _cut_off(self) -> BagError:
         if self._part:

@@ -189,12 +189,12 @@ def find_messages(data: bytes, hints: Integers, most: int) -> tuple[MessageTable
 
 
 def _hinted(data: bytes, hints: Integers) -> MessageTable:
-    """Table of the messages to which hints point; empty if one of them is wrong."""
+    """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
     starts = np.sort(hints)
     if len(starts) and starts[0] >= 0 and starts[-1] <= len(data) - HEAD.itemsize:
         heads = _heads(data, starts)
         ends = starts + OPCODE_AND_LENGTH + np.minimum(heads["length"], len(data)).astype(np.int64)
         are_messages = (heads["opcode"] == Opcode.MESSAGE) & (ends >= starts + HEAD.itemsize)
-        if (are_messages & (ends <= np.append(starts[1:], len(data)))).all():
+        if are_messages.all():
             return MessageTable(data, starts, ends, heads)
     return MessageTable.of(data, NO_HINTS, NO_HINTS)

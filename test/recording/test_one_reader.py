@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bags import MakeBag
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import IndexType
 from test_bag_reader import rewrite
@@ -69,8 +70,10 @@ def test_hints_change_nothing_but_time(hints: list[int]) -> None:
 def test_a_hint_into_a_payload_is_not_followed() -> None:
     """What stands there is a whole message, too, but within another."""
     data = message(1, message(2))
-    table, _ = find_messages(data, np.array([len(data) - len(message(2))]), 9)
-    assert table.heads["channel"].tolist() == [1]
+    inner = len(data) - len(message(2))
+    for hints in ([inner], [0, inner], [inner, 0]):
+        table, _ = find_messages(data, np.array(hints), 9)
+        assert table.heads["channel"].tolist() == [1]
 
 
 @pytest.mark.parametrize(
@@ -157,3 +160,26 @@ def test_a_message_that_is_no_pose_is_named(make_bag: MakeBag, tmp_path: Path) -
     )
     with pytest.raises(BagError, match=r"topic /pose: message 650 has \d+ bytes where"):
         list(bag.batches())
+
+
+INDEXES = {
+    "another time": (lambda content: content[:6] + b"\1" + content[7:], "is not that of its chunk's messages"),
+    "another place": (lambda content: content[:14] + bytes([content[14] ^ 1]) + content[15:], "is not that of"),
+    "another channel": (lambda content: b"\x63" + content[1:], "index of channel 99 is not that of"),
+    "too long": (lambda content: content[:2] + b"\xff\xff\xff" + content[5:], "is longer than its record"),
+}
+
+
+@pytest.mark.parametrize("case", INDEXES)
+def test_an_index_that_is_not_its_chunks_is_refused_at_its_byte(make_bag: MakeBag, tmp_path: Path, case: str) -> None:
+    change, said = INDEXES[case]
+    content, position = make_bag(count=30).read_bytes(), 8
+    while content[position] != Opcode.MESSAGE_INDEX:
+        position += 9 + int.from_bytes(content[position + 1 : position + 9], "little")
+    begin, end = position + 9, position + 9 + int.from_bytes(content[position + 1 : position + 9], "little")
+    forged = bytearray(content[:begin] + change(content[begin:end]) + content[end:])
+    at = forged.rindex(b"\x0f\x04\0\0\0\0\0\0\0") + 9
+    forged[at : at + 4] = bytes(4)  # the checksum of the data section: it is not declared
+    (tmp_path / "forged.mcap").write_bytes(forged)
+    with pytest.raises(BagError, match=f"damaged at byte {position}: .*{said}"):
+        Bag(tmp_path / "forged.mcap")
