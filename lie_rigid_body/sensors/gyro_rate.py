@@ -1,8 +1,6 @@
-"""The angular velocity that a gyro measures: at the stamp of a sample, or its mean over the interval before."""
+"""The mean angular velocity over the interval between two samples, which a gyro measures that integrates."""
 
 from __future__ import annotations
-
-from typing import Protocol
 
 import numpy as np
 
@@ -10,22 +8,6 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-
-
-class GyroRate(Protocol):
-    """The angular velocity that a gyro measures, in the body frame, for samples in order."""
-
-    def over(self, stamps_ns: Integers, states: State) -> Array:
-        """The rates of the next samples, shape (N, 3), rad/s."""
-        ...
-
-
-class InstantaneousRate:
-    """The body rate at the stamp of each sample."""
-
-    def over(self, stamps_ns: Integers, states: State) -> Array:
-        """The rates of the next samples, shape (N, 3), rad/s."""
-        return states.body_rate
 
 
 class IntegratedRate:

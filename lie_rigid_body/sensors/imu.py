@@ -15,7 +15,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
 from lie_rigid_body.sensors.delivery import Delivery
 from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.gyro_rate import GyroRate, InstantaneousRate, IntegratedRate
+from lie_rigid_body.sensors.gyro_rate import IntegratedRate
 from lie_rigid_body.sensors.noise import NoiseSource
 from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
 from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_fault_parameters, triad_parameters
@@ -143,7 +143,7 @@ class Imu(Instrument):
 
     def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, before: State) -> None:
         self._model = model
-        self._rate = _rate(model, before_ns, before)
+        self._integrated = _integrated(model, before_ns, before)
         self._force = SpecificForce(body, model.lever_arm, model.support)
         self._gyro = Triad(
             model.gyro,
@@ -165,7 +165,8 @@ class Imu(Instrument):
 
     def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
         """The next readings before their converters; see `Instrument.measure`."""
-        rate = Signal(self._rate.over(times_ns, states), condition=lambda: self._rate_conditioning(states))
+        rates = states.body_rate if self._integrated is None else self._integrated.over(times_ns, states)
+        rate = Signal(rates, condition=lambda: self._rate_conditioning(states))
         gyro, gyro_bias = self._gyro.signals(times_ns, rate)
         force, force_bias = self._accelerometer.signals(times_ns, self._force.signal(states))
         signals = {
@@ -200,16 +201,16 @@ class Imu(Instrument):
 
     def skip(self, count: int, before_ns: int, before: State) -> None:
         """Leave out the next readings; see `Instrument.skip`."""
-        self._rate = _rate(self._model, before_ns, before)
+        self._integrated = _integrated(self._model, before_ns, before)
         self._gyro.skip(count)
         self._accelerometer.skip(count)
         if self._orientation is not None:
             self._orientation.skip(count)
 
 
-def _rate(model: ImuModel, before_ns: int, before: State) -> GyroRate:
-    """Rate that the gyro measures from a time, ns, on, at which the body has a state."""
-    return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else InstantaneousRate()
+def _integrated(model: ImuModel, before_ns: int, before: State) -> IntegratedRate | None:
+    """Mean rates from a time, ns, on, at which the body has a state; None of a gyro that measures the rate itself."""
+    return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else None
 
 
 def _made(model: ImuModel, carrier: Carrier, before_ns: int) -> Imu:

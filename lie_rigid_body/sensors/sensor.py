@@ -6,7 +6,7 @@ import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from lie_rigid_body.sensors.fault import Faulty
 from lie_rigid_body.sensors.parameters import delivery_parameters
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.wording import short_repr
+
+BLOCK: Final = 16_384
+"""Readings that are measured at once: the signals of more would fill the caches of a processor."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,14 @@ class Instrument(ABC):
         InputError
             If the instrument integrates over time and the times do not rise.
         """
-        return Readings({name: signal.read() for name, signal in self.signals(times_ns, states).items()})
+        parts = []
+        for begin in range(0, max(1, len(times_ns)), BLOCK):
+            rows = slice(begin, begin + BLOCK)
+            signals = self.signals(times_ns[rows], states[rows])
+            parts.append({name: signal.read() for name, signal in signals.items()})
+        if len(parts) == 1:
+            return Readings(parts[0])
+        return Readings({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
     @abstractmethod
     def skip(self, count: int, before_ns: int, before: State) -> None:

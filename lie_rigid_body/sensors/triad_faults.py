@@ -103,7 +103,7 @@ class TriadFaults:
         return spikes
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
-        """Those that begin in a stretch of time; see `Faulty`."""
+        """Faults that begin in a stretch of time; see `Faulty`."""
         return [*self._drifts(begin_ns, end_ns), *self._spikes(first, times_ns), *self._episodes(begin_ns, end_ns)]
 
     def _drifts(self, begin_ns: int, end_ns: int) -> Iterator[Fault]:
