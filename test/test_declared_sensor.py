@@ -44,6 +44,7 @@ from lie_rigid_body.sensors import (
     Signal,
     Topic,
 )
+from lie_rigid_body.sensors.fault import PARTS
 from lie_rigid_body.sensors.noise import BlockBuffer, WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative
 from lie_rigid_body.sensors.sensor import VectorAid
@@ -186,7 +187,7 @@ def test_a_sensor_that_is_taken_away_leaves_nothing_behind() -> None:
             list(SENSORS.parameters),
             list(SENSOR_TOPICS),
             SENSORS.quiet,
-            SENSORS.parts,
+            list(PARTS),
             len(PARAMETERS),
         )
 
@@ -194,7 +195,7 @@ def test_a_sensor_that_is_taken_away_leaves_nothing_behind() -> None:
     topics = (replace(HORIZON.topics[0], name="limb/nadir"),)
     with SENSORS.including(replace(HORIZON, name="limb", topics=topics, parameters=())):
         assert list(SENSOR_TOPICS)[-3:] == ["horizon/nadir", "limb/nadir", "~/faults"]
-        assert SENSORS.parts[-2:] == ("horizon_sensor", "limb")
+        assert PARTS[-2:] == ["horizon_sensor", "limb"]
     assert table() == before
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,12 +13,8 @@ from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_writer import REWRITTEN
-from lie_rigid_body.recording.tracks import UNNAMED
+from lie_rigid_body.recording.tracks import UNNAMED, BagFacts
 from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
-
-if TYPE_CHECKING:
-    from lie_rigid_body.recording.bag_reader import Bag
-    from lie_rigid_body.recording.tracks import Recording
 
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
@@ -54,7 +50,7 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
 
 
-def as_written(bag: Bag | Recording) -> bool:
+def as_written(bag: BagFacts) -> bool:
     """Whether a bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
 
     It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.

@@ -17,6 +17,9 @@ KINDS: Final = (
 """The kinds of faults. The order is part of the keys of the random numbers."""
 AXES: Final = ("x", "y", "z")
 """Names of the axes in the text of a fault."""
+PARTS: Final[list[str]] = []
+"""Names of the sensors, and of parts of sensors, that can have faults, as the table of sensors puts them here. Their
+order is part of the keys of the random numbers."""
 LONGEST_TEXT: Final = 192
 """Largest length of the text of a fault, characters."""
 
@@ -30,7 +33,7 @@ class Fault:
     kind : str
         One of `KINDS`.
     sensor : str
-        The sensor, or the part of it, that has the fault: one of `SENSORS.parts`.
+        The sensor, or the part of it, that has the fault: one of `PARTS`.
     axis : str
         ``x``, ``y`` or ``z``; empty where a fault is not of one axis.
     begin_ns : int
@@ -64,7 +67,7 @@ class Fault:
         """Whether the fields have values that a fault can have."""
         times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
         size = 0.0 if self.size is None else self.size
-        names = self.kind in KINDS and self.sensor in _parts() and self.axis in (*AXES, "")
+        names = self.kind in KINDS and self.sensor in PARTS and self.axis in (*AXES, "")
         return names and all(type(time) is int for time in times) and type(size) in (int, float)
 
     @classmethod
@@ -105,11 +108,4 @@ class Faulty(Protocol):
 
 def stream(sensor: str, kind: str, part: int = 0) -> int:
     """Source of the random numbers of one kind of fault; ``part`` is 1 for a second source of the kind."""
-    return 256 * (1 + _parts().index(sensor)) + 2 * KINDS.index(kind) + part
-
-
-def _parts() -> tuple[str, ...]:
-    """Names of what can have faults, from the table of sensors, whose entries are made with this module."""
-    from lie_rigid_body.sensors.table import SENSORS
-
-    return SENSORS.parts
+    return 256 * (1 + PARTS.index(sensor)) + 2 * KINDS.index(kind) + part

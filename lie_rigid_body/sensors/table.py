@@ -10,6 +10,7 @@ from typing import Any, Final, cast
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.attitude_sensor import ATTITUDE_SENSOR
+from lie_rigid_body.sensors.fault import PARTS
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import IMU
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
@@ -56,8 +57,6 @@ class SensorTable(dict[str, Sensor]):
         Message types of the topics of readings, by their relative names.
     quiet : frozenset of str
         Names of the parameters that the text of a scenario leaves out at their defaults: they came later than bags did.
-    parts : tuple of str
-        Sensors and parts of sensors that can have faults. The order is part of the keys of the random numbers.
     """
 
     def __init__(self, *sensors: Sensor) -> None:
@@ -73,7 +72,7 @@ class SensorTable(dict[str, Sensor]):
         later = [parameter for sensor in sensors for parameter in sensor.parameters]
         quiet = [*later, *WINDOW_PARAMETERS, *(fault for sensor in sensors for fault in sensor.all_faults)]
         self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
-        self.parts = tuple(part for sensor in sensors for part in (sensor.name, *sensor.parts))
+        PARTS[:] = [part for sensor in sensors for part in (sensor.name, *sensor.parts)]
         # the same dictionaries, of which others have views
         self.parameters.clear()
         self.parameters.update({parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)})

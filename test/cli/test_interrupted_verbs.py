@@ -51,7 +51,7 @@ for told in sys.argv[1:]:
     print(chr(0), end="", file=sys.stderr, flush=True)
 """
 CHUNK = "recording.mcap_file:McapFile.add_chunk"
-READ = "recording.bag_files:BagFiles.read"
+READ = "recording.bag_files:BagFiles.contents"
 WRITTEN = "recording.output_file:OutputFile.commit"
 DISCARDED = "recording.output_file:OutputFile.discard"
 PLOT = "plot bag.mcap -o new.png"

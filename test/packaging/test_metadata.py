@@ -16,6 +16,7 @@ import yaml
 from packaging.requirements import Requirement
 
 import lie_rigid_body
+from lie_rigid_body.sensors import SENSORS
 from rooms import MODULES, imports
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,6 +63,7 @@ def test_what_is_imported_is_a_dependency() -> None:
     found = {name.partition(".")[0] for source in sources for name in imports(source, "lie_rigid_body")}
     found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", "_typeshed"}
     wanted = {KEY_OF.get(name, name) for name in found}
+    wanted |= {message_type.partition("/")[0] for message_type in SENSORS.topics.values()}  # imported by these names
     wanted |= {"tf2_ros", "nav_msgs"}  # a program of the one is started; topics of the other may be evaluated
     assert wanted == {str(dependency.text) for dependency in MANIFEST.findall("exec_depend")}
 

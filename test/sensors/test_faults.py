@@ -15,7 +15,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault, Sensors
 from lie_rigid_body.sensors.episodes import END_OF_TIME, Episodes, Window
-from lie_rigid_body.sensors.fault import AXES, KINDS, LONGEST_TEXT, stream
+from lie_rigid_body.sensors.fault import AXES, KINDS, LONGEST_TEXT, PARTS, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -49,7 +49,7 @@ def clean() -> Run:
 
 def test_streams_are_these_for_ever_and_no_two_are_alike() -> None:
     """Else what is recorded today could not be recorded again."""
-    streams = [stream(sensor, kind, part) for sensor in SENSORS.parts for kind in KINDS for part in (0, 1)]
+    streams = [stream(sensor, kind, part) for sensor in PARTS for kind in KINDS for part in (0, 1)]
     assert len({*streams, *NoiseSource}) == len(streams) + len(NoiseSource)
     assert stream("imu", "dropout") == 256
     assert stream("gyro", "spike", 1) == 525
@@ -273,7 +273,7 @@ def _defaults() -> dict[str, Any]:
 
 @given(
     kind=st.sampled_from(KINDS),
-    sensor=st.sampled_from(SENSORS.parts),
+    sensor=st.sampled_from(PARTS),
     axis=st.sampled_from([*AXES, ""]),
     begin=st.integers(0, 2**61),
     end=st.none() | st.integers(0, 2**61),
