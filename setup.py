@@ -30,6 +30,7 @@ ROS_NAMES = [
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
+    f"diagnose = {NAME}.cli.diagnose:main",
 ]
 
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.

@@ -104,9 +104,7 @@ def choose(found: Sequence[Candidate], floor: float) -> Choice | None:
     before = plain_error(found).error
     if before <= floor:
         return None
-    mending = [
-        c for c in found if c.codes and (c.error <= MENDED * before or c.error <= min(floor, HALVED * before))
-    ]
+    mending = [c for c in found if c.codes and (c.error <= MENDED * before or c.error <= min(floor, HALVED * before))]
     if not mending:
         return None
     best = min(c.error for c in mending)

@@ -16,7 +16,6 @@ from lie_rigid_body.wording import short_repr
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Sensors by the names that codes have, and their readings."""
-_PERIOD: Final = {"gyro": "readings", "accelerometer": "readings", "magnetometer": "readings"}
 
 Rows = tuple[tuple[float, ...], ...]
 
@@ -146,10 +145,10 @@ _UNITS: Final = {
 
 def _units(sensor: str) -> Iterator[Repair]:
     for unit, factor in _UNITS[sensor].items():
-        for value, does in ((factor, "takes"), (1.0 / factor, "turns")):
-            fact = f"The filter {does} {sensor} readings {'for' if does == 'takes' else 'from'} {unit}"
-            if does == "turns":
-                fact += " into SI units, in which they come already"
+        for value, fact in (
+            (factor, f"The filter takes {sensor} readings for {unit}"),
+            (1.0 / factor, f"The filter turns {sensor} readings into {unit} where SI units belong"),
+        ):
             yield Repair(
                 f"{sensor}_units",
                 f"× {value:.6g}",
@@ -182,7 +181,7 @@ def late(sensor: str, count: int) -> Repair:
         1,
         partial(_moved, (sensor,), count),
         f"The filter uses the readings of the {sensor} {abs(count)} samples too {how}",
-        f"Moved by as many they",
+        "Moved by as many they",
     )
 
 

@@ -28,6 +28,7 @@ FAR: Final = 10.0
 """Factor of the least error, or of the floor, above which a repair is not tried further."""
 PAIR_FINALISTS: Final = 4
 """Number of pairs with one of these that are then tried on all runs."""
+ANY_PRICE: Final = 9
 _OF_TIME: Final = ("lagging", "leading", "clock_rate")
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in _OF_TIME)
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
@@ -87,7 +88,7 @@ class Try:
 
     def _changes_nothing(self, run: Filter, track: object) -> bool:
         plain = run.answer(self.trials[0], (JOINT,) * (JOINT in self.repairs)).track
-        attitude = getattr(track, "attitude_xyzw")
+        attitude = track.attitude_xyzw
         return len(plain.attitude_xyzw) == len(attitude) and bool(
             np.max(angles_between(plain.attitude_xyzw, attitude)) < UNCHANGED
         )
@@ -186,15 +187,18 @@ class Search:
 
     def run(self) -> None:
         """Look for repairs until the error vanishes, or the budget is spent."""
-        for stage in (self._of_outputs, self._of_single_inputs, self._of_pairs):
-            if plain_error(self.found).error <= self._floor or self._is_mended():
-                return
-            stage()
+        if plain_error(self.found).error <= self._floor:
+            return
+        self._of_outputs()
+        if not self._is_mended(1, 0):
+            self._of_single_inputs()
+        if not (self._is_mended(1, ANY_PRICE) or self._is_mended(2, 0)):
+            self._of_pairs()
 
-    def _is_mended(self) -> bool:
-        """Whether a repair leaves an error below the floor."""
+    def _is_mended(self, count: int, price: int) -> bool:
+        """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
         choice = self.choice()
-        return choice is not None and choice.named.error <= self._floor
+        return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
 
     def _do(self, jobs: Sequence[Callable[[Filter], list[Candidate]]]) -> list[list[Candidate]]:
         """The candidates of each job, none where the filter fails."""
@@ -221,8 +225,7 @@ class Search:
     def _of_single_inputs(self) -> None:
         """Screen every repair on a short trial, then try the best on all of them; at last those with a constant."""
         self._screen([Try((repair,), (self._short,), "quick") for repair in exact_repairs()])
-        choice = self.choice()
-        if not (self._is_mended() and choice is not None and choice.named.rank[:2] == (1, 0)):
+        if not self._is_mended(1, 0):
             self._screen([Fit(code, joint, self._short) for code in FITTED for joint in ((), (JOINT,))])
 
     def _screen(self, jobs: Sequence[Callable[[Filter], list[Candidate]]]) -> None:
@@ -238,7 +241,7 @@ class Search:
         exact = [[Try((first, r), (self._short,)) for r in exact_repairs() if r.code != first.code] for first in firsts]
         fitted = [[Fit(code, (first,), self._short) for code in FITTED if code != first.code] for first in firsts]
         for jobs in (*exact, *fitted):
-            if not self._has_room() or self._is_mended():
+            if not self._has_room() or self._is_mended(2, 0):
                 return
             best = sorted((each for each in self._do(jobs) if each), key=_least)[:PAIR_FINALISTS]
             far = FAR * max(_least(best[0]), self._floor) if best else 0.0
@@ -247,4 +250,3 @@ class Search:
 
 def _least(candidates: Sequence[Candidate]) -> float:
     return min(candidate.error for candidate in candidates)
-

@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.blind import BlindRun
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import listed
 
 Vector = tuple[float, float, float]
@@ -56,11 +57,15 @@ MOTIONS: Final[tuple[dict[str, object], ...]] = (
 they keep the repairs."""
 SLOW: Final = 0.05
 """Factor of the rates in a slow motion."""
-_OF_A_MOTION: Final = frozenset(
-    ("inertia", "initial_attitude_xyzw", "initial_body_rate", "rate", "imu_rate", "magnetometer_rate", "gravity")
-) | {"magnetic_field", "world_frame", "body_frame", "imu_frame", "epoch_ns", "sensor_seed", "motion", "method"}
-_CHANGED: Final = frozenset(("gyro_rate", "accelerometer_mode", "max_step", "stamped_twist"))
-"""Parameters of a given scenario that a trial sets itself."""
+SMALLEST_TURN: Final = 1e-6
+"""Turn between two readings, rad, below which a motion tells nothing."""
+_OF_A_MOTION: Final = frozenset(("inertia", "initial_attitude_xyzw", "initial_body_rate"))
+_TAKEN: Final = _OF_A_MOTION | {"imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
+"""Parameters of a given scenario that make a trial."""
+_OWN: Final = frozenset(
+    ("rate", "motion", "method", "max_step", "world_frame", "body_frame", "imu_frame", "stamped_twist", "epoch_ns")
+) | {"sensor_seed", "sensor_grade", "gyro_rate", "accelerometer_mode"}
+"""Parameters of a given scenario that change no trial."""
 
 EVEN: Final = "even"
 ALTERNATING: Final = "alternating"
@@ -145,7 +150,7 @@ class PathTruth(Truth):
     ----------
     scenario : Scenario
     rest_s : float
-        Time at rest, s; without one the body turns from the first instant.
+        Time at rest, s; then the body gathers speed.
     """
 
     def __init__(self, scenario: Scenario, rest_s: float) -> None:
@@ -154,8 +159,6 @@ class PathTruth(Truth):
 
     def _on_path(self, stamps_ns: Integers) -> tuple[Integers, Array]:
         """Time on the path of the free motion, ns, and how fast it passes."""
-        if not self._rest_s:
-            return stamps_ns, np.ones(np.shape(stamps_ns))
         since = stamps_ns / 1e9 - self._rest_s
         u = np.clip(since / RAMP, 0.0, 1.0)
         passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)
@@ -254,33 +257,31 @@ def _stamps(trial: Trial, rate: float) -> Integers:
     return np.round(steps * (1e9 / rate)).astype(np.int64)
 
 
-def trials_of(scenario: Scenario | None) -> tuple[Trial, ...]:
-    """The ordinary trials, with an integrated gyro: two of the motions chosen here, or one of a scenario's.
+def trials_of(given: Mapping[str, object]) -> tuple[Trial, ...]:
+    """The ordinary trials, with an integrated gyro.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        Parameters of a scenario. Those of a motion choose another one than the two of this module.
 
     Raises
     ------
     InputError
-        If the scenario has errors of sensors.
+        If they give sensors errors, or a body that does not turn.
     """
-    if scenario is None:
-        return tuple(Trial(_perfect(motion)) for motion in MOTIONS)
-    default = Scenario.from_parameters({"imu_rate": RATE}).parameters()
-    given = {**scenario.parameters(), **dict(scenario.sensor_parameters)}
-    odd = [
-        name
-        for name, value in given.items()
-        if name not in _OF_A_MOTION | _CHANGED and value != dict(Scenario.from_parameters({}).sensor_parameters)[name]
-    ] if default else []
+    odd = [name for name, value in given.items() if name not in _TAKEN | _OWN and value != BY_NAME[name].default]
     if odd:
         raise InputError(
             f"{listed(odd)}: mistakes are looked for with an IMU and a magnetometer without errors: give only the "
             "motion, the rates and the fields"
         )
-    kept = {name: value for name, value in given.items() if name in _OF_A_MOTION}
-    trial = Trial(_perfect(kept))
-    if not trial.turn > 1e-6:
+    kept = {name: value for name, value in given.items() if name in _TAKEN}
+    motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
+    trials = tuple(Trial(_perfect(motion)) for motion in motions)
+    if not min(trial.turn for trial in trials) > SMALLEST_TURN:
         raise InputError("initial_body_rate: the body does not turn, which tells nothing of a filter: let it turn")
-    return (trial,)
+    return trials
 
 
 def _perfect(motion: Mapping[str, object]) -> Scenario:
