@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from lie_rigid_body import console
 
@@ -25,7 +26,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     if given.report is not None:
         require_room(given.report, given.params_file, overwrite=given.force)
-    parameters = gather(given.scenario, given.params_file, given.assignments)
+    parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
     # disable=None: shown on a terminal only
     with tqdm(desc="diagnose", unit=" runs", file=sys.stderr, disable=None, leave=False) as bar:
         found = diagnose(

@@ -39,12 +39,15 @@ class Candidate:
         RMS of the total error over the runs of one kind of gyro, rad.
     kind : str
         That kind.
+    partial : tuple of float
+        Errors that one repair of two may take away alone, rad: of the vertical, and of the turns.
     """
 
     repairs: tuple[Repair, ...]
     outputs: tuple[tuple[str, tuple[float, ...]], ...]
     error: float
     kind: str
+    partial: tuple[float, ...] = ()
 
     __repr__ = short_repr
 

@@ -39,6 +39,13 @@ _ALONE: Final = (
 )
 
 
+UNEXPLAINED: Final = (
+    "; no repair mends that: it may lose readings, stand still, mix conventions, or turn at another rate or about "
+    "other axes for a part of the time"
+)
+"""What is said where nothing helps: causes that have no repair."""
+
+
 @dataclass
 class Counter:
     """Runs of the filter, counted by threads, and told to whoever shows them."""
@@ -187,7 +194,7 @@ class Examination:
         if plain.error <= self._floor:
             return False
         trials = tuple(replace(trial.of_kind(plain.kind), rest_s=3.0 * REST) for trial in self._trials)
-        rested = [each for each in self._crew.each([Try(joint, trials) for joint in ((), (JOINT,))])]
+        rested = list(self._crew.each([Try(joint, trials) for joint in ((), (JOINT,))]))
         return any(c.error <= self._floor for each in rested if isinstance(each, list) for c in each)
 
     @property
@@ -201,7 +208,7 @@ class Examination:
         chosen, alike = self._chosen, [c for c in self._search.found if c.codes == self._chosen.codes]
         self._notes += _ahead(chosen, alike, self._floor)
         self._notes += _kind(chosen, alike)
-        jobs = [Watch(self._trials[0].of_kind(chosen.kind), *steps) for steps in _prefixes(chosen)]
+        jobs = [WatchedError(self._trials[0].of_kind(chosen.kind), *steps) for steps in _prefixes(chosen)]
         self._errors = tuple(each for each in self._crew.each(jobs) if isinstance(each, ErrorOverTime))
 
     def _named(self, *, asked: bool) -> Iterator[Mistake]:
@@ -227,19 +234,13 @@ class Examination:
 
     def _probe(self) -> None:
         chosen = self._chosen
-        plain = np.degrees(chosen.error)
-        passed = bool(chosen.error <= self._floor or self._mistakes)
-        said = f"with perfect sensors it errs by {shown_angle(float(plain))}, below the floor of {np.degrees(self._floor):.2g}°"
-        if chosen.error > self._floor:
-            said = f"with perfect sensors it errs by {shown_angle(float(plain))}" + (
-                ", with its mistakes repaired"
-                if passed
-                else "; no repair mends that: it may lose readings, stand "
-                "still, mix conventions, or turn at another rate or about other axes for a part of the time"
-            )
-        elif self._mistakes:
-            said = f"with its mistakes repaired it errs by {shown_angle(float(plain))}"
-        self._probes.append(Probe("follows", passed, said, float(plain)))
+        plain, below = float(np.degrees(chosen.error)), chosen.error <= self._floor
+        passed = bool(below or self._mistakes)
+        what = "with its mistakes repaired it" if self._mistakes else "with perfect sensors it"
+        said = f"{what} errs by {shown_angle(plain)}; the floor is {np.degrees(self._floor):.2g}°" + UNEXPLAINED * (
+            not passed
+        )
+        self._probes.append(Probe("follows", passed, said, plain))
         trials = tuple(trial.of_kind(chosen.kind) for trial in self._trials)
         setup = Setup(trials, chosen.repairs, chosen.outputs, self._floor, chosen.error)
         for found in self._crew.each([Probing(probe, setup) for probe in (*PROBES, *NOTES)]):
@@ -280,7 +281,7 @@ def _prefixes(chosen: Candidate) -> list[tuple[tuple[Repair, ...], Outputs, str]
 
 
 @dataclass(frozen=True)
-class Watch:
+class WatchedError:
     """A job: the total error over time with some repairs."""
 
     trial: Trial

@@ -187,6 +187,5 @@ def _told(error: BaseException) -> str:
     package = str(Path(__file__).resolve().parent.parent)
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
     own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
-    where = (own or frames or [None])[-1]
-    line = "" if where is None else f"{Path(where.filename).name} line {where.lineno}: "
+    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in (own or frames)[-1:])
     return f"the filter failed, {line}{type(error).__name__}: {error}: mend that first"

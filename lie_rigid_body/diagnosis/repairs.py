@@ -172,8 +172,9 @@ def factor(value: float) -> Repair:
     )
 
 
-def late(sensor: str, count: int) -> Repair:
-    """Readings of one sensor moved in time by a number of samples."""
+def late(sensor: str, samples: float) -> Repair:
+    """Readings of one sensor moved in time by a whole number of samples."""
+    count = int(samples)
     how = "late" if count > 0 else "early"
     return Repair(
         f"{sensor}_late",
@@ -195,7 +196,7 @@ def exact_repairs() -> tuple[Repair, ...]:
 
 FITTED: Final[dict[str, Callable[[float], Repair]]] = {
     "time_step": factor,
-    **{f"{sensor}_late": lambda count, sensor=sensor: late(sensor, int(count)) for sensor in SENSORS},
+    **{f"{sensor}_late": partial(late, sensor) for sensor in SENSORS},
 }
 """Repairs with one constant."""
 

@@ -14,7 +14,7 @@ from lie_rigid_body.diagnosis.filter import Filter, FilterError
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, Repair, exact_repairs
 from lie_rigid_body.diagnosis.trial import KINDS, Trial
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import CAUSES, Cause, Tracks, error_of
+from lie_rigid_body.evaluation.causes import CAUSES, Cause, Track, Tracks, error_of
 
 T = TypeVar("T")
 
@@ -37,6 +37,10 @@ _LAGS: Final = (1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)
 _FACTORS: Final = (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)
 """Factors of the gyro that are tried at first."""
 _FINEST_FACTOR: Final = 1e-6
+
+
+Asked = Callable[[Filter], list[Candidate]]
+"""A job that finds candidates."""
 
 
 class Crew(Protocol):
@@ -78,15 +82,16 @@ class Try:
                 raise
             return []
         tracks = [answer.settled() for answer in answers]
-        found = [Candidate(self.repairs, (), error_of(tracks), kind)]
+        partial: tuple[float, ...] = ()
         if self.outputs == "quick":
-            tracks = [track.few(100) for track in tracks]
+            partial, tracks = tracks[0].partial_errors(), [track.few(100) for track in tracks]
+        found = [Candidate(self.repairs, (), error_of(tracks), kind, partial)]
         chosen = {"none": (), "quick": QUICK}.get(self.outputs, CAUSES)
         for outputs, error in _undone(tracks, chosen, pairs=self.outputs == "pairs"):
             found.append(Candidate(self.repairs, outputs, error, kind))
         return found
 
-    def _changes_nothing(self, run: Filter, track: object) -> bool:
+    def _changes_nothing(self, run: Filter, track: Track) -> bool:
         plain = run.answer(self.trials[0], (JOINT,) * (JOINT in self.repairs)).track
         attitude = track.attitude_xyzw
         return len(plain.attitude_xyzw) == len(attitude) and bool(
@@ -200,7 +205,7 @@ class Search:
         choice = self.choice()
         return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
 
-    def _do(self, jobs: Sequence[Callable[[Filter], list[Candidate]]]) -> list[list[Candidate]]:
+    def _do(self, jobs: Sequence[Asked]) -> list[list[Candidate]]:
         """The candidates of each job, none where the filter fails."""
         return [[] if isinstance(each, FilterError) else each for each in self._crew.each(jobs)]
 
@@ -228,7 +233,7 @@ class Search:
         if not self._is_mended(1, 0):
             self._screen([Fit(code, joint, self._short) for code in FITTED for joint in ((), (JOINT,))])
 
-    def _screen(self, jobs: Sequence[Callable[[Filter], list[Candidate]]]) -> None:
+    def _screen(self, jobs: Sequence[Asked]) -> None:
         found = sorted((each for each in self._do(jobs) if each), key=_least)
         self._screened = sorted([*self._screened, *found], key=_least)
         far = FAR * max(_least(found[0]), self._floor) if found else 0.0
@@ -237,13 +242,20 @@ class Search:
 
     def _of_pairs(self) -> None:
         """Try the best repairs of the input each with every other, and the best of these pairs on all trials."""
-        firsts = list(dict.fromkeys(each[0].inputs[0] for each in self._screened))[:BEAM]
-        exact = [[Try((first, r), (self._short,)) for r in exact_repairs() if r.code != first.code] for first in firsts]
-        fitted = [[Fit(code, (first,), self._short) for code in FITTED if code != first.code] for first in firsts]
-        for jobs in (*exact, *fitted):
+        orders = [
+            self._screened
+        ]  # one repair of two may take away the error of the vertical alone, or that of the turns
+        orders += [sorted(self._screened, key=lambda each: each[0].partial[part]) for part in (0, 1)]
+        firsts = list(dict.fromkeys(each[0].inputs[0] for level in zip(*orders, strict=True) for each in level))[:BEAM]
+        jobs: list[list[Asked]] = [
+            [Try((first, second), (self._short,)) for second in exact_repairs() if second.code != first.code]
+            for first in firsts
+        ]
+        jobs += [[Fit(code, (first,), self._short) for code in FITTED if code != first.code] for first in firsts]
+        for together in jobs:
             if not self._has_room() or self._is_mended(2, 0):
                 return
-            best = sorted((each for each in self._do(jobs) if each), key=_least)[:PAIR_FINALISTS]
+            best = sorted((each for each in self._do(together) if each), key=_least)[:PAIR_FINALISTS]
             far = FAR * max(_least(best[0]), self._floor) if best else 0.0
             self._try_fully(dict.fromkeys(each[0].inputs for each in best if _least(each) <= far), "none")
 

@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.blind import BlindRun
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_table import BY_NAME
+from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
 from lie_rigid_body.wording import listed
 
 Vector = tuple[float, float, float]
@@ -270,13 +270,14 @@ def trials_of(given: Mapping[str, object]) -> tuple[Trial, ...]:
     InputError
         If they give sensors errors, or a body that does not turn.
     """
-    odd = [name for name, value in given.items() if name not in _TAKEN | _OWN and value != BY_NAME[name].default]
+    values = read_parameters(given)
+    odd = [name for name in given if name not in _TAKEN | _OWN and values[name] != BY_NAME[name].default]
     if odd:
         raise InputError(
             f"{listed(odd)}: mistakes are looked for with an IMU and a magnetometer without errors: give only the "
             "motion, the rates and the fields"
         )
-    kept = {name: value for name, value in given.items() if name in _TAKEN}
+    kept: dict[str, object] = {name: values[name] for name in given if name in _TAKEN}
     motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
     trials = tuple(Trial(_perfect(motion)) for motion in motions)
     if not min(trial.turn for trial in trials) > SMALLEST_TURN:

@@ -6,10 +6,10 @@ leaves no error. Estimates of several runs share the constants.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.alignment import ENU_TO_NED, FLU_TO_FRD, UP
 from lie_rigid_body.evaluation.attitude_error import angles
-from lie_rigid_body.evaluation.attitudes import mean, turns
+from lie_rigid_body.evaluation.attitudes import angles_between, mean, turns
 from lie_rigid_body.evaluation.findings import angle_and_axis
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.truth import Truth
@@ -66,6 +66,14 @@ class Track:
         """Total error of each sample, shape (N,), rad."""
         truth = self.truth.at(self.stamps_ns)
         return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth))).total
+
+    def partial_errors(self) -> tuple[float, float]:
+        """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
+        truth = self.truth.at(self.stamps_ns)
+        tilt = angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth))).inclination
+        step = max(1, len(truth) // 10)
+        wrong, right = (turns(q[:-step], q[step:]) for q in (self.attitude_xyzw, truth))
+        return rms(tilt), rms(angles_between(quaternion.exp(wrong), quaternion.exp(right)))
 
 
 Tracks = Sequence[Track]
@@ -249,7 +257,8 @@ def _euler(tracks: Tracks) -> Sequence[Array]:
     return [np.array(pair, dtype=np.float64) for pair in permutations(range(len(_ORDERS)), 2)]
 
 
-_ORDERS: Final = ("ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX")
+Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
+_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _NONE: Final = _fixed(0.0)
 
@@ -348,8 +357,3 @@ CAUSES: Final = (
 
 def _order(number: float) -> str:
     return " ".join(_ORDERS[int(number)].lower())
-
-
-def by_price(most: int) -> Iterator[Cause]:
-    """The causes with at most so many fitted constants."""
-    return (cause for cause in CAUSES if cause.price <= most)

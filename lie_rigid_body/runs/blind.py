@@ -15,6 +15,8 @@ from lie_rigid_body.scenario import Scenario
 
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
+_MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
+"""Attributes that a scenario computes from them."""
 _REMEDY: Final = "estimate from what run.imu and run.magnetometer read"
 
 
@@ -44,7 +46,7 @@ class BlindScenario(Scenario):
         return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
 
     def __getattr__(self, name: str) -> Any:
-        if name in WITHHELD:
+        if name in (*WITHHELD, *_MADE_OF_THEM):
             _refuse(f"scenario.{name}")
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
