@@ -4,7 +4,7 @@
     python benchmarks/diagnosis.py healthy      what is said of the filters of the league as they are
     python benchmarks/diagnosis.py mistakes     each mistake put into each filter that is right with perfect sensors
 
-``--filters NAME`` chooses those whose names contain it; ``--save`` writes the tables of docs/diagnose.md.
+``--filters NAME`` chooses filters whose names contain it, ``--mistakes NAME`` mistakes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Final
 
@@ -34,7 +33,6 @@ from lie_rigid_body.diagnosis.workers import Alone
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
 
-PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "diagnose.md"
 Array = np.ndarray[Any, Any]
 Estimate = Callable[[Any], tuple[Array, Array]]
 
@@ -229,7 +227,7 @@ def _between_inputs(run: Filter, short: Any, puts: Sequence[Repair]) -> None:
             if put is not repair:
                 found = Try((put, repair), (short,))(run)
                 key = (put.code, repair.code)
-                if found and not (put.code == repair.code):
+                if found and put.code != repair.code:
                     least[key] = min(least.get(key, np.pi), found[0].error)
     codes = list(dict.fromkeys(r.code for r in few))
     print("\n| put in, repaired as | " + " | ".join(codes) + " |\n|" + " --- |" * (len(codes) + 1))

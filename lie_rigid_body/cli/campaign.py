@@ -242,7 +242,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
     if campaign.estimator is not None:
-        lines.append(tally.of_scores())
+        lines += [tally.of_scores(), f"what is wrong with it: {console.program('diagnose')} {campaign.estimator}"]
     if given.report is not None:
         from lie_rigid_body.cli.campaign_page import page
         from lie_rigid_body.recording.output_file import write_file

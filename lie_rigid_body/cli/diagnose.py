@@ -21,6 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.interruption import count_as_handled
     from lie_rigid_body.recording.output_file import require_room, write_file
+    from lie_rigid_body.report.diagnosis_text import as_text
     from lie_rigid_body.scenario.parameter_file import gather
     from lie_rigid_body.wording import printable
 
@@ -45,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         write_file(given.report, page(given.estimator, found), overwrite=given.force)
         wrote = f"\nwrote {printable(given.report)}"
-    said = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else f"{found}{wrote}"
+    said = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else f"{as_text(found)}{wrote}"
     console.say(said, done=f"{given.report} is written" if given.report else "")
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")

@@ -6,8 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Repair
-from lie_rigid_body.evaluation.causes import CAUSES
+from lie_rigid_body.evaluation.causes import CAUSES, Track
 from lie_rigid_body.wording import short_repr
 
 FLOOR: Final = 0.1
@@ -25,6 +27,17 @@ PRICES: Final = {cause.code: cause.price for cause in CAUSES}
 BY_CODE: Final = {cause.code: cause for cause in CAUSES}
 
 
+Outputs = tuple[tuple[str, tuple[float, ...]], ...]
+"""Repairs of the output: codes with their constants, in the order in which they are applied."""
+
+
+def undo(track: Track, outputs: Outputs) -> Track:
+    """A track with the causes of errors in the output undone."""
+    for code, constants in outputs:
+        track = BY_CODE[code].undo(track, np.array(constants))
+    return track
+
+
 @dataclass(frozen=True)
 class Candidate:
     """Repairs, and the error that they leave.
@@ -34,7 +47,7 @@ class Candidate:
     repairs : tuple of Repair
         Repairs of the input, with `JOINT` last where it is applied.
     outputs : tuple of (str, tuple of float)
-        Repairs of the output: codes with their constants, in the order in which they are applied.
+        Repairs of the output.
     error : float
         RMS of the total error over the runs of one kind of gyro, rad.
     kind : str
@@ -44,7 +57,7 @@ class Candidate:
     """
 
     repairs: tuple[Repair, ...]
-    outputs: tuple[tuple[str, tuple[float, ...]], ...]
+    outputs: Outputs
     error: float
     kind: str
     partial: tuple[float, ...] = ()

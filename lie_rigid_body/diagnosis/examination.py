@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.choice import BY_CODE, FLOOR, Candidate, Choice, plain_error
+from lie_rigid_body.diagnosis.choice import BY_CODE, FLOOR, Candidate, Choice, Outputs, plain_error, undo
 from lie_rigid_body.diagnosis.filter import Filter, NamedFunction
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Bench, Probing, Setup, shown_angle
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Probing, Setup, shown_angle
 from lie_rigid_body.diagnosis.repairs import JOINT, Repair
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
 from lie_rigid_body.diagnosis.search import Search, Try
@@ -217,20 +217,15 @@ class Examination:
         if choice is None:
             return
         named, before = choice.named, plain_error(self._search.found, joint=False).error
-        prefixes = _prefixes(named)[1:]
         for count, code in enumerate(named.codes, 1):
-            repairs, outputs = prefixes[count - 1][:2]
+            repairs, outputs, _ = _prefixes(named)[count]
             after = named.error if count == len(named.codes) else before
             if count < len(named.codes) and asked:
-                after = self._left(named.kind, repairs, outputs)
+                trials = tuple(trial.of_kind(named.kind) for trial in self._trials)
+                (found,) = self._crew.each([Try(repairs, trials, "none", outputs)])
+                after = found[0].error if isinstance(found, list) and found else after
             yield _mistake(choice, code, before, after)
             before = after
-
-    def _left(self, kind: str, repairs: tuple[Repair, ...], outputs: Outputs) -> float:
-        """The error that some repairs leave, rad."""
-        setup = Setup(tuple(trial.of_kind(kind) for trial in self._trials), repairs, outputs, self._floor, 0.0)
-        (found,) = self._crew.each([Left(setup)])
-        return found if isinstance(found, float) else float("nan")
 
     def _probe(self) -> None:
         chosen = self._chosen
@@ -266,9 +261,6 @@ class Examination:
         return f"It errs most in: lie-rigid-body record errs.mcap --duration {length:g} {' '.join(given)}"
 
 
-Outputs = tuple[tuple[str, tuple[float, ...]], ...]
-
-
 def _prefixes(chosen: Candidate) -> list[tuple[tuple[Repair, ...], Outputs, str]]:
     """The repairs one after the other: none, the first, the first two; with labels."""
     joint = (JOINT,) * chosen.joint
@@ -291,21 +283,8 @@ class WatchedError:
 
     def __call__(self, run: Filter) -> ErrorOverTime:
         """The error of each sample."""
-        bench = Bench(run, Setup((self.trial,), self.repairs, self.outputs, 0.0, 0.0))
-        track = bench.answer(self.trial).track
-        return ErrorOverTime(self.label, track.stamps_ns / 1e9, np.degrees(bench.mended(track).errors()))
-
-
-@dataclass(frozen=True)
-class Left:
-    """A job: the RMS of the total error in the trials of a setup, rad."""
-
-    setup: Setup
-
-    def __call__(self, run: Filter) -> float:
-        """The error."""
-        bench = Bench(run, self.setup)
-        return float(np.sqrt(np.mean([bench.error(trial) ** 2 for trial in self.setup.trials])))
+        track = run.answer(self.trial, self.repairs).track
+        return ErrorOverTime(self.label, track.stamps_ns / 1e9, np.degrees(undo(track, self.outputs).errors()))
 
 
 def _mistake(choice: Choice, code: str, before: float, after: float) -> Mistake:

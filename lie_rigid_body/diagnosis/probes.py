@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.choice import BY_CODE
+from lie_rigid_body.diagnosis.choice import Outputs, undo
 from lie_rigid_body.diagnosis.filter import Answer, Filter, FilterError
 from lie_rigid_body.diagnosis.repairs import Repair
 from lie_rigid_body.diagnosis.result import Note, Probe
@@ -36,7 +36,7 @@ SAME: Final = 1e-9
 WORSE: Final = 2.0
 """Factor of an error that is allowed beside that of the plain run."""
 BIAS_GROWTH: Final = 1.5
-"""Factor between the worse of the first two quarters and the last that a bias may cause: a smoother errs at both ends."""
+"""Factor from the worse of the first two quarters to the last that a bias may cause; a smoother errs at both ends."""
 BIAS_SHARE: Final = 0.5
 """Share of the turn that the bias alone makes, of which the last quarter may have as much."""
 NOISIER: Final = 1.01
@@ -63,7 +63,7 @@ class Setup:
 
     trials: tuple[Trial, ...]
     repairs: tuple[Repair, ...]
-    outputs: tuple[tuple[str, tuple[float, ...]], ...]
+    outputs: Outputs
     floor: float
     error: float
 
@@ -101,9 +101,7 @@ class Bench:
 
     def mended(self, track: Track) -> Track:
         """A track with the mistakes of the output undone."""
-        for code, constants in self.setup.outputs:
-            track = BY_CODE[code].undo(track, np.array(constants))
-        return track
+        return undo(track, self.setup.outputs)
 
     def errors(self, trial: Trial, begin: float = 1.0 / 3.0, end: float = 1.0) -> Array:
         """Total errors between two shares of a trial, rad."""

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.summary import wrapped
-from lie_rigid_body.wording import counted, short_repr
-
-_COLUMNS: Final = "{:<20} {:<18} {:>10} {:>10}  {}"
-_PROBES: Final = "{:<20} {:<8} {:>10}  "
+from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
@@ -156,29 +151,8 @@ class FilterDiagnosis:
         }
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        for sentence in self.sentences:
-            yield from wrapped(sentence)
-        if self.mistakes:
-            yield ""
-            yield _COLUMNS.format("mistake", "repair", "before", "after", "as well").rstrip()
-        for m in self.mistakes:
-            numbers = degrees(m.rms_deg_before), degrees(m.rms_deg_after)
-            yield _COLUMNS.format(m.code, m.repair[:18], *numbers, ", ".join(m.or_else)).rstrip()
-        if self.probes:
-            yield ""
-            yield _PROBES.format("probe", "", "value").rstrip()
-        for p in self.probes:
-            value = "" if p.value is None else f"{p.value:.3g}"
-            yield from wrapped(p.message, _PROBES.format(p.code, "passed" if p.passed else "FAILED", value))
-        yield ""
-        for note in self.notes:
-            yield from wrapped(note.message, f"note: {note.code}: ")
-        for remark in self.remarks:
-            yield from wrapped(remark)
-        yield f"{counted(self.filter_runs, 'run')} of the filter."
+        """What a person needs to know first; `lie_rigid_body.report.diagnosis_text` makes the tables."""
+        return "\n".join(self.sentences)
 
 
 def degrees(value: float) -> str:

@@ -9,7 +9,7 @@ from typing import Final, Protocol, TypeVar
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from lie_rigid_body.diagnosis.choice import UNCHANGED, Candidate, Choice, choose, plain_error
+from lie_rigid_body.diagnosis.choice import UNCHANGED, Candidate, Choice, Outputs, choose, plain_error, undo
 from lie_rigid_body.diagnosis.filter import Filter, FilterError
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, Repair, exact_repairs
 from lie_rigid_body.diagnosis.trial import KINDS, Trial
@@ -62,11 +62,14 @@ class Try:
         With one kind of gyro.
     outputs : str
         Which causes are undone: ``none``, ``quick``, ``all``, or ``pairs``, also every two.
+    applied : tuple of (str, tuple of float)
+        Causes that are undone before all others, with their constants.
     """
 
     repairs: tuple[Repair, ...]
     trials: tuple[Trial, ...]
     outputs: str = "none"
+    applied: Outputs = ()
 
     def __call__(self, run: Filter) -> list[Candidate]:
         """The candidates; none where a repair changes nothing, or the filter fails."""
@@ -81,11 +84,11 @@ class Try:
             if not self.repairs:
                 raise
             return []
-        tracks = [answer.settled() for answer in answers]
+        tracks = [undo(answer.settled(), self.applied) for answer in answers]
         partial: tuple[float, ...] = ()
         if self.outputs == "quick":
             partial, tracks = tracks[0].partial_errors(), [track.few(100) for track in tracks]
-        found = [Candidate(self.repairs, (), error_of(tracks), kind, partial)]
+        found = [Candidate(self.repairs, self.applied, error_of(tracks), kind, partial)]
         chosen = {"none": (), "quick": QUICK}.get(self.outputs, CAUSES)
         for outputs, error in _undone(tracks, chosen, pairs=self.outputs == "pairs"):
             found.append(Candidate(self.repairs, outputs, error, kind))
@@ -97,9 +100,6 @@ class Try:
         return len(plain.attitude_xyzw) == len(attitude) and bool(
             np.max(angles_between(plain.attitude_xyzw, attitude)) < UNCHANGED
         )
-
-
-Outputs = tuple[tuple[str, tuple[float, ...]], ...]
 
 
 def _undone(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
