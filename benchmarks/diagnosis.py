@@ -26,7 +26,7 @@ from league.readings import Readings
 from lie_rigid_body.diagnosis.choice import FLOOR, plain_error
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, diagnose
 from lie_rigid_body.diagnosis.filter import Filter
-from lie_rigid_body.diagnosis.repairs import JOINT, Repair, exact_repairs, late
+from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs, late
 from lie_rigid_body.diagnosis.search import Search, Try
 from lie_rigid_body.diagnosis.trial import trials_of
 from lie_rigid_body.diagnosis.workers import Alone
@@ -255,11 +255,14 @@ def main() -> None:
         right = [number for number, good in zip(numbers, pool.map(is_right, numbers), strict=True) if good]
         chosen = [i for i, put in enumerate(MISTAKES) if given.mistakes.lower() in put.name.lower()]
         jobs = [(number, mistake) for number in right for mistake in chosen]
-        found = list(tqdm(pool.map(named, *zip(*jobs, strict=True)), total=len(jobs), disable=None))
+        found = []
+        for number, mistake, outcome, what in tqdm(
+            pool.map(named, *zip(*jobs, strict=True)), total=len(jobs), disable=None
+        ):
+            found.append((number, mistake, outcome, what))
+            if outcome != "named":
+                print(f"{filters()[number].full_name}: {MISTAKES[mistake].name}: {outcome} {what}", flush=True)
     print("right with perfect sensors: " + ", ".join(filters()[number].full_name for number in right))
-    for number, mistake, outcome, what in found:
-        if outcome in ("other", "nothing"):
-            print(f"{filters()[number].full_name}: {MISTAKES[mistake].name}: {outcome} {what}")
     print("\n| filter | named | something else | nothing | below the floor |\n| --- | --- | --- | --- | --- |")
     for number in right:
         count = Counter(outcome for n, _, outcome, _ in found if n == number)
@@ -267,7 +270,6 @@ def main() -> None:
             f"| {filters()[number].full_name} | {count['named']} | {count['other']} | {count['nothing']} | "
             f"{count['below the floor']} |"
         )
-    print(JOINT.fact)
 
 
 if __name__ == "__main__":
