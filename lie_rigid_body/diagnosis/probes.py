@@ -261,10 +261,8 @@ def noise(bench: Bench) -> Probe:
     trial = _noisy(bench.trial)
     single, bound = _single_sets(trial), _bound(trial)
     error = bench.error(trial)
-    what = (
-        f"with the noise of tactical sensors it errs by {error / bound:.2g} times what no filter goes below, "
-        f"{np.degrees(bound):.2g}°"
-    )
+    least = f"{shown_angle(float(np.degrees(bound)))} are the least that such noise leaves"
+    what = f"with the noise of tactical sensors ({least}, {error / bound:.2g} times less than here) it errs by"
     return _judged("noise", error, NOISIER * single, what)
 
 

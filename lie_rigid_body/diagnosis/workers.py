@@ -7,11 +7,10 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
-from queue import SimpleQueue
-from threading import Timer
-from typing import Any, BinaryIO, Final, TypeVar
+from threading import Event, Timer, get_ident
+from typing import Any, Final, TypeVar
 
 from lie_rigid_body.diagnosis.filter import Filter, FilterError, Source
 from lie_rigid_body.errors import InputError
@@ -21,6 +20,7 @@ T = TypeVar("T")
 Job = Callable[[Filter], T]
 
 _BEGUN: Final = "begun"
+_HUNG: Final = "look for an endless loop, or give more --timeout"
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.diagnosis.workers import serve; serve()"
 
 
@@ -68,12 +68,9 @@ class Workers:
 
     def __init__(self, source: Source, count: int, timeout_s: float, begun: Callable[[], object]) -> None:
         self._source, self._timeout_s, self._begun = source, timeout_s, begun
-        self._idle: SimpleQueue[_Process | None] = SimpleQueue()
-        self._all: set[_Process] = set()
         self._threads = ThreadPoolExecutor(count)
+        self._of_thread: dict[int, subprocess.Popen[bytes]] = {}
         self._closed = False
-        for _ in range(count):
-            self._idle.put(None)
 
     def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
         """The results of jobs in their order, of one that fails the error."""
@@ -88,98 +85,70 @@ class Workers:
     def close(self) -> None:
         """End all processes, at once."""
         self._closed = True
-        for process in tuple(self._all):
-            process.end()
+        for process in tuple(self._of_thread.values()):
+            process.kill()
         self._threads.shutdown(cancel_futures=True)
+        for process in self._of_thread.values():
+            _end(process)
 
-    def _do(self, job: Job[T]) -> T | FilterError:
-        process = self._idle.get()
+    def _do(self, job: Job[Any]) -> Any:
+        """The result of a job by the process of this thread; an error that is not the filter's is raised."""
+        late = Event()
+        process = self._of_thread.get(get_ident()) or self._started()
         try:
-            if self._closed:
-                return FilterError("the diagnosis was ended")
-            if process is None:
-                process = _Process(self._source)
-                self._all.add(process)
-            found: T | FilterError = process.do(job, self._timeout_s, self._begun)
-            return found
-        except (EOFError, OSError, pickle.UnpicklingError) as error:
-            assert process is not None
-            return FilterError(process.how_it_ended(self._timeout_s, error))
-        finally:
-            alive = process is not None and process.is_alive
-            if process is not None and not alive:
-                process.end()
-                self._all.discard(process)
-            self._idle.put(process if alive else None)
+            _send(process.stdin, job)
+            while (answer := self._answer(process, late)) == _BEGUN:
+                self._begun()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            self._of_thread.pop(get_ident(), None)
+            _end(process)
+            if late.is_set():
+                return FilterError(f"the filter did not return within {self._timeout_s:g} s: {_HUNG}")
+            return FilterError(f"the filter ended its process, status {process.returncode}: run it alone to see why")
+        if isinstance(answer, BaseException) and not isinstance(answer, FilterError):
+            raise answer
+        return answer
 
-
-class _Process:
-    """One process, which is asked through its standard streams."""
-
-    def __init__(self, source: Source) -> None:
-        self._hung = False
-        self._process = subprocess.Popen(
+    def _started(self) -> subprocess.Popen[bytes]:
+        if self._closed:
+            raise CancelledError
+        process = subprocess.Popen(
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends its processes
         )
-        self._send(source)
+        self._of_thread[get_ident()] = process
+        _send(process.stdin, self._source)
+        return process
 
-    @property
-    def is_alive(self) -> bool:
-        """Whether it takes another job."""
-        return not self._hung and self._process.poll() is None
+    def _answer(self, process: subprocess.Popen[bytes], late: Event) -> Any:
+        """The next answer of a process, which is ended if none comes in time."""
 
-    def do(self, job: Job[Any], timeout_s: float, begun: Callable[[], object]) -> Any:
-        """The result of a job, or its error; any other exception of it is raised here."""
-        self._send(job)
-        while True:
-            timer = Timer(timeout_s, self._hang)
-            timer.daemon = True
-            timer.start()
-            try:
-                answer = pickle.load(self._stream(self._process.stdout))
-            finally:
-                timer.cancel()
-            if answer != _BEGUN:
-                break
-            begun()
-        if isinstance(answer, BaseException) and not isinstance(answer, FilterError):
-            raise answer
-        return answer
+        def end() -> None:
+            late.set()
+            process.kill()
 
-    def how_it_ended(self, timeout_s: float, error: BaseException) -> str:
-        """Why there is no result."""
-        if self._hung:
-            return f"the filter did not return within {timeout_s:g} s: look for an endless loop, or give more --timeout"
-        self.end()
-        return f"the filter ended its process, status {self._process.returncode}: run it alone to see why"
+        timer = Timer(self._timeout_s, end)
+        timer.daemon = True
+        timer.start()
+        try:
+            return pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
+        finally:
+            timer.cancel()
 
-    def end(self) -> None:
-        """End the process and close its streams."""
-        with suppress(OSError):
-            self._process.kill()
-        self._process.wait()
-        for stream in (self._process.stdin, self._process.stdout):
-            with suppress(OSError):
-                self._stream(stream).close()
 
-    def _hang(self) -> None:
-        self._hung = True
-        self._process.kill()
+def _send(stream: Any, item: object) -> None:
+    pickle.dump(item, stream)
+    stream.flush()
 
-    def _send(self, item: object) -> None:
-        stream = self._stream(self._process.stdin)
-        pickle.dump(item, stream)
-        stream.flush()
 
-    @staticmethod
-    def _stream(stream: Any) -> BinaryIO:
-        assert stream is not None
-        found: BinaryIO = stream
-        return found
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process and close its streams."""
+    process.kill()
+    with suppress(OSError):
+        process.communicate()
 
 
 def serve() -> None:
@@ -189,17 +158,13 @@ def serve() -> None:
     for stream in (0, 1):
         os.dup2(nowhere, stream)
 
-    def send(item: object) -> None:
-        pickle.dump(item, results)
-        results.flush()
-
     with suppress(EOFError):
         source: Source = pickle.load(jobs)
         loaded: Filter | None = None
         while True:
             job: Job[Any] = pickle.load(jobs)
             try:
-                loaded = loaded or Filter(source.load(), lambda: send(_BEGUN))
-                send(job(loaded))
+                loaded = loaded or Filter(source.load(), lambda: _send(results, _BEGUN))
+                _send(results, job(loaded))
             except Exception as error:
-                send(error if isinstance(error, InputError) else RuntimeError(repr(error)))
+                _send(results, error if isinstance(error, InputError) else RuntimeError(repr(error)))
