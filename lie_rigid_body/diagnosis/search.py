@@ -20,8 +20,8 @@ T = TypeVar("T")
 
 SCREENED_S: Final = 4.0
 """Length of the motion by which repairs are compared at first, s."""
-FINALISTS: Final = 10
-"""Number of repairs that are then tried on all runs."""
+FINALISTS: Final = 6
+"""Number of repairs that are then tried on all runs, of those that are best alone, and best with one of the output."""
 BEAM: Final = 8
 """Largest number of repairs of which each is tried together with every other one."""
 FAR: Final = 10.0
@@ -235,9 +235,10 @@ class Search:
 
     def _screen(self, jobs: Sequence[Asked]) -> None:
         found = sorted((each for each in self._do(jobs) if each), key=_least)
+        alone = sorted(found, key=lambda each: each[0].error)  # else it hides among those that an output's repair mends
         self._screened = sorted([*self._screened, *found], key=_least)
         far = FAR * max(_least(found[0]), self._floor) if found else 0.0
-        chosen = [each[0].inputs for each in found[:FINALISTS] if _least(each) <= far]
+        chosen = [each[0].inputs for each in (*alone[:FINALISTS], *found[:FINALISTS]) if _least(each) <= far]
         self._try_fully(dict.fromkeys(chosen), "all")
 
     def _of_pairs(self) -> None:
