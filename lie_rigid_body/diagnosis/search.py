@@ -32,7 +32,7 @@ ANY_PRICE: Final = 9
 _OF_TIME: Final = ("lagging", "leading", "clock_rate")
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in _OF_TIME)
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
-_LAGS: Final = (1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)
+_LAGS: Final = (-2, -1, 1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)
 """Samples by which readings are moved at first."""
 _FACTORS: Final = (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)
 """Factors of the gyro that are tried at first."""
@@ -145,14 +145,15 @@ class Fit:
             place = _FACTORS.index(best)
             low, high = _FACTORS[max(0, place - 1)], _FACTORS[min(len(_FACTORS) - 1, place + 1)]
             best = float(
-                minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": _FINEST_FACTOR}).x
+                minimize_scalar(
+                    left, bounds=(low, high), method="bounded", options={"xatol": _FINEST_FACTOR, "maxiter": 40}
+                ).x
             )
         else:
-            best = min((-2, -1, *_LAGS), key=left)
-            while (nearer := min((best - 1, best + 1), key=lambda v: left(v) if v else np.pi)) and (
-                left(nearer) < left(best)
-            ):
-                best = nearer
+            best = min(_LAGS, key=left)
+            place = _LAGS.index(best)  # between the neighbours that were tried there may be a better one
+            between = range(_LAGS[max(0, place - 1)], _LAGS[min(len(_LAGS) - 1, place + 1)] + 1)
+            best = min((count for count in between if count), key=left)
         return Try((FITTED[self.code](best), *self.repairs), (self.trial,), "quick")(run)
 
 
