@@ -30,6 +30,7 @@ ROS_NAMES = [
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
+    f"diagnose = {NAME}.cli.diagnose:main",
 ]
 
 # Windows has no flock, and integers of NumPy 1 have 32 bits there. ROS and its keys of rosdep need neither.

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
     from lie_rigid_body.evaluation import attitude_error
     from lie_rigid_body.mechanics import RigidBody, State
@@ -28,6 +29,7 @@ __all__ = [
     "State",
     "__version__",
     "attitude_error",
+    "diagnose",
     "simulate",
 ]
 
@@ -44,6 +46,7 @@ _HOMES = {
     "Scenario": "lie_rigid_body.scenario",
     "State": "lie_rigid_body.mechanics",
     "attitude_error": "lie_rigid_body.evaluation",
+    "diagnose": "lie_rigid_body.diagnosis",
     "simulate": "lie_rigid_body.runs",
 }
 

@@ -34,6 +34,7 @@ VERBS = {
     "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
     "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
+    "diagnose": Verb("lie_rigid_body.cli.diagnose", "say what is wrong with an attitude filter, by repairing it"),
 }
 LIVE_EVALUATE = "lie_rigid_body.ros.evaluate"
 

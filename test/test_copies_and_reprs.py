@@ -36,6 +36,7 @@ from lie_rigid_body import errors as errors_room
 from lie_rigid_body import sensors as table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form.states import KINDS
@@ -72,7 +73,13 @@ WAYS = {"pickled": lambda one: pickle.loads(pickle.dumps(one)), "copied": copy.c
 def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     """Objects of every public class, large where they can be."""
     motions = [make() for make in MOTIONS.values()]
+    mistake = Mistake("gyro_axes", "a message" * 50, "y x z", 100.0, 0.0)
+    probe, note = Probe("follows", passed=True, message="a message", value=0.0), Note("causal", "a message", 1.0)
     found = [
+        mistake,
+        probe,
+        note,
+        FilterDiagnosis((mistake,), (probe,), (note,), 100, 100.0, 0.1),
         BODY,
         BODIES,
         START,

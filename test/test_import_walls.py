@@ -46,14 +46,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
+    "diagnosis": SCENARIO | {"evaluation", "runs"},
     "campaign": BAG | {"certificate", "runs", "system"},
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
-    "report": BAG | {"certificate", "evaluation", "runs", "console"},
-    "cli": EDGE | {"campaign", "system"},
+    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "console"},
+    "cli": EDGE | {"campaign", "diagnosis", "system"},
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation", "runs"},
+    "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis"},
     "__main__": {"console", "report"},
 }
 FOR_ALL = {"wording", "errors", "arrays"}

@@ -182,6 +182,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
         unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
         lines.append(f"{len(totals)} scored{median}{unscored}")
+        lines.append(f"what is wrong with it: {console.program('diagnose')} {campaign.estimator}")
     if given.report is not None:
         _write_page(campaign, journal, given)
         lines.append(f"wrote {printable(given.report)}")

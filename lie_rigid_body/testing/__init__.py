@@ -46,6 +46,10 @@ PARAMETERS: Final[dict[str, object]] = {
 }
 """Arguments of `lie_rigid_body.simulate` that a marker may override."""
 
+DIAGNOSE: Final = (
+    "What is wrong in the filter itself, lie_rigid_body.diagnose(filter) finds: it runs it again and again."
+)
+"""The last line of a failure."""
 _OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
 """Arguments of `lie_rigid_body.simulate` that are no parameters of a scenario."""
 
@@ -205,7 +209,7 @@ def assert_attitude(
     if score.passed:
         return score
     picture = [] if plot is None else [_drawn(score, plot)]
-    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture]))
+    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture, DIAGNOSE]))
 
 
 def _drawn(score: Score, plot: str | Path) -> str:

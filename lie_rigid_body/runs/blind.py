@@ -1,0 +1,122 @@
+"""Runs of which a filter is told the readings and nothing of the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Final, NoReturn
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.parameters import Value
+from lie_rigid_body.runs.readings import SensorArrays
+from lie_rigid_body.runs.run import Run
+from lie_rigid_body.scenario import Scenario
+
+WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
+"""Parameters that would tell the truth, or the noise."""
+_MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
+"""Attributes that a scenario computes from them."""
+_REMEDY: Final = "estimate from what run.imu and run.magnetometer read"
+
+
+class WithheldError(InputError, AttributeError):
+    """Something was asked of a run or a scenario that would tell the truth."""
+
+
+def _refuse(name: str) -> NoReturn:
+    raise WithheldError(f"{name} would tell the truth, which this run withholds: {_REMEDY}")
+
+
+class BlindScenario(Scenario):
+    """A scenario without its start and its seed."""
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> BlindScenario:
+        """What a filter may know of a scenario."""
+        told = {name: value for name, value in scenario.parameters().items() if name not in WITHHELD}
+        known, blind = Scenario.from_parameters(told), object.__new__(cls)
+        vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in WITHHELD})
+        vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in WITHHELD)
+        return blind
+
+    def parameters(self) -> dict[str, Value]:
+        """Names and values of the parameters but those that are withheld."""
+        names = [f.name for f in fields(self) if f.name not in (*WITHHELD, "sensors", "sensor_parameters")]
+        return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
+
+    def __getattr__(self, name: str) -> Any:
+        if name in (*WITHHELD, *_MADE_OF_THEM):
+            _refuse(f"scenario.{name}")
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __getstate__(self) -> dict[str, object]:
+        """The attributes that there are."""
+        return dict(vars(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, BlindScenario) and self.parameters() == other.parameters()
+
+    def __hash__(self) -> int:
+        return hash(self.sensor_parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class BlindRun(Run):
+    """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
+
+    known: BlindScenario | None = None
+
+    @classmethod
+    def of_readings(
+        cls, scenario: Scenario, t_ns: Integers, vectors: Mapping[str, Array], field_t_ns: Integers | None
+    ) -> BlindRun:
+        """The run of readings that arrive at their stamps.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        t_ns : ndarray of int64, shape (M,)
+            Stamps of the IMU, ns.
+        vectors : mapping of str to ndarray
+            ``gyro``, rad/s, and ``specific_force``, m/s², of shape (M, 3), and ``field``, T, of shape (L, 3).
+        field_t_ns : ndarray of int64, shape (L,), or None
+            Stamps of the magnetometer, ns; None without one.
+        """
+        of_imu = {"gyro": vectors["gyro"], "specific_force": vectors["specific_force"]}
+        biases = {"gyro_bias": None, "accelerometer_bias": None, "orientation_xyzw": None}
+        sensors = {"imu": SensorArrays(t_ns, t_ns, {**of_imu, **biases})}
+        if field_t_ns is not None:
+            sensors["magnetometer"] = SensorArrays(field_t_ns, field_t_ns, {"field": vectors["field"]})
+        none: Any = None
+        return cls(t_ns, none, sensors, (), known=BlindScenario.of(scenario))
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario without its start and its seed."""
+        assert self.known is not None
+        return self.known
+
+    def attitude(self) -> NoReturn:
+        """Refused: it is the truth."""
+        _refuse("run.attitude()")
+
+    def score(self, *arguments: Any, **options: Any) -> NoReturn:
+        """Refused: it tells the error."""
+        _refuse("run.score()")
+
+    def to_bag(self, *arguments: Any, **options: Any) -> NoReturn:
+        """Refused: a bag has the truth."""
+        _refuse("run.to_bag()")
+
+    def certificate(self, *arguments: Any, **options: Any) -> NoReturn:
+        """Refused: it is made from a bag."""
+        _refuse("run.certificate()")
+
+    def unavoidable_error(self) -> NoReturn:
+        """Refused: it is computed from the truth."""
+        _refuse("run.unavoidable_error()")
+
+    def gyro_bias_at(self, t_ns: Any) -> NoReturn:
+        """Refused: it is the true bias."""
+        _refuse("run.gyro_bias_at()")

@@ -1,0 +1,165 @@
+"""The rule by which repairs are chosen, and the repairs themselves."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.diagnosis.choice import Candidate, choose
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
+from lie_rigid_body.diagnosis.trial import MARGIN, PathTruth, TrialReadings, trials_of
+from lie_rigid_body.evaluation.attitudes import angles_between
+from lie_rigid_body.evaluation.causes import CAUSES, Track
+from lie_rigid_body.lie import quaternion
+
+FLOOR = 0.001
+REPAIRS = {repair.code: repair for repair in exact_repairs()}
+
+
+def candidate(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Candidate:
+    constants = tuple((code, (0.0,)) for code in outputs)
+    return Candidate(tuple(REPAIRS[code] for code in codes), constants, error, "integrated")
+
+
+@pytest.mark.parametrize(
+    ("found", "named", "or_else"),
+    [
+        ([candidate("gyro_axes", error=0.0)], ("gyro_axes",), ()),
+        ([candidate("gyro_axes", error=0.101)], None, ()),  # more than a tenth
+        ([candidate("gyro_axes", error=0.099)], ("gyro_axes",), ()),
+        (  # below the floor all are equal: the fewest, the cheapest, the first of the table
+            [
+                candidate("gyro_axes", "gyro_units", error=0.0),
+                candidate(outputs=("world_turned",), error=0.0),
+                candidate("magnetometer_axes", error=0.0009),
+                candidate("accelerometer_axes", error=0.0005),
+            ],
+            ("accelerometer_axes",),
+            ("magnetometer_axes", "world_turned"),
+        ),
+        (
+            [candidate(outputs=("world_turned",), error=0.0), candidate(outputs=("lagging",), error=0.0)],
+            ("lagging",),
+            ("world_turned",),
+        ),
+        (  # above it within a factor of 2
+            [candidate("magnetometer_axes", error=0.02), candidate("gyro_axes", error=0.039)],
+            ("gyro_axes",),
+            ("magnetometer_axes",),
+        ),
+        ([candidate("magnetometer_axes", error=0.02), candidate("gyro_axes", error=0.041)], ("magnetometer_axes",), ()),
+    ],
+)
+def test_fewest_then_cheapest_then_first_is_named(
+    found: list[Candidate], named: tuple[str, ...] | None, or_else: tuple[str, ...]
+) -> None:
+    choice = choose([candidate(error=1.0), *found], FLOOR)
+    assert (choice.named.codes if choice else None) == named
+    if choice:
+        assert choice.or_else(choice.named.codes[0]) == or_else
+
+
+def test_nothing_is_named_below_the_floor() -> None:
+    assert choose([candidate(error=0.9 * FLOOR), candidate("gyro_axes", error=0.0)], FLOOR) is None
+
+
+def test_small_error_is_mended_by_a_repair_that_halves_it_below_the_floor() -> None:
+    before = candidate(error=1.5 * FLOOR)
+    assert choose([before, candidate("gyro_axes", error=0.8 * FLOOR)], FLOOR) is None
+    assert choose([before, candidate("gyro_axes", error=0.7 * FLOOR)], FLOOR) is not None
+
+
+def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
+    repairs = Counter(repair.code for repair in exact_repairs())
+    assert [repairs[f"{sensor}_axes"] for sensor in SENSORS] == [47, 47, 47]
+    assert repairs["body_axes"] == 23
+    assert {*repairs, *FITTED, *(cause.code for cause in CAUSES)} == {*ORDER}
+    assert len({(repair.code, repair.text) for repair in exact_repairs()}) == len(exact_repairs())
+
+
+@pytest.mark.parametrize("kind", ["integrated", "instantaneous"])
+def test_readings_are_those_of_the_path(kind: str) -> None:
+    trial = trials_of({})[1].of_kind(kind)
+    readings = trial.readings()
+    imu = readings.run().imu
+    assert imu is not None
+    truth = PathTruth(trial.scenario, trial.rest_s).at(imu.t_ns)
+    assert imu.t_ns[0] == 0
+    assert len(imu.t_ns) == len(readings.t_ns) - 2 * MARGIN
+    up = quaternion.rotate(truth, imu.specific_force)
+    assert np.max(np.abs(up - [0.0, 0.0, 9.80665])) < 1e-13
+    steps = quaternion.exp(imu.gyro[1:] * 0.01)
+    left = angles_between(quaternion.multiply(truth[:-1], steps), truth[1:]).max()
+    assert left < 1e-13 if kind == "integrated" else 1e-6 < left < 1e-2
+    assert np.abs(imu.gyro[:100]).max() < 1e-13  # at rest
+    assert np.abs(imu.gyro[101:]).min(axis=0).max() > 0.0
+
+
+def given(readings: TrialReadings) -> dict[str, Any]:
+    """What a filter is given, by name."""
+    run = readings.run()
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    return {"gyro": run.imu.gyro, "specific_force": run.imu.specific_force, "field": run.magnetometer.field}
+
+
+def test_late_readings_are_undone_by_earlier_ones() -> None:
+    readings = trials_of({})[0].readings()
+    for sensor, name in SENSORS.items():
+        moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
+        assert np.array_equal(moved[name], given(readings)[name])
+        once = given(late(sensor, 3).change(readings))
+        assert np.array_equal(once[name][:-3], given(readings)[name][3:])
+
+
+def test_joint_repair_gives_the_first_reading_twice() -> None:
+    plain = trials_of({})[0].readings()
+    moved = given(JOINT.change(plain))
+    for name in ("specific_force", "field"):
+        assert np.array_equal(moved[name][1:], given(plain)[name][:-1])
+        assert np.array_equal(moved[name][0], given(plain)[name][0])
+    assert np.array_equal(moved["gyro"], given(plain)["gyro"])
+
+
+@pytest.mark.parametrize(
+    ("code", "constants"),
+    [
+        ("heading_offset", [0.4]),
+        ("world_turned", [0.3, -0.2, 0.5]),
+        ("body_mounting", [0.1, 0.2, -0.6]),
+        ("lagging", [0.043]),
+        ("leading", [-0.031]),
+        ("clock_rate", [1.07]),
+        ("euler_order", [1.0, 0.0]),
+        ("inverted", [0.0]),
+        ("scalar_first", [0.0]),
+        ("ned_world", [1.0]),
+    ],
+)
+def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> None:
+    trial = trials_of({})[0]
+    truth, stamps = PathTruth(trial.scenario, trial.rest_s), np.arange(300, 1300) * 10_000_000
+    q, (x, *_) = truth.at(stamps), constants
+    from scipy.spatial.transform import Rotation
+
+    put = {
+        "heading_offset": lambda: quaternion.multiply(quaternion.exp([0.0, 0.0, x]), q),
+        "world_turned": lambda: quaternion.multiply(quaternion.exp(constants), q),
+        "body_mounting": lambda: quaternion.multiply(q, quaternion.exp(constants)),
+        "lagging": lambda: truth.at(stamps - round(x * 1e9)),
+        "leading": lambda: truth.at(stamps - round(x * 1e9)),
+        "clock_rate": lambda: truth.at(stamps[0] + np.round((stamps - stamps[0]) * x).astype(np.int64)),
+        "euler_order": lambda: Rotation.from_euler("XYZ", Rotation.from_quat(q).as_euler("ZYX")[:, ::-1]).as_quat(),
+        "inverted": lambda: q * [-1.0, -1.0, -1.0, 1.0],
+        "scalar_first": lambda: np.roll(q, 1, axis=1),
+        "ned_world": lambda: quaternion.multiply(
+            [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], q[:, [3, 2, 1, 0]] * [1, 1, -1, -1]
+        ),
+    }[code]()
+    (cause,) = (each for each in CAUSES if each.code == code)
+    fitted, left = cause.fitted([Track(stamps, put, truth)])
+    assert left < 1e-7
+    assert fitted == pytest.approx(constants, abs=1e-7)

@@ -1,0 +1,202 @@
+"""What `diagnose` says of textbook filters with and without mistakes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import textbook
+
+import lie_rigid_body
+from lie_rigid_body import InputError
+from lie_rigid_body.cli.diagnose import main
+from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
+from lie_rigid_body.lie import quaternion
+
+HERE = Path(__file__).parent
+CODES = [
+    "follows",
+    "half_turn",
+    "irregular_steps",
+    "converges",
+    "gyro_bias",
+    "accelerometer_bias",
+    "hard_iron",
+    "noise",
+    "dropouts",
+    "long_run",
+    "repeatable",
+    "norm",
+    "finite",
+    "needs_rest",
+]
+
+
+def failed(found: FilterDiagnosis) -> list[str]:
+    return [probe.code for probe in found.probes if not probe.passed]
+
+
+def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
+    found = lie_rigid_body.diagnose(textbook.triad)
+    assert found.mistakes == ()
+    assert [probe.code for probe in found.probes] == CODES
+    assert failed(found) == []
+    assert found.passed
+    assert found.rms_deg < 1e-10
+    assert [note.code for note in found.notes] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "codes"),
+    [
+        (lambda q: q * [-1.0, -1.0, -1.0, 1.0], ["inverted"]),
+        (lambda q: np.roll(q, 1, axis=1), ["scalar_first"]),
+        (lambda q: quaternion.multiply([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], q), ["ned_world"]),
+    ],
+)
+def test_convention_of_the_output_is_named_without_a_search(change: Callable[[Any], Any], codes: list[str]) -> None:
+    found = diagnose(lambda run: change(textbook.triad(run)))
+    assert [mistake.code for mistake in found.mistakes] == codes
+    assert found.mistakes[0].rms_deg_after < 1e-10
+    assert found.mistakes[0].rms_deg_before > 60.0
+    assert found.filter_runs < 120
+    assert len(found.remarks) == 1
+    assert not found.passed
+
+
+@pytest.mark.slow
+def test_mistake_of_the_input_is_named_with_its_repair() -> None:
+    found = diagnose(textbook.upside_down)
+    assert [(m.code, m.repair) for m in found.mistakes] == [("accelerometer_axes", "-x -y -z")]
+    assert found.mistakes[0].rms_deg_after < 1e-10
+    assert len(found.errors) == 2
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+def test_two_mistakes_are_named_one_after_the_other() -> None:
+    found = diagnose(textbook.two_mistakes)
+    assert {(m.code, m.repair) for m in found.mistakes} == {
+        ("accelerometer_axes", "y x z"),
+        ("magnetometer_axes", "x y -z"),
+    }
+    first, second = found.mistakes
+    assert second.rms_deg_before == pytest.approx(first.rms_deg_after)
+    assert second.rms_deg_after < 1e-10
+
+
+def test_run_of_a_diagnosis_tells_no_truth() -> None:
+    seen: list[Any] = []
+
+    def estimate(run: Any) -> Any:
+        seen.append(run)
+        raise ZeroDivisionError
+
+    with pytest.raises(InputError):
+        diagnose(estimate)
+    (run,) = seen
+    assert run.truth is None
+    names = ("attitude", "to_bag", "certificate", "unavoidable_error")
+    for ask in [*(getattr(run, name) for name in names), lambda: run.score([[0, 0, 0, 1]]), run.scenario.exact_motion]:
+        with pytest.raises(InputError):
+            ask()
+    for name in ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed"):
+        assert name not in run.scenario.parameters()
+        assert not hasattr(run.scenario, name)
+    assert run.imu.gyro_bias is None
+    assert run.scenario.parameters()["imu_rate"] == 100.0
+
+
+def test_nan_fails_the_probe_with_the_first_sample() -> None:
+    found = diagnose(textbook.not_a_number, max_runs=1)
+    finite = next(probe for probe in found.probes if probe.code == "finite")
+    assert (finite.passed, finite.value) == (False, 7.0)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "said"),
+    [
+        (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
+        (textbook.of_wrong_shape, ["(1300, 3)"]),
+    ],
+)
+def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        diagnose(estimate)
+    assert [word for word in said if word not in str(caught.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"gyro_noise_density": 1e-3}, "gyro_noise_density"),
+        ({"initial_body_rate": [0.0, 0.0, 0.0]}, "initial_body_rate"),
+        ({"workers": 0}, "workers"),
+        ({"timeout": 0.0}, "timeout"),
+    ],
+)
+def test_argument_that_cannot_be_is_refused(arguments: dict[str, Any], name: str) -> None:
+    with pytest.raises(InputError, match=name):
+        diagnose(textbook.triad, **arguments)
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(HERE)
+
+
+@pytest.mark.usefixtures("here")
+def test_verb_names_a_mistake_with_status_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    page = tmp_path / "out.html"
+    assert main(["textbook:scalar_first", "--json", "--workers", "1", "--report", str(page)]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [mistake["code"] for mistake in found["mistakes"]] == ["scalar_first"]
+    assert set(found) == {"mistakes", "probes", "notes", "filter_runs", "passed"}
+    assert set(found["mistakes"][0]) == {"code", "message", "repair", "rms_deg_before", "rms_deg_after", "or_else"}
+    assert set(found["probes"][0]) == {"code", "passed", "message", "value"}
+    assert "<svg" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", ["textbook", "textbook:none_such", "no_such_module:estimate", "textbook:HERE"])
+def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([name, "--workers", "1"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(("name", "word"), [("hangs", "--timeout"), ("dies", "status 3")])
+def test_filter_that_hangs_or_dies_is_ended(name: str, word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([f"textbook:{name}", "--workers", "2", "--timeout", "8"]) == 2
+    assert word in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"gyro": np.radians}, "gyro_units"),
+        ({"gyro": lambda v: v[:, [1, 0, 2]]}, "gyro_axes"),
+        ({"gyro": lambda v: 1.05 * v}, "time_step"),
+        ({"gyro": textbook.late(1)}, "gyro_late"),
+        ({"force": textbook.late(3)}, "accelerometer_late"),
+        ({"field": textbook.late(3)}, "magnetometer_late"),
+        ({"field": lambda v: v[:, [1, 0, 2]]}, "magnetometer_axes"),
+    ],
+)
+def test_mistake_in_mahonys_filter_is_named(changes: dict[str, Any], code: str) -> None:
+    found = diagnose(lambda run: textbook.mahony(textbook.changed(run, **changes)))
+    assert [mistake.code for mistake in found.mistakes] == [code]
+    assert found.mistakes[0].rms_deg_after < 0.01
+
+
+@pytest.mark.slow
+def test_right_filter_that_expects_integrated_rates_is_told_so() -> None:
+    found = diagnose(textbook.mahony, workers=2)
+    assert found.passed
+    assert {note.code: note.value for note in found.notes} == {"gyro_kind": "integrated"}

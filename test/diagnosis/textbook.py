@@ -1,0 +1,145 @@
+"""Attitude filters as in textbooks, written for these tests, and mistakes to be put into them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import cos, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+Change = Callable[[Array], Array]
+Quaternion = tuple[float, float, float, float]
+Vector = tuple[float, float, float]
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    a, b, c, w = p
+    x, y, z, v = q
+    return (
+        w * x + a * v + b * z - c * y,
+        w * y - a * z + b * v + c * x,
+        w * z + a * y - b * x + c * v,
+        w * v - a * x - b * y - c * z,
+    )
+
+
+def exponential(v: Vector) -> Quaternion:
+    angle = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    s = sin(0.5 * angle) / angle if angle > 1e-12 else 0.5
+    return v[0] * s, v[1] * s, v[2] * s, cos(0.5 * angle)
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def to_body(q: Quaternion, v: Vector) -> Vector:
+    x, y, z, _ = product(product((-q[0], -q[1], -q[2], q[3]), (*v, 0.0)), q)
+    return x, y, z
+
+
+def unit(v: Sequence[float]) -> Vector:
+    x, y, z = v
+    size = sqrt(x * x + y * y + z * z) or 1.0
+    return x / size, y / size, z / size
+
+
+def frames(first: Array, second: Array) -> Array:
+    across = np.cross(first, second)
+    axes = np.stack([first, across, np.cross(first, across)], axis=-1)
+    return axes / np.linalg.norm(axes, axis=-2, keepdims=True)
+
+
+def triad(run: Any) -> Array:
+    """The attitude that each pair of readings tells (TRIAD)."""
+    from scipy.spatial.transform import Rotation
+
+    world = frames(np.array([0.0, 0.0, 1.0]), np.array(run.scenario.parameters()["magnetic_field"]))
+    body = frames(run.imu.specific_force, run.magnetometer.field)
+    return Rotation.from_matrix(world @ np.swapaxes(body, -1, -2)).as_quat()
+
+
+def mahony(run: Any, kp: float = 2.0, ki: float = 0.2, *, nominal: float | None = None) -> Array:
+    """Mahony's filter with the gyro's step first; it begins with TRIAD."""
+    field = unit(run.scenario.parameters()["magnetic_field"])
+    q: Quaternion = tuple(triad(run)[0].tolist())
+    steps = np.diff(run.imu.t_ns, prepend=2 * run.imu.t_ns[0] - run.imu.t_ns[1]) / 1e9
+    bx = by = bz = 0.0
+    out = []
+    readings = (steps, run.imu.gyro, run.imu.specific_force, run.magnetometer.field)
+    for dt, gyro, force, magnetic in zip(*(each.tolist() for each in readings), strict=True):
+        dt = nominal or dt
+        q = product(q, exponential(((gyro[0] - bx) * dt, (gyro[1] - by) * dt, (gyro[2] - bz) * dt)))
+        e, f = cross(unit(force), to_body(q, (0.0, 0.0, 1.0))), cross(unit(magnetic), to_body(q, field))
+        ex, ey, ez = e[0] + f[0], e[1] + f[1], e[2] + f[2]
+        bx, by, bz = bx - ki * ex * dt, by - ki * ey * dt, bz - ki * ez * dt
+        q = product(q, exponential((kp * ex * dt, kp * ey * dt, kp * ez * dt)))
+        size = sqrt(sum(x * x for x in q))
+        q = (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
+        out.append(q)
+    return np.array(out)
+
+
+def as_it_is(vectors: Array) -> Array:
+    return vectors
+
+
+def late(samples: int) -> Change:
+    return lambda vectors: np.concatenate([vectors[:1]] * samples + [vectors[:-samples]])
+
+
+def changed(
+    run: Any, gyro: Change = as_it_is, force: Change = as_it_is, field: Change = as_it_is, *, samples: int = 0
+) -> Any:
+    """A run whose readings a filter mistakes, as if its own code did it."""
+    imu = replace(run.imu, gyro=gyro(run.imu.gyro), specific_force=force(run.imu.specific_force))
+    return replace(run, imu=imu, magnetometer=replace(run.magnetometer, field=field(run.magnetometer.field)))
+
+
+def in_degrees(run: Any) -> Array:
+    """Mahony's filter with a gyro that it takes for one in degrees a second."""
+    return mahony(changed(run, gyro=np.radians))
+
+
+def right(run: Any) -> Array:
+    return mahony(run)
+
+
+def scalar_first(run: Any) -> Array:
+    return np.roll(triad(run), 1, axis=1)
+
+
+def upside_down(run: Any) -> Array:
+    return triad(changed(run, force=lambda v: -v))
+
+
+def two_mistakes(run: Any) -> Array:
+    return triad(changed(run, force=lambda v: v[:, [1, 0, 2]], field=lambda v: v * [1.0, 1.0, -1.0]))
+
+
+def raises(run: Any) -> Array:
+    raise ZeroDivisionError("of the filter")
+
+
+def of_wrong_shape(run: Any) -> Array:
+    return triad(run)[:, :3]
+
+
+def not_a_number(run: Any) -> Array:
+    attitude = triad(run)
+    attitude[7:] = np.nan
+    return attitude
+
+
+def hangs(run: Any) -> Array:
+    while True:
+        pass
+
+
+def dies(run: Any) -> Array:
+    import os
+
+    os._exit(3)
