@@ -34,7 +34,7 @@ class FilterError(InputError):
 
 
 class Source(Protocol):
-    """Where a filter is found, by any process of this machine."""
+    """Place at which any process of this machine finds a filter."""
 
     def load(self) -> Estimator:
         """The filter as a function of a run."""

@@ -14,7 +14,7 @@ from lie_rigid_body.diagnosis.choice import Outputs, undo
 from lie_rigid_body.diagnosis.filter import Answer, Filter, FilterError
 from lie_rigid_body.diagnosis.repairs import Repair
 from lie_rigid_body.diagnosis.result import Note, Probe
-from lie_rigid_body.diagnosis.trial import ALTERNATING, REST, WALK, Errors, PathTruth, Trial, Vector
+from lie_rigid_body.diagnosis.trial import ALTERNATING, REST, WALK, PathTruth, SensorErrors, Trial, Vector
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import VectorReadings, attitude_nees, unavoidable_error
 from lie_rigid_body.evaluation.attitudes import angles_between
@@ -194,7 +194,7 @@ def converges(bench: Bench) -> Probe:
 def gyro_bias(bench: Bench) -> Probe:
     """A gyro that is off by 1°/s all the time."""
     size = GYRO_BIAS / np.sqrt(3.0)
-    trial = replace(bench.trial, moving_s=60.0 - REST, errors=Errors(gyro=(size, -size, size)))
+    trial = replace(bench.trial, moving_s=60.0 - REST, errors=SensorErrors(gyro=(size, -size, size)))
     errors = bench.errors(trial, 0.0)
     first, second, last = (rms(errors[len(errors) * k // 4 : len(errors) * (k + 1) // 4]) for k in (0, 1, 3))
     alone = BIAS_SHARE * GYRO_BIAS * 52.5
@@ -208,7 +208,7 @@ def gyro_bias(bench: Bench) -> Probe:
 
 
 def _constant_error(
-    bench: Bench, code: str, along: Callable[[float, int], Errors], vector: object, what: str
+    bench: Bench, code: str, along: Callable[[float, int], SensorErrors], vector: object, what: str
 ) -> Probe | None:
     size = float(np.linalg.norm(np.asarray(vector, dtype=float)))
     field = np.array(bench.trial.scenario.parameters()["magnetic_field"], dtype=float)
@@ -231,7 +231,7 @@ def accelerometer_bias(bench: Bench) -> Probe | None:
     return _constant_error(
         bench,
         "accelerometer_bias",
-        lambda size, axis: Errors(specific_force=_axis(size, axis)),
+        lambda size, axis: SensorErrors(specific_force=_axis(size, axis)),
         [gravity],
         "an accelerometer",
     )
@@ -241,7 +241,7 @@ def hard_iron(bench: Bench) -> Probe | None:
     """One axis of the magnetometer that is off by a share of the field."""
     field = bench.trial.scenario.parameters()["magnetic_field"]
     return _constant_error(
-        bench, "hard_iron", lambda size, axis: Errors(field=_axis(size, axis)), field, "a magnetometer"
+        bench, "hard_iron", lambda size, axis: SensorErrors(field=_axis(size, axis)), field, "a magnetometer"
     )
 
 
@@ -253,7 +253,7 @@ def _noisy(trial: Trial, seed: int = 1) -> Trial:
     rates = [float(str(trial.scenario.parameters()[name])) for name in ("imu_rate", "imu_rate", "magnetometer_rate")]
     gyro, force, field = (density * rate**0.5 for density, rate in zip(densities, rates, strict=True))
     told = trial.with_parameters(**dict(zip(names, densities, strict=True)))
-    return replace(told, errors=Errors(noise=(gyro, force, field), seed=seed))
+    return replace(told, errors=SensorErrors(noise=(gyro, force, field), seed=seed))
 
 
 def noise(bench: Bench) -> Probe:

@@ -73,7 +73,7 @@ WALK: Final = "walk"
 
 
 @dataclass(frozen=True)
-class Errors:
+class SensorErrors:
     """Errors of the sensors in a trial.
 
     Attributes
@@ -108,7 +108,7 @@ class Trial:
         from 2/3 to 4/3.
     gaps_s : tuple of float
         Times at which readings are lost for a second, s.
-    errors : Errors
+    errors : SensorErrors
     """
 
     scenario: Scenario
@@ -116,7 +116,7 @@ class Trial:
     rest_s: float = REST
     grid: str = EVEN
     gaps_s: tuple[float, ...] = ()
-    errors: Errors = field(default_factory=Errors)
+    errors: SensorErrors = field(default_factory=SensorErrors)
 
     def of_kind(self, kind: str) -> Trial:
         """The trial with a kind of gyro."""
