@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from functools import partial
+from importlib import import_module
 
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
@@ -44,7 +45,7 @@ def test_process_ends_with_status_2() -> None:
 
 @pytest.mark.ros
 def test_no_answer_is_status_2(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("lie_rigid_body.ros.client.LONGEST_SILENCE", 0.1)
+    monkeypatch.setattr(import_module("lie_rigid_body.ros.client"), "LONGEST_SILENCE", 0.1)
     assert main(["--reset", "/nobody"]) == 2
     [line] = capfd.readouterr().err.splitlines()
     assert "no service /nobody" in line
@@ -95,7 +96,7 @@ def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.
 
 @pytest.mark.ros
 def test_no_answer_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("lie_rigid_body.ros.client.LONGEST_SILENCE", 0.1)
+    monkeypatch.setattr(import_module("lie_rigid_body.ros.client"), "LONGEST_SILENCE", 0.1)
     for option in (["--reset", "/nobody"], ["--scenario", "/nobody"], ["--get", "rate", "--node", "/nobody"]):
         assert main(option) == 2
         [line] = capfd.readouterr().err.splitlines()
