@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -115,10 +116,9 @@ class Certificate:
     def laws(self) -> tuple[LawResult, ...]:
         """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
         worst: dict[str, LawResult] = {}
-        for segment in self.segments:
-            for law in segment.laws:
-                worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
-        return (*worst.values(), *self.whole)
+        for law in (*itertools.chain.from_iterable(segment.laws for segment in self.segments), *self.whole):
+            worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
+        return tuple(worst.values())
 
     @property
     def residuals(self) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans
+from lie_rigid_body.arrays import Array, Booleans, same_bits
 from lie_rigid_body.certificate.law_result import LawResult, LawTally
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.residuals_over_time import Watch
@@ -134,8 +134,8 @@ class SegmentLaws:
         resolved = spans * fastest <= LONGEST_TURN
         followed = np.where(resolved, spans, 0.0)
         exact = self._motion.at(elapsed)
-        self._is_exact &= np.array_equal(block.states.attitude_xyzw, exact.attitude_xyzw)
-        self._is_exact &= np.array_equal(block.states.body_rate, exact.body_rate)
+        self._is_exact &= same_bits(block.states.attitude_xyzw, exact.attitude_xyzw)
+        self._is_exact &= same_bits(block.states.body_rate, exact.body_rate)
         return ComparedSamples(
             self._body,
             self._start,

@@ -103,11 +103,11 @@ class Tolerance:
         """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
 
         That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
-        between them add, and an error of the rate before them.
+        between them add, and an error of the rate before them, which is capped as that of any gyro.
         """
         spans = np.array([span])
         turn, growth = self.fastest * spans, self._growth(self.fastest * spans)
-        between = self.drift.attitude_step(spans) + turn * (self.drift.rate_step(spans) + self.drift.rate(t))
+        between = self.drift.attitude_step(spans) + turn * self.drift.rate_step(spans) + spans * self.stepper_rate(t)
         turned = np.minimum(2.0 * self.drift.attitude(t), growth * between)
         return np.asarray(np.minimum(turned, ATTITUDE_CAP) / span)
 

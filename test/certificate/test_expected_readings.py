@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sensor_bags import BODY, FORCE, NOISY, RATES
 from test_certified_faults import EVERY, LATER
 
-from lie_rigid_body.certificate.readings import Expected, Replay, WalkBudget
+from lie_rigid_body.certificate.readings import Expected, Replay, Replays
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors.quantisation import Converter
 from lie_rigid_body.simulation import Simulation
@@ -47,7 +47,7 @@ def test_a_replay_gives_the_readings_of_the_simulation_wherever_it_begins(simula
     segment, taken = simulated
     limits: dict[tuple[str, str, int], bytes] = {}
     for name, samples in taken.items():
-        replay, last = Replay(segment, name, 3.0, WalkBudget()), len(samples) - 1
+        replay, last = Replay(segment, name, 3.0, Replays()), len(samples) - 1
         for order in (steps, steps[::-1]):
             for first in (last * step // 60 for step in order):
                 numbers = np.arange(first, min(first + width, last + 1))
@@ -64,7 +64,7 @@ def test_a_replay_gives_the_readings_of_the_simulation_wherever_it_begins(simula
 def test_only_steps_of_walks_cost_work():
     simulation = Simulation(SCENARIO)
     for name, walks in (("imu", True), ("magnetometer", False), ("sun_sensor", False)):
-        work = WalkBudget()
-        work.allows(work._left - 1000)
+        work = Replays()
+        work.allow(work._left - 1000)
         replay = Replay(simulation.segment, name, 3.0, work)
         assert (replay.piece(np.array([5000])) is None) == walks
