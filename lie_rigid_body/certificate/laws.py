@@ -9,10 +9,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, same_bits
-from lie_rigid_body.certificate.law_result import LawResult, LawTally
+from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.residuals import WORK, Residuals
-from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
+from lie_rigid_body.certificate.survey import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
@@ -77,8 +76,6 @@ class HeldLaws:
     ----------
     results : tuple of LawResult
         How near each law came to its limit.
-    fastest : float
-        Bound of the body rate, rad/s.
     motion_error : float
         How far the declared motion may err until the last sample, rad, before any cap.
     is_exact : bool
@@ -86,7 +83,6 @@ class HeldLaws:
     """
 
     results: tuple[LawResult, ...]
-    fastest: float
     motion_error: float
     is_exact: bool
 
@@ -156,7 +152,7 @@ class SegmentLaws:
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
         results = tuple(judgement.result() for judgement in self._judgements.values())
-        return HeldLaws(results, self._tolerance.fastest, expected, self._is_exact)
+        return HeldLaws(results, expected, self._is_exact)
 
 
 def _all_laws(compared: ComparedSamples) -> Iterator[_Law]:

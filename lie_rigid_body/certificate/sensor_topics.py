@@ -10,9 +10,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers, same_bits
-from lie_rigid_body.certificate.law_result import LawResult, LawTally
+from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.readings import Piece, Replays, limits_of
-from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder

@@ -7,9 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.law_result import LawResult, Watch
 from lie_rigid_body.certificate.readings import Replays
-from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensor_topics import MOST_LOST, SegmentSensor, value_laws
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
@@ -81,7 +80,9 @@ class SensorLaws:
             for topic in sensor.topics
             if topic.name in self._held and topic.name in bag.sensors
         }
-        self._faults = self._fault_law() if FAULTS in self._held else None
+        most, own = MOST_LOOKED_THROUGH + 2 * sum(topic.count for topic in bag.sensors.values()), surveyed.as_written
+        is_due = FAULTS in self._held
+        self._faults = FaultLaw(surveyed.declared, self._horizon_ns, is_whole=own, most=most) if is_due else None
         self._last_ns = {id(found.segment): found.last_ns for found in surveyed.segments}
         self._sensors: dict[tuple[int, str], SegmentSensor] = {}  # by the segment's place among those declared
         self._strays = Counter[tuple[int, str]]()
@@ -94,11 +95,6 @@ class SensorLaws:
     def wanted(self) -> list[str]:
         """The topics of the bag that are to be added, by their relative names."""
         return [*self._clocks, *({FAULTS} & self._held & self._bag.sensors.keys())]
-
-    def _fault_law(self) -> FaultLaw:
-        most = MOST_LOOKED_THROUGH + 2 * sum(sensor.count for sensor in self._bag.sensors.values())
-        own = self._surveyed.as_written
-        return FaultLaw(self._surveyed.declared, self._horizon_ns, is_whole=own, most=most)
 
     @property
     def _horizon_ns(self) -> int:
