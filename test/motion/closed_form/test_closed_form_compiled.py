@@ -15,7 +15,7 @@ from test_ensembles import INERTIAS, RATES, attitudes, many, tensors
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import evaluation
-from lie_rigid_body.motion.closed_form.evaluation import compile_all
+from lie_rigid_body.motion.closed_form.solution import compile_all
 from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS
 
 RANDOM = np.random.default_rng(12)
