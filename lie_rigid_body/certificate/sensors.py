@@ -1,4 +1,16 @@
-"""The sensors of a bag, held against the readings that its scenarios determine."""
+"""The sensors of a bag: their readings are replayed, paired with its messages, compared, and what came of it is told.
+
+What makes that less simple, and where it is dealt with:
+
+- The same stamp may be shown twice, as clocks err and resets change them: messages are paired by `SensorClocks`.
+- A recorder came late, or lost readings: `Replay.piece` begins anywhere, and a gap is no reason to replay all of it.
+- It may have lost the truth, but not the sensors: `Replay` has limits of the readings' own time, and `SensorLaws` holds
+  segments without a sample as well.
+- Converters make steps: `Expected.residuals` compares behind the converter what may differ before it.
+- A reset that takes a sensor away leaves out what was under way: `SegmentSensor.last_due`.
+- Forged stamps lie years ahead, and scenarios declare what nobody recorded: `SegmentSensor.lost`, `Replays.allow` and
+  the horizon of `SensorLaws` bound the work, and only topics that the bag has are replayed.
+"""
 
 from __future__ import annotations
 

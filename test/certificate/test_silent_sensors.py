@@ -131,10 +131,14 @@ def test_readings_under_a_scenario_without_a_sample_are_judged(tmp_path, change)
     assert len(found.segments) == 1
     assert {law.name for law in found.whole} >= {"gyro", "magnetometer", "IMU stamps"}
     for topic, numbers, law in ((IMU, 24, "gyro"), (MAG, 12, "magnetometer")):
-        off = on(topic, lambda ms, n=numbers: [*ms[:-5], with_numbers(ms[-5], n, lambda x: x + 1e-6), *ms[-4:]])
-        found = verdict(path, tmp_path, lambda ms, off=off: change(cut(off(ms))))
+        off = on(topic, partial(shifted, numbers))
+        found = verdict(path, tmp_path, partial(lambda off, ms: change(cut(off(ms))), off))
         assert law in broken(found)
         assert found.segments[0].passed
+
+
+def shifted(numbers: int, messages: list[Message]) -> list[Message]:
+    return [*messages[:-5], with_numbers(messages[-5], numbers, lambda x: x + 1e-6), *messages[-4:]]
 
 
 def keep(topic: str, when: Callable[[int], bool], messages: list[Message]) -> list[Message]:
