@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -115,11 +114,12 @@ class SegmentLaws:
 
     def _add(self, new: Block) -> None:
         block = new if self._before is None else self._before.joined(new)
-        compared = self._compared(block)
-        for law in _all_laws(compared):
+        for law in _all_laws(self._compared(block)):
             judgement = self._judgements.setdefault(law.name, LawTally(law.name, law.unit, law.what, watch=self._watch))
-            last = slice(len(block.stamps_ns) - len(law.values), None)
-            judgement.add(law.values, law.limits, block.samples[last], block.stamps_ns[last])
+            count = min(len(law.values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
+            own, last = slice(len(law.values) - count, None), slice(len(block.stamps_ns) - count, None)
+            limits = np.broadcast_to(law.limits, law.values.shape)
+            judgement.add(law.values[own], limits[own], block.samples[last], block.stamps_ns[last])
         if len(block.stamps_ns):
             self._before = block[-1:]
 
@@ -155,21 +155,15 @@ class SegmentLaws:
         return HeldLaws(results, expected, self._is_exact)
 
 
-def _all_laws(compared: ComparedSamples) -> Iterator[_Law]:
-    first = 1 if compared.follows else 0
-    for law in (
+def _all_laws(compared: ComparedSamples) -> tuple[_Law, ...]:
+    return (
         _unit_norm(compared),
         _kinetic_energy(compared),
         *_world_momentum(compared),
         *_neighbours(compared),
         _closed_form(compared),
         _exact_rate(compared),
-    ):
-        if len(law.values) < len(compared.t) or not first:  # of intervals, or of samples that are all new
-            yield law
-        else:
-            limits = law.limits if isinstance(law.limits, float) else law.limits[first:]
-            yield law._replace(values=law.values[first:], limits=limits)
+    )
 
 
 def _unit_norm(compared: ComparedSamples) -> _Law:
