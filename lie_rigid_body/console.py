@@ -11,15 +11,16 @@ import sys
 import traceback
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interruption import count_as_handled, interruptible
+from lie_rigid_body.interruption import count_as_handled, interruptible, put_off
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
+    from tqdm import tqdm
 
     from lie_rigid_body.scenario import Scenario
 
@@ -175,6 +176,29 @@ def say(text: str, done: str = "") -> bool:
         before = f"{done}, but " if done else ""
         raise InputError(f"{before}stdout cannot be written: {error.strerror}: send it elsewhere") from None
     return True
+
+
+def progress(
+    items: Iterable[Any] | None = None, *, unit: str, leave: bool = False, quiet: bool = False, **more: Any
+) -> tqdm[Any]:
+    """Progress bar on stderr, as a context; it is shown on a terminal only.
+
+    Parameters
+    ----------
+    items : iterable, optional
+        What to go through; else `tqdm.update` takes what is done.
+    unit : str
+    leave : bool, optional
+        Whether it stays when all is done.
+    quiet : bool, optional
+        Whether it is not shown at all.
+    **more
+        Further arguments of `tqdm`, such as ``total``.
+    """
+    from tqdm import tqdm
+
+    with put_off():  # half a bar could not be removed
+        return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
 
 def silence(stream: TextIO) -> None:

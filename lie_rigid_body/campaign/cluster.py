@@ -6,7 +6,7 @@ import logging
 import signal
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
@@ -17,6 +17,7 @@ from lie_rigid_body.campaign.connection import Connection
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interruption import put_off
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
@@ -77,7 +78,6 @@ def require_address(scheduler: str) -> None:
 def client_of(
     workers: int | None,
     scheduler: str | None,
-    starting: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> Iterator[Client]:
     """A client of a Dask cluster: of the one at an address, or of one of processes on this machine while it lasts.
 
@@ -87,8 +87,6 @@ def client_of(
         Processes of one thread each; as many as cores by default.
     scheduler : str, optional
         Address of the scheduler of a cluster that runs already.
-    starting : callable, optional
-        Makes the context in which a cluster starts, which must not be interrupted: half of one cannot be closed.
 
     Raises
     ------
@@ -113,7 +111,7 @@ def client_of(
     others = active_children()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         with ExitStack() as parts:
-            with starting(), _deaf_children():
+            with put_off(), _deaf_children():
                 cluster = LocalCluster(
                     n_workers=workers or cores(),
                     threads_per_worker=1,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-if TYPE_CHECKING:
-    from tqdm import tqdm
+from lie_rigid_body import console
 
 PASSES: Final = 3
 """Largest number of times that a bag is read: to open it, to find its segments, and to take its samples."""
@@ -32,13 +30,9 @@ def bags_of(names: Sequence[str]) -> list[str]:
     return list(found.values())
 
 
-def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> tqdm[Any]:
-    """Progress bar of the bytes to be read of bags in so many passes, as a context; `tqdm.update` takes those read."""
-    from tqdm import tqdm
-
-    total = passes * sum(map(size, bags))
-    # disable=None: shown on a terminal only
-    return tqdm(total=total, unit="B", unit_scale=True, file=sys.stderr, disable=None, leave=False, delay=0.5)
+def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> Any:
+    """Progress bar of the bytes to be read of bags in so many passes, as a context; its ``update`` takes those read."""
+    return console.progress(total=passes * sum(map(size, bags)), unit="B", unit_scale=True, delay=0.5)
 
 
 def size(bag: str | Path) -> int:

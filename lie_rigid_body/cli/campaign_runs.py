@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 from collections.abc import Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Final
-
-from tqdm import tqdm
+from typing import Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign import Campaign
@@ -47,7 +45,7 @@ def run_campaign(given: argparse.Namespace) -> int:
         try:
             with interruption.allowed():
                 _look_at_bags(journal, wanted=not given.no_bags)
-                failed = _carry_out(campaign, journal, given, interruption)
+                failed = _carry_out(campaign, journal, given)
         except KeyboardInterrupt:
             console.complain(
                 console.program("campaign"),
@@ -64,7 +62,7 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
     """
     first = range(min(campaign.runs, MOST_TRIED))
     try:
-        bar = tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False)
+        bar = console.progress(first, desc="parameters", unit=" runs")
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -88,19 +86,16 @@ def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
         console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
-def _carry_out(
-    campaign: Campaign, journal: Journal, given: argparse.Namespace, interruption: Interruption
-) -> dict[int, BaseException]:
+def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> dict[int, BaseException]:
     """Carry out the runs that are not finished, and return the errors of those that failed, by their numbers."""
     failed: dict[int, BaseException] = {}
     errors: list[float | str | None] = []
     if len(journal) == campaign.runs:
         return failed
     runs = (run for run in range(campaign.runs) if run not in journal)
-    # disable=None: shown on a terminal only
     with (
-        tqdm(total=campaign.runs, initial=len(journal), unit=" runs", file=sys.stderr, disable=None) as bar,
-        client_of(given.workers, given.scheduler, interruption.put_off) as client,
+        console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
+        client_of(given.workers, given.scheduler) as client,
     ):
         rows = finished(
             client,
@@ -110,7 +105,7 @@ def _carry_out(
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
             lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
-            alone=_say_alone,
+            alone=partial(_say_alone, bar),
         )
         try:
             for run, row in rows:
@@ -131,8 +126,8 @@ def _carry_out(
     return failed
 
 
-def _say_alone(address: str) -> None:
-    with tqdm.external_write_mode(sys.stderr):
+def _say_alone(bar: Any, address: str) -> None:
+    with bar.external_write_mode():
         console.complain(
             console.program("campaign"), f"no worker at {address}: waiting for one; Ctrl-C ends it", "warning"
         )

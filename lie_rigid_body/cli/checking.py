@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from tqdm import tqdm
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, certify
@@ -107,5 +105,4 @@ def _refuse_proof(given: argparse.Namespace) -> None:
 
 
 def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
-    samples = prove(bag, certificate, count, inertia)
-    return Proof(tuple(tqdm(samples, unit=" samples", file=sys.stderr, disable=None, leave=False)))
+    return Proof(tuple(console.progress(prove(bag, certificate, count, inertia), unit=" samples")))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,8 +15,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
 
-    from tqdm import tqdm
-
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.interruption import count_as_handled
     from lie_rigid_body.recording.output_file import require_room, write_file
@@ -28,8 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if given.report is not None:
         require_room(given.report, given.params_file, overwrite=given.force)
     parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
-    # disable=None: shown on a terminal only
-    with tqdm(desc="diagnose", unit=" runs", file=sys.stderr, disable=None, leave=False) as bar:
+    with console.progress(desc="diagnose", unit=" runs") as bar:
         found = diagnose(
             given.estimator,
             workers=given.workers,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -118,12 +117,9 @@ def _require_room(out: Path, compression: str, count: int, readings: int) -> Non
 def _record(
     simulation: Simulation, bag: BagWriter, count: int, last_ns: int, interruption: Interruption, *, quiet: bool
 ) -> None:
-    from tqdm import tqdm
-
     from lie_rigid_body.recording.bag_writer import write_run
 
-    # disable=None: shown on a terminal only
-    with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
+    with console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=quiet) as bar:
         try:
             for written in write_run(bag, simulation, last_ns, interruption.allowed):
                 bar.update(written)
