@@ -11,7 +11,7 @@ import sys
 import traceback
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, TypeAlias
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import count_as_handled, interruptible, put_off
@@ -39,18 +39,33 @@ _PIP_NAMES: Final = {"yaml": "PyYAML"}
 Main = Callable[[Sequence[str] | None], int]
 
 
+Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
+"""Row of a parser's table: the names of an argument, and how it is read."""
+
+
+def argument(*names: str, **how: Any) -> Argument:
+    """Row of a parser's table, of what `argparse.ArgumentParser.add_argument` takes."""
+    return names, how
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser whose usage errors are one line on stderr, and status 2.
+    """Parser whose usage errors are one line on stderr, and status 2.
 
     Parameters
     ----------
     verb : str
     description : str
+    *table : Argument
+        Rows, in the order of the help.
+    epilog : str, optional
+        End of the help.
     """
 
-    def __init__(self, verb: str, description: str) -> None:
-        super().__init__(prog=program(verb), description=description, allow_abbrev=False)
+    def __init__(self, verb: str, description: str, *table: Argument, epilog: str | None = None) -> None:
+        super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
         self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
+        for names, how in table:
+            self.add_argument(*names, **how)
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """Print the help on stdout, by `say`."""
@@ -77,14 +92,13 @@ def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
     own: list[str] = []
     ros: list[str] = []
     target = own
-    for argument in argv:
-        if argument == _ROS_BEGIN:
+    for text in argv:
+        if text == _ROS_BEGIN:
             target = ros
-        if target is ros and argument == _ROS_END:
+        elif text == _ROS_END and target is ros:
             target = own
-            continue
-        if argument != _ROS_BEGIN:
-            target.append(argument)
+        else:
+            target.append(text)
     return own, [_ROS_BEGIN, *ros] if ros else []
 
 
@@ -239,8 +253,8 @@ def size(count: int) -> str:
     return f"{value:.4g} {unit}"
 
 
-def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add ``--scenario``, ``--params-file`` and ``-p``, which `parameters` reads."""
+def add_scenario_arguments(parser: Parser) -> Parser:
+    """Add ``--scenario``, ``--params-file`` and ``-p``, which `scenario` reads, to a parser."""
     group = parser.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p")
     group.add_argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them")
     group.add_argument(
@@ -259,6 +273,7 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
         dest="assignments",
         help="one parameter; may be repeated",
     )
+    return parser
 
 
 def scenario(arguments: argparse.Namespace) -> Scenario:
@@ -280,15 +295,14 @@ def scenario(arguments: argparse.Namespace) -> Scenario:
         raise error if path is None else InputError(f"{path}: {error}") from None
 
 
-def add_topic_argument(parser: argparse.ArgumentParser) -> None:
-    """Add ``--topic``, which `topic_names` reads."""
-    parser.add_argument(
-        "--topic",
-        metavar="NAME:=/TOPIC",
-        action="append",
-        default=[],
-        help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
-    )
+TOPIC: Final = argument(
+    "--topic",
+    metavar="NAME:=/TOPIC",
+    action="append",
+    default=[],
+    help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
+)
+"""Option that `topic_names` reads."""
 
 
 def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:

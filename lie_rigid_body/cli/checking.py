@@ -18,12 +18,12 @@ from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_folders import files_of
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificate_text, html_page, overview
 from lie_rigid_body.report.certificate_page import page
+from lie_rigid_body.report.drawing import answer
 from lie_rigid_body.report.overview_page import verdicts_page
-from lie_rigid_body.wording import listed, printable
+from lie_rigid_body.wording import listed
 
 
 def check(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
@@ -69,11 +69,8 @@ def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: M
     with np.errstate(all="ignore"):  # recorded numbers may be anything
         content = None if residuals is None else page(name, certificate, residuals, pieces, proof)
     data = certificate_text.as_json(name, certificate, proof)
-    _say(
-        given,
-        json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof),
-        content,
-    )
+    text = json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof)
+    _say(given, text, content)
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
 
@@ -91,10 +88,8 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[overview.Verdict]) -> 
 
 def _say(given: argparse.Namespace, text: str, content: bytes | None) -> None:
     """Write the page, if there is one, and print the answer with its name."""
-    if content is not None:
-        write_file(given.report, content, overwrite=given.force)
-    wrote = "" if content is None or given.json else f"\nwrote {printable(given.report)}"
-    console.say(text + wrote, done="" if content is None else f"{given.report} is written")
+    files = {} if content is None else {given.report: content}
+    answer(text, files, overwrite=given.force, named=not given.json)
 
 
 def _refuse_proof(given: argparse.Namespace) -> None:

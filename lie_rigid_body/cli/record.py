@@ -66,24 +66,28 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("record", "Write a bag of a scenario, without ROS.")
-    parser.add_argument("out", metavar="OUT.mcap", type=console.path, help="the file to write")
-    console.add_scenario_arguments(parser)
-    parser.add_argument(
-        "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+    parser = console.Parser(
+        "record",
+        "Write a bag of a scenario, without ROS.",
+        console.argument("out", metavar="OUT.mcap", type=console.path, help="the file to write"),
+        console.argument(
+            "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+        ),
+        console.argument(
+            "--compression", choices=COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
+        ),
+        console.argument(
+            "--chunk-size",
+            metavar="BYTES",
+            default=str(512 * 1024),
+            help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
+        ),
+        console.argument(
+            "--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"
+        ),
+        console.argument("--quiet", action="store_true", help="print errors only"),
     )
-    parser.add_argument(
-        "--compression", choices=COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--chunk-size",
-        metavar="BYTES",
-        default=str(512 * 1024),
-        help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole")
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-    return parser
+    return console.add_scenario_arguments(parser)
 
 
 def _chunk_size(text: str) -> int:

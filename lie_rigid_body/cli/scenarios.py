@@ -12,8 +12,11 @@ from lie_rigid_body import console
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    parser = console.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
-    parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
+    parser = console.Parser(
+        "scenarios",
+        "List the scenarios that come with the package, for --scenario NAME.",
+        console.argument("--json", action="store_true", help="print them for programs, with all parameters"),
+    )
     given = parser.parse_args(argv)
 
     from lie_rigid_body.scenario.parameter_file import scenario_files

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from html import escape
-from io import StringIO
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.result import degrees
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import drawing, html_page
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _SMALLEST_DEG: Final = 1e-4
 """Smallest error that is drawn, degrees."""
@@ -46,7 +48,7 @@ def _parts(found: FilterDiagnosis) -> Iterator[str]:
         yield "<h2>Mistakes</h2>"
         yield html_page.table(("mistake", "repair", "error before", "error after", "does as well"), rows)
     if found.errors:
-        yield f"<h2>Errors over time</h2><figure>{_svg(found)}</figure>"
+        yield f"<h2>Errors over time</h2><figure>{drawing.svg(_draw(found))}</figure>"
     entries = (
         f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
         for p in found.probes
@@ -60,23 +62,17 @@ def _parts(found: FilterDiagnosis) -> Iterator[str]:
     )
 
 
-def _svg(found: FilterDiagnosis) -> str:
+def _draw(found: FilterDiagnosis) -> Figure:
     """The total error before and after each named repair."""
-    import matplotlib
     from matplotlib.figure import Figure
 
-    # the same bytes for the same errors, and text that a browser can search
-    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(9.0, 3.6), layout="constrained")
-        axes = figure.subplots()
-        for number, each in enumerate(found.errors):
-            errors = np.maximum(each.error_deg, _SMALLEST_DEG)
-            axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=each.label)
-        axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
-        axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
-        axes.grid(alpha=0.3)
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False)
-        out = StringIO()
-        figure.savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
-    return text[text.index("<svg") :]
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    axes = figure.subplots()
+    for number, each in enumerate(found.errors):
+        errors = np.maximum(each.error_deg, _SMALLEST_DEG)
+        axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=each.label)
+    axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
+    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False)
+    return figure

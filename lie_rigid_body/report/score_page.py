@@ -8,7 +8,8 @@ from html import escape
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, numbers, verdict
 from lie_rigid_body.report import html_page, score_text
-from lie_rigid_body.report.score_picture import svg
+from lie_rigid_body.report.drawing import svg
+from lie_rigid_body.report.score_picture import draw
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 
@@ -33,7 +34,7 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         *_table(score),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
-        f"<h2>Errors over time</h2><figure>{svg(title, score)}</figure>",
+        f"<h2>Errors over time</h2><figure>{svg(draw(title, score))}</figure>",
         *map(html_page.scenario, read.segments if read else ()),
         html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
     ]
