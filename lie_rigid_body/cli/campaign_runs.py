@@ -21,7 +21,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.overview_page import Line, page
+from lie_rigid_body.report.overview import Line, page
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened
 
 MOST_TRIED: Final = 1000

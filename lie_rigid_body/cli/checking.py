@@ -22,7 +22,6 @@ from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificate_text, html_page, overview
 from lie_rigid_body.report.certificate_page import page
 from lie_rigid_body.report.drawing import answer
-from lie_rigid_body.report.overview_page import verdicts_page
 from lie_rigid_body.wording import listed
 
 
@@ -80,7 +79,7 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[overview.Verdict]) -> 
         if verdict.reason:
             console.complain(console.program("check"), verdict.reason)
     has_page = given.report is not None and any(verdict.certificate for verdict in verdicts)
-    content = verdicts_page(f"Certificates of {listed(given.bags)}", verdicts) if has_page else None
+    content = overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts) if has_page else None
     data = overview.as_json(verdicts)
     _say(given, json.dumps(data, indent=2) if given.json else overview.as_table(verdicts), content)
     return max(verdict.status for verdict in verdicts)

@@ -18,7 +18,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.interruption import count_as_handled
     from lie_rigid_body.recording.output_file import require_room
-    from lie_rigid_body.report.diagnosis_text import as_text
+    from lie_rigid_body.report.diagnoses import as_text, page
     from lie_rigid_body.report.drawing import answer
     from lie_rigid_body.scenario.parameter_file import gather
 
@@ -38,8 +38,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         count_as_handled()
     files = {}
     if given.report is not None:
-        from lie_rigid_body.report.diagnosis_page import page
-
         files[given.report] = page(given.estimator, found)
     text = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else as_text(found)
     answer(text, files, overwrite=given.force, named=not given.json)

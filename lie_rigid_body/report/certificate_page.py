@@ -10,7 +10,7 @@ from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report import body_figure, certificate_text, html_page, motion_figures, residual_figures
+from lie_rigid_body.report import certificate_text, html_page, motion_figures, residual_figures
 from lie_rigid_body.report.html_page import figure, grid
 
 MOST_TABLES: Final = 30
@@ -104,8 +104,8 @@ def _figures(
 def _motion(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     first = pieces[0]
     whose = " of the first segment" if len(pieces) > 1 else ""
-    if content := body_figure.body(first):
-        yield figure(f"The body{whose}", content, body_figure.caption(first), kind="body")
+    if content := motion_figures.body(first):
+        yield figure(f"The body{whose}", content, motion_figures.caption(first), kind="body")
     yield figure("Body rate", motion_figures.rate(pieces), "Angular velocity in the frame of the body.")
     paths = (
         (

@@ -93,7 +93,7 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.score_page import page
+    from lie_rigid_body.report.scores import page
 
     require_suffix("path", str(path), ".html")
     write_file(path, page(title, None, score), overwrite=overwrite)

@@ -154,18 +154,18 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     int
         The exit status.
     """
-    from lie_rigid_body.report import drawing, score_page, score_picture, score_text
+    from lie_rigid_body.report import drawing, score_picture, scores
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
     files: dict[str, bytes] = {}
     if given.plot is not None:
         files[given.plot] = drawing.png(score_picture.draw(title, score))
     if given.report is not None:
-        files[given.report] = score_page.page(title, read, score)
+        files[given.report] = scores.page(title, read, score)
     if given.json:
-        content = score_text.as_json(source or None, read, score, series=given.series)
+        content = scores.as_json(source or None, read, score, series=given.series)
         text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        text = score_text.as_table(title, read, score)
+        text = scores.as_table(title, read, score)
     drawing.answer(text, files, overwrite=given.force, named=not given.json)
     return console.SUCCESS if score.passed else console.BROKEN

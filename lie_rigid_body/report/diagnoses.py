@@ -1,4 +1,4 @@
-"""A diagnosis as one HTML page, which needs no other file and no network."""
+"""Diagnoses: tables for a terminal, and a page that needs no other file and no network."""
 
 from __future__ import annotations
 
@@ -10,15 +10,45 @@ import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.result import degrees
+from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.report import drawing, html_page
+from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_MISTAKES: Final = "{:<20} {:<18} {:>10} {:>10}  {}"
+_PROBES: Final = "{:<20} {:<8} {:>10}  "
 _SMALLEST_DEG: Final = 1e-4
 """Smallest error that is drawn, degrees."""
 _COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#333333")
 """Distinct in every kind of colour vision."""
+
+
+def as_text(found: FilterDiagnosis) -> str:
+    """The sentences, the mistakes, the probes and the notes, without a final newline."""
+    return "\n".join(_lines(found))
+
+
+def _lines(found: FilterDiagnosis) -> Iterator[str]:
+    for sentence in found.sentences:
+        yield from wrapped(sentence)
+    if found.mistakes:
+        yield from ("", _MISTAKES.format("mistake", "repair", "before", "after", "does as well"))
+    for m in found.mistakes:
+        numbers = degrees(m.rms_deg_before), degrees(m.rms_deg_after)
+        yield _MISTAKES.format(m.code, m.repair[:18], *numbers, ", ".join(m.or_else)).rstrip()
+    if found.probes:
+        yield from ("", _PROBES.format("probe", "", "value").rstrip())
+    for p in found.probes:
+        value = "" if p.value is None else f"{p.value:.3g}"
+        yield from wrapped(p.message, _PROBES.format(p.code, "passed" if p.passed else "FAILED", value))
+    yield ""
+    for note in found.notes:
+        yield from wrapped(note.message, f"note: {note.code}: ")
+    for remark in found.remarks:
+        yield from wrapped(remark)
+    yield f"{counted(found.filter_runs, 'run')} of the filter."
 
 
 def page(name: str, found: FilterDiagnosis) -> bytes:
