@@ -7,11 +7,11 @@
 - `overview`: the verdicts on many bags;
 - `scores`, `score_picture`: a score;
 - `diagnoses`: what is wrong with a filter;
-- `drawing`: pictures and pages as files, such as `write_plot` and `write_report` make of a score;
-- `request`: what the command line asks for, of an estimate in a bag or on a topic;
+- `drawing`: pictures in the formats of files;
+- `request`: what is asked for of a score, by a command line or, as `write_plot` and `write_report`, from Python;
 - `html_page`: the frame of a page.
 """
 
-from lie_rigid_body.report.drawing import write_plot, write_report
+from lie_rigid_body.report.request import write_plot, write_report
 
 __all__ = ["write_plot", "write_report"]

@@ -1,22 +1,19 @@
-"""Pictures and pages as files: those of a score from Python, and those of which a verb tells where they are."""
+"""Pictures in the formats of files, and the files of a verb with its answer."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
 from io import BytesIO, StringIO
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lie_rigid_body.console import require_suffix, say
+from lie_rigid_body.console import say
 from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lie_rigid_body.evaluation import Score
 
-TITLE = "attitude estimate"
 _NO_GLYPH = "Glyph .* missing from"
 """Warning of characters that the font lacks, such as Chinese ones of a name."""
 
@@ -61,39 +58,3 @@ def answer(text: str, files: Mapping[str, bytes], *, overwrite: bool, named: boo
         write_file(path, content, overwrite=overwrite)
     lines = [text, *(f"wrote {printable(path)}" for path in files if named)]
     say("\n".join(lines), done=", ".join(f"{path} is written" for path in files))
-
-
-def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
-
-    Parameters
-    ----------
-    score : Score
-    path : str or Path
-        Its name ends in ``.png``.
-    title : str, optional
-    overwrite : bool, optional
-        Whether an existing file is replaced.
-
-    Raises
-    ------
-    InputError, BagError
-        If the name ends otherwise, or the file exists or cannot be written.
-    """
-    from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.score_picture import draw
-
-    require_suffix("path", str(path), ".png")
-    write_file(path, png(draw(title, score)), overwrite=overwrite)
-
-
-def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Write score, findings and picture as one HTML page, which needs no network.
-
-    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
-    """
-    from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.scores import page
-
-    require_suffix("path", str(path), ".html")
-    write_file(path, page(title, None, score), overwrite=overwrite)

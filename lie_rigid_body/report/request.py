@@ -1,10 +1,11 @@
-"""Request of a command line for a score, and the answer: table or JSON, picture, page, exit status."""
+"""Request for a score, from a command line or from Python, and the answer: table or JSON, picture, page, status."""
 
 from __future__ import annotations
 
 import argparse
 import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
+TITLE: Final = "attitude estimate"
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
 """Options that go with a bag, each with the topic that one remaps without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
@@ -169,3 +171,39 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
         text = scores.as_table(title, read, score)
     drawing.answer(text, files, overwrite=given.force, named=not given.json)
     return console.SUCCESS if score.passed else console.BROKEN
+
+
+def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
+    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
+
+    Parameters
+    ----------
+    score : Score
+    path : str or Path
+        Its name ends in ``.png``.
+    title : str, optional
+    overwrite : bool, optional
+        Whether an existing file is replaced.
+
+    Raises
+    ------
+    InputError, BagError
+        If the name ends otherwise, or the file exists or cannot be written.
+    """
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report import drawing, score_picture
+
+    console.require_suffix("path", str(path), ".png")
+    write_file(path, drawing.png(score_picture.draw(title, score)), overwrite=overwrite)
+
+
+def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
+    """Write score, findings and picture as one HTML page, which needs no network.
+
+    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
+    """
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report import scores
+
+    console.require_suffix("path", str(path), ".html")
+    write_file(path, scores.page(title, None, score), overwrite=overwrite)
