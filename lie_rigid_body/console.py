@@ -245,12 +245,9 @@ def seconds(stamp_ns: int) -> str:
 
 def size(count: int) -> str:
     """A number of bytes as people read it."""
-    value = float(count)
-    for unit in ("B", "kB", "MB", "GB", "TB"):
-        if value < 1000.0 or unit == "TB":
-            break
-        value /= 1000.0
-    return f"{value:.4g} {unit}"
+    units = ("B", "kB", "MB", "GB", "TB")
+    power = min((len(str(count)) - 1) // 3, len(units) - 1)
+    return f"{count / 1000**power:.4g} {units[power]}"
 
 
 def add_scenario_arguments(parser: Parser) -> Parser:
@@ -352,26 +349,21 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
     _open_standard_streams()
     with interruptible():
-        return _status_of(prog, action)
-
-
-def _status_of(prog: str, action: Callable[[], int]) -> int:
-    try:
-        return action()
-    except SystemExit as request:
-        if isinstance(request.code, str):
+        try:
+            return action()
+        except SystemExit as request:
+            if not isinstance(request.code, str):
+                return request.code or SUCCESS
             complain(prog, request.code)
-            return UNUSABLE
-        return request.code or SUCCESS
-    except KeyboardInterrupt:
-        count_as_handled()
-        complain(prog, "interrupted")
-        return INTERRUPTED
-    except Exception as error:
-        if os.environ.get(DEBUG):
-            traceback.print_exc()
-        complain(prog, explanation(error))
-        return UNUSABLE
+        except KeyboardInterrupt:
+            count_as_handled()
+            complain(prog, "interrupted")
+            return INTERRUPTED
+        except Exception as error:
+            if os.environ.get(DEBUG):
+                traceback.print_exc()
+            complain(prog, explanation(error))
+    return UNUSABLE
 
 
 def explanation(error: Exception) -> str:
@@ -380,7 +372,6 @@ def explanation(error: Exception) -> str:
         return str(error)
     if isinstance(error, MemoryError):
         return "there is not enough memory: give less at once, or free some"
-    kind = type(error).__name__
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""
         return f"the system says {error.strerror or error}{where}: see to that, and try again"
@@ -388,7 +379,7 @@ def explanation(error: Exception) -> str:
         return missing_library(error)
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
-    what = shortened(f"{kind}: {error}", LONGEST_LINE // 2)
+    what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
 
 
