@@ -12,16 +12,16 @@ from typing import Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.cluster import MOST_FAILURES, client_of, finished, require_address
-from lie_rigid_body.campaign.connection import SchedulerGoneError
-from lie_rigid_body.campaign.estimator import ERROR, MENDED, SCORES, estimator
+from lie_rigid_body.campaign.cluster import MOST_FAILURES, SchedulerGoneError, client_of, finished, require_address
 from lie_rigid_body.campaign.journal import RESUMED, Journal
+from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.overview import Line, page
+from lie_rigid_body.runs.estimators import MENDED, estimator
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened
 
 MOST_TRIED: Final = 1000
