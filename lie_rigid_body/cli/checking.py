@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -13,10 +14,11 @@ from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
+from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bag_folders import files_of
+from lie_rigid_body.recording.bag_files import is_one_bag
+from lie_rigid_body.recording.bag_folders import bags_in, files_of
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificate_text, html_page, overview
@@ -43,6 +45,20 @@ def check(given: argparse.Namespace, inertia: list[float] | None, topics: Mappin
         return _check_one(given, inertia, topics)
     _refuse_proof(given)
     return _answer(given, judge_all(bags_of(given.bags), inertia, topics))
+
+
+def is_folder_of_bags(name: str) -> bool:
+    """Whether an argument is a folder that is not one bag itself."""
+    return Path(name).is_dir() and not is_one_bag(Path(name))
+
+
+def bags_of(names: Sequence[str]) -> list[str]:
+    """Bags that the arguments name, each once; folders of bags are searched."""
+    found: dict[Path, str] = {}
+    for name in names:
+        for bag in bags_in(Path(name)) if is_folder_of_bags(name) else [name]:
+            found.setdefault(Path(bag).resolve(), str(bag))
+    return list(found.values())
 
 
 def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:

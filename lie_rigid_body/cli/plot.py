@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 from lie_rigid_body.wording import printable
 
@@ -17,8 +15,7 @@ from lie_rigid_body.wording import printable
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
-    if Path(given.out).suffix.lower() != ".png":
-        raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
+    console.require_suffix("-o", given.out, ".png")
 
     from lie_rigid_body.recording.bag_folders import files_of
     from lie_rigid_body.recording.bodies import topic_types

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from lie_rigid_body import console
 
@@ -26,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return console.SUCCESS
 
 
-def _entry(name: str, path: Path) -> dict[str, object]:
+def _entry(name: str, path: Path) -> dict[str, Any]:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file
 
@@ -40,10 +41,7 @@ def describe(path: Path) -> str:
     return next((line.lstrip("# ").rstrip() for line in lines if line.startswith("#")), "")
 
 
-def _paragraph(entry: dict[str, object]) -> str:
-    facts = f"inertia {_vector(entry['inertia'])} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
+def _paragraph(entry: dict[str, Any]) -> str:
+    inertia = " ".join(f"{value:g}" for value in entry["inertia"])
+    facts = f"inertia {inertia} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
     return f"{entry['name']}\n    {entry['description']}\n    {facts}"
-
-
-def _vector(values: object) -> str:
-    return " ".join(f"{value:g}" for value in values) if isinstance(values, tuple) else str(values)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
-from lie_rigid_body.certificate.proved import Proof, ProvedSample
+from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -161,21 +161,20 @@ def _proof_json(proof: Proof) -> dict[str, object]:
     return {
         "passed": proof.passed,
         "attitude_rad": _finite(at_most),
-        "samples": [_sample_json(sample) for sample in proof.samples],
-    }
-
-
-def _sample_json(sample: ProvedSample) -> dict[str, object]:
-    return {
-        "segment": sample.segment,
-        "sample": sample.sample,
-        "stamp_ns": sample.stamp_ns,
-        "time_s": sample.time_s,
-        "attitude_at_least_rad": _finite(sample.at_least),
-        "attitude_at_most_rad": _finite(sample.at_most),
-        "attitude_limit_rad": sample.limit,
-        "body_rate_at_most_rad_s": _finite(sample.rate_at_most),
-        "holds": sample.holds,
+        "samples": [
+            {
+                "segment": sample.segment,
+                "sample": sample.sample,
+                "stamp_ns": sample.stamp_ns,
+                "time_s": sample.time_s,
+                "attitude_at_least_rad": _finite(sample.at_least),
+                "attitude_at_most_rad": _finite(sample.at_most),
+                "attitude_limit_rad": sample.limit,
+                "body_rate_at_most_rad_s": _finite(sample.rate_at_most),
+                "holds": sample.holds,
+            }
+            for sample in proof.samples
+        ],
     }
 
 
