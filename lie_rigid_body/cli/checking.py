@@ -82,10 +82,10 @@ def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: M
         return _answer(given, verdicts)
     proof = None if given.prove is None else _proof(whole[0], certificate, given.prove, inertia)
     with np.errstate(all="ignore"):  # recorded numbers may be anything
-        content = None if residuals is None else page(name, certificate, residuals, pieces, proof)
+        files = {} if residuals is None else {given.report: page(name, certificate, residuals, pieces, proof)}
     data = certificate_text.as_json(name, certificate, proof)
     text = json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof)
-    _say(given, text, content)
+    answer(text, files, overwrite=given.force, named=not given.json)
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
 
@@ -95,16 +95,10 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[overview.Verdict]) -> 
         if verdict.reason:
             console.complain(console.program("check"), verdict.reason)
     has_page = given.report is not None and any(verdict.certificate for verdict in verdicts)
-    content = overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts) if has_page else None
-    data = overview.as_json(verdicts)
-    _say(given, json.dumps(data, indent=2) if given.json else overview.as_table(verdicts), content)
+    content = overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts) if has_page else b""
+    text = json.dumps(overview.as_json(verdicts), indent=2) if given.json else overview.as_table(verdicts)
+    answer(text, {given.report: content} if has_page else {}, overwrite=given.force, named=not given.json)
     return max(verdict.status for verdict in verdicts)
-
-
-def _say(given: argparse.Namespace, text: str, content: bytes | None) -> None:
-    """Write the page, if there is one, and print the answer with its name."""
-    files = {} if content is None else {given.report: content}
-    answer(text, files, overwrite=given.force, named=not given.json)
 
 
 def _refuse_proof(given: argparse.Namespace) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -35,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
-    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.recording.bag_writer import BagWriter, write_run
     from lie_rigid_body.recording.output_file import require_other
     from lie_rigid_body.scenario.parameter_file import files_read
     from lie_rigid_body.simulation import SampleClock, Simulation
@@ -60,7 +61,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             compression=compression,
             chunk_size=chunk_size,
         ) as bag:
-            _record(simulation, bag, count, last_ns, interruption, quiet=given.quiet)
+            bar = console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet)
+            with bar, suppress(KeyboardInterrupt):
+                for written in write_run(bag, simulation, last_ns, interruption.allowed):
+                    bar.update(written)
         return _report(bag, simulation, count, interruption, quiet=given.quiet)
 
 
@@ -108,19 +112,6 @@ def _require_room(out: Path, count: int, needed: int) -> None:
             f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
             "record a shorter time, a lower rate, or elsewhere"
         )
-
-
-def _record(
-    simulation: Simulation, bag: BagWriter, count: int, last_ns: int, interruption: Interruption, *, quiet: bool
-) -> None:
-    from lie_rigid_body.recording.bag_writer import write_run
-
-    with console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=quiet) as bar:
-        try:
-            for written in write_run(bag, simulation, last_ns, interruption.allowed):
-                bar.update(written)
-        except KeyboardInterrupt:
-            return
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

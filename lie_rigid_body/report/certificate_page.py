@@ -47,7 +47,8 @@ def page(
         *_verdict(certificate, proof),
         *_laws(certificate),
         *_figures(certificate, residuals, pieces),
-        *_rest(certificate),
+        html_page.listing("Not certified", map(escape, certificate.not_certified)),
+        *(html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES]),
     ]
     return html_page.document(f"Certificate of {bag}", parts, with_figures=True)
 
@@ -104,8 +105,8 @@ def _figures(
 def _motion(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     first = pieces[0]
     whose = " of the first segment" if len(pieces) > 1 else ""
-    if content := motion_figures.body(first):
-        yield figure(f"The body{whose}", content, motion_figures.caption(first), kind="body")
+    if film := motion_figures.body(first):
+        yield figure(f"The body{whose}", *film, kind="body")
     yield figure("Body rate", motion_figures.rate(pieces), "Angular velocity in the frame of the body.")
     paths = (
         (
@@ -117,9 +118,3 @@ def _motion(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     )
     drawn = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
     yield grid(drawn, wide=True) if drawn else html_page.paragraph("The body is at rest: no polhode, no herpolhode.")
-
-
-def _rest(certificate: Certificate) -> Iterator[str]:
-    yield html_page.listing("Not certified", map(escape, certificate.not_certified))
-    for segment in certificate.segments[:MOST_TABLES]:
-        yield html_page.scenario(segment.segment)

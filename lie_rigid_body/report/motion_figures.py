@@ -154,17 +154,8 @@ def _right(across: Array, upright: Array, fastest: float) -> Array:
     return np.asarray(across / np.linalg.norm(across))
 
 
-def body(piece: RecordedSegment) -> Figure | None:
-    """Film of the first part of a segment; none if no sample can be drawn.
-
-    Parameters
-    ----------
-    piece : RecordedSegment
-
-    Returns
-    -------
-    mapping or None
-    """
+def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
+    """Film of the first part of a segment, and sentences that say what it shows; none if no sample can be drawn."""
     t, states = _frames(piece)
     if not len(t):
         return None
@@ -189,16 +180,11 @@ def body(piece: RecordedSegment) -> Figure | None:
         "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
     }
     margin = {"l": 0, "r": 0, "t": 30, "b": 0}
-    return {"data": data, "layout": layout(scene=scene, uirevision="kept", margin=margin), "film": film}
-
-
-def caption(piece: RecordedSegment) -> str:
-    """Sentences that say what the figure shows."""
-    t, _ = _frames(piece)
-    return (
+    shown = (
         f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * _duration(t):.3g} s: a box of the body's principal "
         "moments in the world. Drag to turn, scroll to come nearer."
     )
+    return {"data": data, "layout": layout(scene=scene, uirevision="kept", margin=margin), "film": film}, shown
 
 
 def _frames(piece: RecordedSegment) -> tuple[Array, State]:

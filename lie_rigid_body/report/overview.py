@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import textwrap
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.report import html_page, residual_figures
 from lie_rigid_body.report.certificate_text import as_json as certificate_json
-from lie_rigid_body.report.certificate_text import of_limit
+from lie_rigid_body.report.certificate_text import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -68,7 +67,7 @@ class Verdict:
 def as_table(verdicts: Sequence[Verdict]) -> str:
     """Lines for a terminal: a row for each verdict, how many there are of each, what is broken or left out."""
     head = _COLUMNS.format("verdict", "samples", "rad", "worst law", "of limit", "bag")
-    left_out = [_item(line) for line in uncovered(verdicts)]
+    left_out = [wrapped(line, "  - ") for line in uncovered(verdicts)]
     remark = ["Not certified, besides what is not of any bag:"] if left_out else []
     return "\n".join([head, *map(_row, verdicts), "", _summary(verdicts), *_faults(verdicts), *remark, *left_out])
 
@@ -128,7 +127,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     for name, certificate in broken[:_MOST_TOLD]:
         others = len(certificate.messages) - 1
         more = f" ({others} more)" if others else ""
-        yield _item(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}")
+        yield wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
 
@@ -147,13 +146,6 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
         lines.append(f"{texts.pop() if len(texts) == 1 else what} ({where})")
     more = len(lines) - _MOST_TOLD
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
-
-
-def _item(text: str) -> str:
-    """Point of a list, in lines that leave paths whole."""
-    return textwrap.fill(
-        text, 80, initial_indent="  - ", subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-    )
 
 
 @dataclass(frozen=True)
@@ -254,23 +246,21 @@ def page(
         HTML.
     """
     count = len(lines) + unusable
-    certified = sum(line.certified for line in lines)
+    accuracies = [line.accuracy for line in lines if line.certified]
+    certified = len(accuracies)
+    whose = "Attitudes" if certified == count else f"The attitudes of the {what} that are certified"
     parts = [
         html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
-        *_accuracy(what, lines, everything=certified == count),
+        *(
+            [html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")]
+            if accuracies
+            else []
+        ),
         *_distributions(what, lines),
         *_table(what, headings, lines),
         *more,
     ]
     return html_page.document(title, parts, with_figures=True)
-
-
-def _accuracy(what: str, lines: Sequence[Line], *, everything: bool) -> Iterator[str]:
-    """Paragraph on the accuracy of those that are certified."""
-    accuracies = [line.accuracy for line in lines if line.certified]
-    if accuracies:
-        whose = "Attitudes" if everything else f"The attitudes of the {what} that are certified"
-        yield html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")
 
 
 def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from html import escape
 
 from lie_rigid_body.evaluation import Score
@@ -67,7 +66,8 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
     parts = [
         *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
         html_page.paragraph(f"{extent(read, score)}."),
-        *_table(score),
+        html_page.table(("error, deg", *HEADINGS), [((name, *numbers(found)), True) for name, found in angles(score)]),
+        html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
         f"<h2>Errors over time</h2><figure>{svg(draw(title, score))}</figure>",
@@ -75,9 +75,3 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
     ]
     return html_page.document(title, parts, with_figures=False)
-
-
-def _table(score: Score) -> Iterator[str]:
-    rows = [((name, *numbers(statistics)), True) for name, statistics in angles(score)]
-    yield html_page.table(("error, deg", *HEADINGS), rows)
-    yield html_page.table(("", ""), [((name, value), True) for name, value in facts(score)])

@@ -215,7 +215,9 @@ def piece(bag: Path) -> Any:
 
 def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
     """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
-    content: Any = motion_figures.body(piece)
+    film = motion_figures.body(piece)
+    assert film is not None
+    content: Any = film[0]
     pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
     assert 100 < len(pictures) <= motion_figures.FRAMES
     assert len(content["film"]["times"]) == len(pictures)
