@@ -1,4 +1,4 @@
-"""Parameters: their types and limits, and reading their values."""
+"""Parameters: their types and limits, and how their values are read."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ MAX_EPOCH_NS: Final = (2**31 - 1) * NS
 """The latest stamp, in 2038: builtin_interfaces/Time has 32-bit seconds."""
 
 LONGEST_FRAME_NAME: Final = 255
-"""Characters. Every message carries one."""
+"""Largest length of a frame name, characters; every message carries one."""
 
 
 SHORTEST_DURATION: Final = Decimal("1e-9")
-"""s; one nanosecond."""
+"""Shortest duration that is taken, s: one nanosecond."""
 
 LONGEST_DURATION: Final = Decimal("1e10")
-"""s; more is beyond every stamp of builtin_interfaces/Time."""
+"""Longest duration that is taken, s; more is beyond every stamp of builtin_interfaces/Time."""
 
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 """Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""

@@ -25,7 +25,7 @@ JOURNAL: Final = "runs.jsonl"
 RESUMED: Final = "the same command does the rest"
 """Remedy at the end of a line about a campaign that is not finished."""
 _NONE: Final = -1
-"""Place in the file of a row that it does not have."""
+"""Place of a row that is not in the file."""
 _ROWS_AT_ONCE: Final = 10_000
 """Number of rows of the table that are in memory together."""
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 TITLE: Final = "attitude estimate"
+"""Title of a picture or a page that is given none."""
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
 """Options that go with a bag, each with the topic that one remaps without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
