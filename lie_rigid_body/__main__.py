@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status: the verb's own, or 2 when no known verb is given.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
-    return console.status_of(PROGRAM, lambda: _main(arguments))
+    return console.status_of(PROGRAM, lambda: _main(arguments), to_the_end=argv is None)
 
 
 def _main(arguments: list[str]) -> int:
@@ -88,7 +88,8 @@ def run(name: str, argv: list[str]) -> int:
 def evaluate(argv: Sequence[str] | None = None) -> int:
     """Run ``evaluate`` with the given arguments, or those of the process: live where no bag is given."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    return console.status_of(console.program("evaluate"), lambda: run("evaluate", arguments))
+    prog = console.program("evaluate")
+    return console.status_of(prog, lambda: run("evaluate", arguments), to_the_end=argv is None)
 
 
 if __name__ == "__main__":

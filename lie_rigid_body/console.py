@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, TypeAlias
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interruption import count_as_handled, interruptible, put_off
+from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
 
@@ -211,7 +211,7 @@ def progress(
     """
     from tqdm import tqdm
 
-    with put_off():  # half a bar could not be removed
+    with Interruption.current().put_off():  # half a bar could not be removed
         return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
 
@@ -340,23 +340,35 @@ def run(main: Main) -> Main:
 
     @functools.wraps(main)
     def wrapped(argv: Sequence[str] | None = None) -> int:
-        return status_of(program(verb), lambda: main(argv))
+        def action() -> int:
+            with Interruption.current().allowed():
+                return main(argv)
+
+        return status_of(program(verb), action, to_the_end=argv is None)
 
     return wrapped
 
 
-def status_of(prog: str, action: Callable[[], int]) -> int:
-    """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
-    _open_standard_streams()
-    with interruptible():
+def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False) -> int:
+    """The exit status of an action, which signals interrupt where it allows that. See `run`.
+
+    Parameters
+    ----------
+    prog : str
+        Name under which errors are printed on stderr.
+    action : callable
+    to_the_end : bool, optional
+        Whether the process ends with this status, whatever signals still come. See `Interruption.heeded`.
+    """
+    with Interruption.heeded(to_the_end=to_the_end):
         try:
+            _open_standard_streams()
             return action()
         except SystemExit as request:
             if not isinstance(request.code, str):
                 return request.code or SUCCESS
             complain(prog, request.code)
         except KeyboardInterrupt:
-            count_as_handled()
             complain(prog, "interrupted")
             return INTERRUPTED
         except Exception as error:

@@ -1,135 +1,150 @@
-"""Signals that ask a process to end, acted on only where nothing is lost."""
+"""Signals that ask a process to end: the first decides, where nothing is lost by it, and the fourth ends the process."""
 
 from __future__ import annotations
 
+import atexit
 import signal
 import sys
 import threading
+import time
+from _thread import interrupt_main
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType, TracebackType
-from typing import Final
+from types import FrameType
+from typing import TYPE_CHECKING, ClassVar, Final
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 _NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 ENDING: Final[tuple[signal.Signals, ...]] = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
+MOST_SIGNALS: Final = 4
+"""Number of signals of which the last ends the process by its default action."""
+LONGEST_CLOSING_S: Final = 10.0
+"""Time after the first signal, s, from which any other ends the process by its default action."""
+_AGAIN_S: Final = 0.005
+"""Time, s, after which a KeyboardInterrupt is raised again that code without a caller has lost."""
 
 
 class Interruption:
-    """A context in which these signals raise KeyboardInterrupt inside `allowed`, and are only noted elsewhere.
+    """A request to end: where that is `allowed`, the first signal raises KeyboardInterrupt; elsewhere it is noted.
 
     Attributes
     ----------
     requested : bool
-        Whether a signal came.
+        Whether the process is to end.
     """
+
+    _current: ClassVar[Interruption | None] = None
 
     def __init__(self) -> None:
         self.requested = False
         self._allowed = False
+        self._count, self._first_s = 0, 0.0
 
-    def install(self) -> None:
-        """Handle the signals from now on; but SIGHUP stays ignored under nohup."""
-        heeded = [n for n in ENDING if n.name != "SIGHUP" or signal.getsignal(n) != signal.SIG_IGN]
-        self._previous = {number: signal.signal(number, self._handle) for number in heeded}
+    @classmethod
+    def current(cls) -> Interruption:
+        """The one that the signals of this process make; in a thread, or where nobody heeds them, one of nothing."""
+        return (_in_main_thread() and cls._current) or cls()
 
     @classmethod
     @contextmanager
-    def until_exit(cls) -> Iterator[Interruption]:
-        """A context of all that a process does, after which the signals are ignored.
+    def heeded(cls, *, to_the_end: bool) -> Iterator[Interruption]:
+        """A context in which signals are heeded; one within another is the same, and in a thread it heeds none.
 
-        A second Ctrl-C would spoil the exit status, as the interpreter gives up every handler before it ends.
+        A signal that this process handles itself is left to it, and so is SIGHUP where it is ignored, as under nohup.
+
+        Parameters
+        ----------
+        to_the_end : bool
+            Heed them also afterwards, until the interpreter ends and then ignore them, which keeps the exit status.
+            Else the handlers are again what they were.
         """
-        interruption = cls()
-        interruption.install()
+        if cls._current is not None or not _in_main_thread():
+            yield cls.current()
+            return
+        interruption = cls._current = cls()
+        former, hook = {number: signal.getsignal(number) for number in ENDING}, sys.unraisablehook
+        defaults = (signal.SIG_DFL, signal.default_int_handler)
+        taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
+        sys.unraisablehook = interruption._raise_again
+        for number in taken:
+            signal.signal(number, interruption._handle)
+        if to_the_end:
+            # the first to be registered is the last to be called: what hangs before it can still be ended
+            atexit.register(_ignore, taken)
         try:
             yield interruption
         finally:
-            for number in ENDING:
-                signal.signal(number, signal.SIG_IGN)
-
-    def __enter__(self) -> Interruption:
-        self.install()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        for number, handler in self._previous.items():
-            # once asked to end, the process ends: a second request in its last moments must not tear it
-            signal.signal(number, signal.SIG_IGN if self.requested else handler)
-
-    def _handle(self, number: int, frame: FrameType | None) -> None:
-        if _waiting is not None:
-            _waiting.append(number)
-            return
-        self.requested = True
-        if self._allowed:
-            self._allowed = False
-            raise KeyboardInterrupt
+            _forget_interrupt()
+            cls._current = None
+            if not to_the_end:
+                for number in taken:
+                    signal.signal(number, former[number])
+                sys.unraisablehook = hook
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """A context that the signals may interrupt; one that came before interrupts it at once."""
-        self._allowed = True
+        """A context that the first signal interrupts; one that came before interrupts it at once."""
+        before, self._allowed = self._allowed, True
         try:
             if self.requested:
                 raise KeyboardInterrupt
             yield
-        except KeyboardInterrupt:
-            self._allowed = False  # the next signal must not leave the code that counts this one
-            count_as_handled()
-            raise
         finally:
-            self._allowed = False
+            self._allowed = before
 
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """A context within `allowed` that signals do not interrupt."""
+        before, self._allowed = self._allowed, False
+        try:
+            yield
+        finally:
+            self._allowed = before
 
-_waiting: list[int] | None = None
-"""Signals that came while they are put off; None where they are acted on."""
+    @contextmanager
+    def put_off(self) -> Iterator[None]:
+        """A context that signals do not interrupt; one that came in it does so at its end, if that is allowed there."""
+        before = self.requested
+        with self.noted():
+            yield
+        if self._allowed and self.requested and not before:
+            raise KeyboardInterrupt
 
-
-@contextmanager
-def put_off() -> Iterator[None]:
-    """Context that no signal interrupts, for what must not be left half made; one that came is acted on at its end."""
-    global _waiting
-    came: list[int] = []
-    _waiting = came
-    try:
-        yield
-    finally:
-        _waiting = None
-        for number in came:
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        now = time.monotonic()
+        self._count += 1
+        if self._count == 1:
+            self.requested, self._first_s, self._number = True, now, number
+            if self._allowed:
+                raise KeyboardInterrupt
+        elif self._count >= MOST_SIGNALS or now - self._first_s > LONGEST_CLOSING_S:
+            signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 
-
-@contextmanager
-def interruptible() -> Iterator[None]:
-    """A context in which each of these signals raises KeyboardInterrupt, but not while one is handled: none tears that.
-
-    Signals that the process ignores, as SIGHUP under nohup, or handles itself are left to it, and in a thread all are.
-    """
-    own = threading.current_thread() is threading.main_thread()
-    handlers = {number: signal.getsignal(number) for number in ENDING if own}
-    taken = {n: handler for n, handler in handlers.items() if handler in (signal.SIG_DFL, signal.default_int_handler)}
-    for number in taken:
-        signal.signal(number, _interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in taken.items():
-            if signal.getsignal(number) is _interrupt:  # an Interruption that was requested ignores them to the end
-                signal.signal(number, handler)
+    def _raise_again(self, lost: UnraisableHookArgs) -> None:
+        """Raise a KeyboardInterrupt in a moment again, where a finaliser or a callback from C would lose it."""
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            sys.__unraisablehook__(lost)
+            return
+        self._count, self.requested = 0, False
+        threading.Timer(_AGAIN_S, interrupt_main, [self._number]).start()
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    if _waiting is not None:
-        _waiting.append(number)
-    elif not isinstance(sys.exc_info()[1], KeyboardInterrupt):
-        raise KeyboardInterrupt
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
 
 
-def count_as_handled() -> None:
-    """Tell CPython that a KeyboardInterrupt is being handled.
+def _ignore(numbers: list[signal.Signals]) -> None:
+    """Ignore signals: the interpreter gives back every other handler before it ends, and a late one would decide."""
+    for number in numbers:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _forget_interrupt() -> None:
+    """Tell CPython that a KeyboardInterrupt was handled.
 
     CPython notes a KeyboardInterrupt that leaves code compiled from a string, as importing a module may run. At its end
     it then kills the process by SIGINT, though the exception was handled further out. Running other code from a string

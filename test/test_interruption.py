@@ -1,4 +1,4 @@
-"""A signal that is handled does not decide how the process ends."""
+"""A signal that is handled does not decide how the process ends; the fourth does."""
 
 from __future__ import annotations
 
@@ -11,59 +11,86 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.console import status_of
+from lie_rigid_body.interruption import Interruption
 
 BEGIN = """
-import os, signal
+import atexit, os, signal, time
+from lie_rigid_body import interruption as module
 from lie_rigid_body.console import status_of
 from lie_rigid_body.interruption import Interruption
+
+def send(*numbers):
+    for number in numbers:
+        signal.raise_signal(number)
+
+def waiting(action=lambda: time.sleep(5)):
+    with Interruption.current().allowed():
+        action()
+    return 3
+
+def ends_with(action, to_the_end=True):
+    raise SystemExit(status_of("test", action, to_the_end=to_the_end))
+
+INT, TERM = signal.SIGINT, signal.SIGTERM
 FROM_A_STRING = "os.kill(os.getpid(), signal.SIGINT); import time; time.sleep(5)"
 """
-WITH_INTERRUPTION = """
-def main():
-    with Interruption() as interruption:
-        try:
-            with interruption.allowed():
-                exec(FROM_A_STRING)
-        except KeyboardInterrupt:
-            return 7
-"""
-WITHOUT = """
-def main():
-    return status_of("test", lambda: exec(FROM_A_STRING))
-"""
-
-
-IMPATIENT = """
-from lie_rigid_body import interruption as module
-
-def main():
-    # another signal, while the code from a string runs that clears CPython's note of the one before
-    module.exec = lambda text: exec("signal.raise_signal(signal.SIGINT)")
-    interruption = Interruption()
-    interruption.install()
-    signal.raise_signal(signal.SIGINT)
+PROGRAMS = {
+    "one": ("ends_with(lambda: waiting(lambda: send(INT)))", 130),
+    "from a string, as while a library is imported": ("ends_with(lambda: waiting(lambda: exec(FROM_A_STRING)))", 130),
+    "from a string, in a program of another": ("ends_with(lambda: waiting(lambda: exec(FROM_A_STRING)), False)", 130),
+    "where it is noted": ("ends_with(lambda: send(INT, TERM) or 7)", 7),
+    "noted before it is allowed": ("ends_with(lambda: send(TERM) or waiting())", 130),
+    "the second and the third while closing": (
+        """
+def closing():
     try:
-        with interruption.allowed():
-            pass
-    except KeyboardInterrupt:
-        return 7
-"""
+        return waiting(lambda: send(INT))
+    finally:
+        send(TERM, INT)
+ends_with(closing)
+""",
+        130,
+    ),
+    "the fourth": ("ends_with(lambda: send(INT, TERM, INT, TERM))", -signal.SIGTERM),
+    "the fourth of another kind": ("ends_with(lambda: send(INT, TERM, TERM, INT))", -signal.SIGINT),
+    "late": (
+        "module.LONGEST_CLOSING_S = 0.05\nends_with(lambda: send(INT) or time.sleep(0.1) or send(TERM) or 7)",
+        -signal.SIGTERM,
+    ),
+    "while the interpreter ends": ("atexit.register(send, INT, TERM, INT)\nends_with(lambda: 7)", 7),
+    "while what the verb began ends": ("ends_with(lambda: atexit.register(send, INT, TERM, INT) and 7)", 7),
+    "four while that hangs": ("ends_with(lambda: atexit.register(send, INT, TERM, TERM, INT) and 7)", -signal.SIGINT),
+    "where no exception leaves the code": (
+        """
+def lost():
+    class Last:
+        def __del__(self):
+            send(INT)
+    last = Last()
+    del last
+    time.sleep(5)
+ends_with(lambda: waiting(lost))
+""",
+        130,
+    ),
+}
 
 
-@pytest.mark.parametrize(("body", "status"), [(WITH_INTERRUPTION, 7), (WITHOUT, 130), (IMPATIENT, 7)])
-def test_a_signal_in_code_from_a_string_ends_the_process_as_any_other(body: str, status: int, tmp_path: Path):
-    """As while a library is imported."""
-    (tmp_path / "program.py").write_text(f"{BEGIN}{body}\nraise SystemExit(main())\n")
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_first_signal_decides_and_the_fourth_ends(name: str, tmp_path: Path) -> None:
+    program, status = PROGRAMS[name]
+    (tmp_path / "program.py").write_text(f"{BEGIN}{program}\n")
     command = [sys.executable, "-m", "program"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ended.returncode == status, ended.stderr
+    assert ended.stderr == ("test: error: interrupted\n" if status == 130 else "")
 
 
 HANGUP = """
 import signal, sys
 from lie_rigid_body.interruption import Interruption
 signal.signal(signal.SIGHUP, getattr(signal, sys.argv[1]))
-with Interruption() as interruption:
+with Interruption.heeded(to_the_end=True) as interruption:
     signal.raise_signal(signal.SIGHUP)
 raise SystemExit(7 if interruption.requested else 0)
 """
@@ -75,24 +102,21 @@ def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int
     assert ended.returncode == status
 
 
-PUT_OFF = """
-import signal
-from lie_rigid_body.interruption import Interruption, put_off
-with Interruption() as interruption:
-    try:
-        with interruption.allowed():
-            with put_off():
-                signal.raise_signal(signal.SIGTERM)
-                print("whole")
-            print("not interrupted")
-    except KeyboardInterrupt:
-        print("interrupted")
-"""
-
-
-def test_what_is_put_off_interrupts_at_the_end() -> None:
-    ended = subprocess.run([sys.executable, "-c", PUT_OFF], capture_output=True, text=True, check=True)
-    assert ended.stdout.splitlines() == ["whole", "interrupted"]
+def test_what_is_put_off_interrupts_at_the_end_and_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with Interruption.heeded(to_the_end=False) as interruption:
+        with pytest.raises(KeyboardInterrupt), interruption.allowed():
+            try:
+                with Interruption.current().put_off():
+                    signal.raise_signal(signal.SIGTERM)
+                    print("whole")
+                print("not interrupted")
+            finally:
+                with interruption.put_off():  # as of a progress bar of what closes
+                    signal.raise_signal(signal.SIGTERM)
+                print("closed")
+        with interruption.put_off():
+            print("noted")
+    assert capsys.readouterr().out.splitlines() == ["whole", "closed", "noted"]
 
 
 def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
@@ -103,8 +127,9 @@ def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
 
     def action() -> int:
         inside.append([signal.getsignal(number) for number in numbers])
-        signal.raise_signal(signal.SIGHUP)
-        signal.raise_signal(signal.SIGTERM)
+        with Interruption.current().allowed():
+            signal.raise_signal(signal.SIGHUP)
+            signal.raise_signal(signal.SIGTERM)
         return 0
 
     heard: list[int] = []
@@ -113,9 +138,9 @@ def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGHUP, own)
-    before = [signal.getsignal(number) for number in numbers]
+    before = [*(signal.getsignal(number) for number in numbers), sys.unraisablehook]
     assert status_of("test", lambda: status_of("test", action)) == 130
-    assert [signal.getsignal(number) for number in numbers] == before
+    assert [*(signal.getsignal(number) for number in numbers), sys.unraisablehook] == before
     assert heard == [signal.SIGHUP]
     assert inside[0][1] not in before
 

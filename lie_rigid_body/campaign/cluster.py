@@ -7,7 +7,8 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.interruption import put_off
+from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
@@ -50,8 +51,11 @@ _QUIET: Final = {
     "distributed.worker.profile.enabled": False,
     # a run whose process dies is tried again alone, not at the cost of others and of one process after another
     "distributed.scheduler.allowed-failures": 0,
+    # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
-"""Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
+"""Settings of Dask: no messages on stderr, little bookkeeping, no second try among others, and no pages."""
 
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
@@ -185,7 +189,7 @@ def client_of(
         If there is no scheduler at the address.
     """
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
     for name in _NOISY:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said in the rows
@@ -199,23 +203,45 @@ def client_of(
         with _closed_in_time(connected):
             yield connected
         return
-    others = active_children()
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
-        with ExitStack() as parts:
-            with put_off(), _deaf_children():
-                cluster = LocalCluster(
-                    n_workers=workers or cores(),
-                    threads_per_worker=1,
-                    memory_limit=0,
-                    dashboard_address="127.0.0.1:0",  # whichever port is free
-                    local_directory=own,
-                    silence_logs=logging.CRITICAL,
-                )
-                parts.enter_context(_closed_in_time(cluster))
-            yield parts.enter_context(_closed_in_time(Client(cluster)))
-        for process in active_children():  # there is none, unless the cluster was too late
-            if process not in others:
-                process.kill()
+    others, interruption = active_children(), Interruption.current()
+    # neither half of a cluster nor one that closes may be interrupted
+    with interruption.noted(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
+        try:
+            with _closed_in_time(_own_cluster(workers or cores(), own)) as cluster:
+                with _closed_in_time(Client(cluster)) as client, interruption.allowed():
+                    yield client
+        finally:
+            for process in active_children():  # there is none, unless the cluster was too late
+                if process not in others:
+                    process.kill()
+
+
+def _own_cluster(workers: int, folder: str) -> LocalCluster:
+    """A cluster of processes of this machine, which only one with the keys of this process can reach.
+
+    A thread that is deaf to Ctrl-C starts it, and so are the threads and processes that come of that.
+    """
+    from distributed import LocalCluster, Security
+
+    with ThreadPoolExecutor(1, initializer=_deafen) as thread:
+        return thread.submit(
+            LocalCluster,
+            n_workers=workers,
+            threads_per_worker=1,
+            security=Security.temporary(),
+            memory_limit=0,
+            dashboard_address="127.0.0.1:0",  # whichever port is free; nothing is shown there
+            scheduler_kwargs={"dashboard": False},
+            local_directory=folder,
+            silence_logs=logging.CRITICAL,
+        ).result()
+
+
+def _deafen() -> None:
+    """Block SIGINT in this thread, where a system has masks of signals: Ctrl-C goes to all processes of a terminal."""
+    if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 @contextmanager
@@ -226,25 +252,8 @@ def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
     try:
         yield what
     finally:
-        with suppress(Late):
+        with suppress(Late), Interruption.current().noted():
             what.close(timeout=LONGEST_CLOSING_S)
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """A context that blocks SIGINT in threads and processes begun in it: Ctrl-C goes to all processes of a terminal.
-
-    Where a system has no masks of signals nothing is blocked.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def finished(

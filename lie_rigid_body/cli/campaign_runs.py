@@ -41,7 +41,8 @@ def run_campaign(given: argparse.Namespace) -> int:
         require_address(given.scheduler)
     if campaign.estimator is not None:
         estimator(campaign.estimator)
-    with Interruption() as interruption, Journal(campaign, Path(given.out)) as journal:
+    interruption = Interruption.current()
+    with interruption.noted(), Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
                 _look_at_bags(journal, wanted=not given.no_bags)

@@ -16,7 +16,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     console.require_suffix("--report", given.report, ".html")
 
     from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.interruption import count_as_handled
     from lie_rigid_body.recording.output_file import require_room
     from lie_rigid_body.report.diagnoses import as_text, page
     from lie_rigid_body.report.drawing import answer
@@ -34,8 +33,6 @@ def main(argv: Sequence[str] | None = None) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    if found.interrupted:
-        count_as_handled()
     files = {}
     if given.report is not None:
         files[given.report] = page(given.estimator, found)

@@ -73,7 +73,8 @@ def judge_all(
         Topics that are called otherwise, by their relative names.
     """
     one = partial(judge, inertia, topics or {})
-    with Interruption() as interruption:
+    interruption = Interruption.current()
+    with interruption.noted():
         found = _by_processes(one, bags, cores(), interruption)
         for i, verdicts in enumerate(found):
             if verdicts is None:  # a process that died took others with it: each again, in a process of its own

@@ -29,7 +29,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_room(given)
     require_ros()
-    with Interruption.until_exit() as interruption:
+    interruption = Interruption.current()
+    with interruption.noted():
         from lie_rigid_body.ros.evaluator import evaluate
 
         return evaluate(given, interruption)

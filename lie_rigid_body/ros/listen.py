@@ -34,16 +34,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status: 0, 2 when the input is unusable or there is no answer, 130 when interrupted before an answer.
     """
-    return console.status_of(PROGRAM, lambda: _main(argv))
+    return console.status_of(PROGRAM, lambda: _main(argv), to_the_end=argv is None)
 
 
 def _main(argv: Sequence[str] | None) -> int:
     given = _parser().parse_args(argv)
     require_ros()
-    with Interruption() as interruption:
-        from lie_rigid_body.ros.client import ask
+    from lie_rigid_body.ros.client import ask  # only now: it needs ROS
 
-        ask(given, CALLS, interruption)
+    ask(given, CALLS, Interruption.current())
     return console.SUCCESS
 
 

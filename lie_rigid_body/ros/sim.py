@@ -11,7 +11,6 @@ from lie_rigid_body.ros.arguments import Arguments, parse
 from lie_rigid_body.ros.installation import require_ros
 
 
-@console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the node until SIGINT, SIGTERM or SIGHUP.
 
@@ -25,13 +24,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status: 0 when asked to end, 2 when the input is unusable or the bag could not be written to its end.
     """
+    return console.status_of(console.program("sim"), lambda: _main(argv), to_the_end=argv is None)
+
+
+def _main(argv: Sequence[str] | None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_ros()
     _require_readable(given)
-    with Interruption.until_exit() as interruption:
-        from lie_rigid_body.ros.simulator import simulate
+    from lie_rigid_body.ros.simulator import simulate  # only now: it needs ROS
 
-        simulate(given, interruption)
+    simulate(given, Interruption.current())
     return console.SUCCESS
 
 

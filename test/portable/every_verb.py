@@ -59,7 +59,7 @@ def main(folder: Path) -> None:
     assert run.imu is not None
     arrays = {"attitude": run.truth.attitude_xyzw, "gyro": run.imu.gyro, "force": run.imu.specific_force}
     Path("arrays.json").write_text(json.dumps({name: array.tolist() for name, array in arrays.items()}))
-    with Interruption() as interruption:
+    with Interruption.heeded(to_the_end=False) as interruption:
         try:
             with interruption.allowed():
                 signal.raise_signal(signal.SIGINT)

@@ -26,7 +26,8 @@ WITHOUT = """
 import sys
 sys.modules |= dict.fromkeys({libraries})  # None: what Python itself writes there for a module that is not to be found
 from lie_rigid_body.__main__ import main
-sys.exit(main(["sim", *sys.argv[1:]]))
+sys.argv.insert(1, "sim")
+sys.exit(main())
 """
 
 
