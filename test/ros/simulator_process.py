@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import cycle
 from pathlib import Path
 from threading import Event, Thread
 from types import TracebackType
@@ -102,20 +101,11 @@ class SimulatorProcess:
         return without_lateness(self.complained)
 
     def end(self, *numbers: signal.Signals) -> int:
-        """Send signals one after the other, and return the exit status."""
+        """Send signals one soon after the other, and return the exit status."""
         for number in numbers:
             self.process.send_signal(number)
-        return self.wait()
-
-    def end_impatiently(self, *numbers: signal.Signals) -> int:
-        """Send the signals over and over until the process has ended, and return the exit status."""
-        end = time.monotonic() + DEADLINE
-        for number in cycle(numbers):
-            if self.process.poll() is not None or time.monotonic() > end:
-                return self.wait()
-            self.process.send_signal(number)
             time.sleep(0.002)
-        raise AssertionError("no signals")
+        return self.wait()
 
     def wait(self) -> int:
         status = self.process.wait(DEADLINE)

@@ -49,7 +49,7 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
     with SimulatorProcess("-p", f"rate:={rate}", "-p", f"record_path:='{bag}'") as simulator:
         size = bag.stat().st_size
         eventually(lambda: bag.stat().st_size > size, "samples")
-        assert simulator.end_impatiently(*numbers) == 0
+        assert simulator.end(*numbers, signal.SIGINT) == 0
     recording = read_bag(bag)
     assert recording.expected_samples == len(recording.poses.stamps_ns) > 0
     assert set(np.diff(recording.poses.stamps_ns).tolist()) == {round(1e9 / float(rate))}

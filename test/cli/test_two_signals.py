@@ -1,0 +1,115 @@
+"""A second and a third signal change nothing, wherever a verb is; the fourth ends it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from random import Random
+
+import pytest
+from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_fourth, full_pipe, started, struck
+
+from lie_rigid_body.cli.record import main as record
+from lie_rigid_body.recording.bag_reader import read_bag
+
+INT, TERM = signal.SIGINT, signal.SIGTERM
+RUNS = 500
+MAGIC = b"\x89MCAP0\r\n"
+"""Last bytes of a bag that is whole."""
+LONG_WORK = {
+    "record": "record new.mcap -p motion:=closed_form --duration 200000",
+    "record by steps": "record new.mcap -p rate:=0.01 -p max_step:=1e-6 --duration 1000",
+    "check": "check bags",
+    "evaluate": "evaluate bags/0.mcap --estimate /pose",
+    "campaign": "campaign campaign.yaml --out runs --workers 2",
+}
+"""Verbs with work for much longer than a test."""
+NEEDED = {"campaign": ("distributed", "cryptography")}
+LONGEST_S = {"campaign": 6.0, "evaluate": 1.5}
+"""Time, s, in which the first signal comes, other than 2 s."""
+pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="there is no /proc")
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bag") / "bag.mcap"
+    assert record([str(path), "-p", "motion:=closed_form", "-p", "rate:=1000.0", "--duration", "400", "--quiet"]) == 0
+    return path
+
+
+def prepared(folder: Path, bag: Path) -> Path:
+    (folder / "bags").mkdir()
+    for i in range(9):
+        os.link(bag, folder / f"bags/{i}.mcap")
+    (folder / "campaign.yaml").write_text(
+        f"{{runs: {RUNS}, seed: 7, duration: 8.0, vary: {{sensor_seed: {{distribution: run}}}}, parameters: {{imu_rate: 100.0}}}}"
+    )
+    return folder
+
+
+def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
+    """Strike one verb once, and look at what it leaves."""
+    random = Random(f"{name} {seed}")
+    command = [*VERB[: 1 if not numba else None], *(() if numba else ("-c", WITHOUT_NUMBA)), *LONG_WORK[name].split()]
+    pair = PAIRS[seed % len(PAIRS)]
+    status, out, err = struck(command, folder, random, LONGEST_S.get(name, 2.0), pair)
+    assert (status, err.count("\n"), out) == (130, 1, ""), (pair, err)
+    assert err.startswith(f"lie-rigid-body {name.split()[0]}: error: interrupted"), err
+    made = folder / "new.mcap"
+    if made.exists():
+        count = int(err.partition(" after ")[2].split()[0])
+        assert made.read_bytes()[-8:] == MAGIC
+        assert count == 0 or count == len(read_bag(made).poses.stamps_ns)
+        made.unlink()
+    shutil.rmtree(folder / "runs", ignore_errors=True)
+    assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
+
+
+def needed(name: str) -> None:
+    for library in NEEDED.get(name, ()):
+        if not find_spec(library):
+            pytest.skip(f"{library} is not installed")
+
+
+@pytest.mark.parametrize("name", LONG_WORK)
+def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
+    needed(name)
+    prepared(tmp_path, bag)
+    for seed in range(2):
+        tried(name, tmp_path, seed, numba=name != "record")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("numba", [True, False])
+@pytest.mark.parametrize("name", LONG_WORK)
+def test_a_second_signal_changes_nothing_at_any_moment(name: str, bag: Path, tmp_path: Path, numba: bool) -> None:
+    needed(name)
+    prepared(tmp_path, bag)
+    for seed in range(2, 10 if name == "campaign" else 30):
+        tried(name, tmp_path, seed, numba=numba)
+
+
+@pytest.mark.parametrize("numbers", [(INT, TERM, TERM, INT), (TERM, INT, INT, TERM)])
+@pytest.mark.parametrize("name", LONG_WORK)
+def test_the_fourth_signal_ends_what_closes_for_ever(
+    name: str, numbers: tuple[signal.Signals, ...], bag: Path, tmp_path: Path
+) -> None:
+    """It has a line to say on stderr, a pipe that is full and that nobody reads."""
+    needed(name)
+    read, write = full_pipe()
+    try:
+        process = started([*VERB, *LONG_WORK[name].split()], prepared(tmp_path, bag), write)
+        try:
+            time.sleep(1.0)
+            assert ended_by_the_fourth(process, numbers) == -numbers[-1]
+        finally:
+            process.kill()
+            process.communicate()
+    finally:
+        os.close(read)
+        os.close(write)
