@@ -52,7 +52,7 @@ ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
 # PyBullet has to be compiled elsewhere, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
 PLOTLY = "plotly>=6"
-CAMPAIGN = ["dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
+CAMPAIGN = ["cryptography>=41", "dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
 FLINT_WHEELS_EXIST = (

@@ -1,4 +1,4 @@
-"""Signals that ask a process to end: the first decides, where nothing is lost by it, and the fourth ends the process."""
+"""Signals that ask a process to end: the first decides, where nothing is lost by it, and the fourth ends it."""
 
 from __future__ import annotations
 

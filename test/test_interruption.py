@@ -103,17 +103,21 @@ def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int
 
 
 def test_what_is_put_off_interrupts_at_the_end_and_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with Interruption.heeded(to_the_end=False) as interruption:
-        with pytest.raises(KeyboardInterrupt), interruption.allowed():
+    def work() -> None:
+        with Interruption.current().allowed():
             try:
                 with Interruption.current().put_off():
                     signal.raise_signal(signal.SIGTERM)
                     print("whole")
                 print("not interrupted")
             finally:
-                with interruption.put_off():  # as of a progress bar of what closes
+                with Interruption.current().put_off():  # as of a progress bar of what closes
                     signal.raise_signal(signal.SIGTERM)
                 print("closed")
+
+    with Interruption.heeded(to_the_end=False) as interruption:
+        with pytest.raises(KeyboardInterrupt):
+            work()
         with interruption.put_off():
             print("noted")
     assert capsys.readouterr().out.splitlines() == ["whole", "closed", "noted"]

@@ -165,15 +165,20 @@ def require_address(scheduler: str) -> None:
     if not (host and 0 < port <= LARGEST_PORT):
         raise InputError(
             f"--scheduler {shown(scheduler)} is not the address of a Dask scheduler: give protocol, host and port, "
-            "such as tcp://host:8786"
+            "such as tls://host:8786"
         )
 
 
+def is_open(scheduler: str) -> bool:
+    """Whether an address is of TCP without TLS, which asks nobody for a certificate."""
+    from distributed.comm.addressing import parse_address
+
+    protocol, _ = parse_address(scheduler)
+    return protocol == "tcp"
+
+
 @contextmanager
-def client_of(
-    workers: int | None,
-    scheduler: str | None,
-) -> Iterator[Client]:
+def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     """A client of a Dask cluster: of the one at an address, or of one of processes on this machine while it lasts.
 
     Parameters
@@ -181,7 +186,8 @@ def client_of(
     workers : int, optional
         Processes of one thread each; as many as cores by default.
     scheduler : str, optional
-        Address of the scheduler of a cluster that runs already.
+        Address of the scheduler of a cluster that runs already; one of TLS takes the certificates that Dask's own
+        configuration names.
 
     Raises
     ------
@@ -207,9 +213,12 @@ def client_of(
     # neither half of a cluster nor one that closes may be interrupted
     with interruption.noted(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         try:
-            with _closed_in_time(_own_cluster(workers or cores(), own)) as cluster:
-                with _closed_in_time(Client(cluster)) as client, interruption.allowed():
-                    yield client
+            with (
+                _closed_in_time(_own_cluster(workers or cores(), own)) as cluster,
+                _closed_in_time(Client(cluster)) as client,
+                interruption.allowed(),
+            ):
+                yield client
         finally:
             for process in active_children():  # there is none, unless the cluster was too late
                 if process not in others:

@@ -19,7 +19,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
-    missing = [name for name in _NEEDED if not find_spec(name)]
+    needed = _NEEDED if given.scheduler else (*_NEEDED, "cryptography")
+    missing = [name for name in needed if not find_spec(name)]
     if missing:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
 
@@ -56,7 +57,7 @@ def _parser() -> console.Parser:
         "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
     )
     where.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
+        "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"
     )
     return parser
 

@@ -12,7 +12,14 @@ from typing import Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.cluster import MOST_FAILURES, SchedulerGoneError, client_of, finished, require_address
+from lie_rigid_body.campaign.cluster import (
+    MOST_FAILURES,
+    SchedulerGoneError,
+    client_of,
+    finished,
+    is_open,
+    require_address,
+)
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
@@ -22,7 +29,7 @@ from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.overview import Line, page
 from lie_rigid_body.runs.estimators import MENDED, estimator
-from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened
+from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
 
 MOST_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
@@ -93,6 +100,13 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
     errors: list[float | str | None] = []
     if len(journal) == campaign.runs:
         return failed
+    if given.scheduler is not None and is_open(given.scheduler):
+        console.complain(
+            console.program("campaign"),
+            f"--scheduler {shown(given.scheduler)} is open to whoever reaches it, to run code there as its owner: "
+            "tls:// keeps others out",
+            "warning",
+        )
     runs = (run for run in range(campaign.runs) if run not in journal)
     with (
         console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,

@@ -32,7 +32,7 @@ def test_runs_that_fail_one_after_another_end_a_campaign(
     path = written(tmp_path, "runs: 1000000\nseed: 1\nduration: 1.0\nparameters: {rate: -3.0}")
     given = [str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
     assert main(given) == 2
-    [line] = capsys.readouterr().err.splitlines()
+    [_, line] = capsys.readouterr().err.splitlines()
     most = MOST_FAILURES + RUNS_AHEAD
     assert f"{most} of 1000000 " in line
     assert not finished(tmp_path / "out")
@@ -63,7 +63,7 @@ def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     with Journal(Campaign.from_file(path), out):
         (out / "bags" / "000002.mcap").mkdir()
     assert main(given) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert len(capsys.readouterr().err.splitlines()) == 2
     assert table_of(out)["run"].to_pylist() == [0, 1, 3, 4, 5]
     (out / "bags" / "000002.mcap").rmdir()
     assert main(given) == 0
@@ -108,6 +108,6 @@ def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     monkeypatch.chdir(tmp_path)
     path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
     assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
-    [line] = capsys.readouterr().err.splitlines()
+    [_, line] = capsys.readouterr().err.splitlines()
     assert f"{MOST_FAILURES} runs: RuntimeError: it is lost" in line
     assert len(finished(tmp_path / "out")) == MOST_FAILURES

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +42,10 @@ def until(happened: Callable[[], object]) -> None:
 class Cluster:
     """A scheduler of its own, without a worker at first."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
         self.folder, self.processes = folder, list[subprocess.Popen[bytes]]()
+        self._environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        self._environment |= environment or {}
         where = folder / "scheduler.json"
         self.scheduler = self._started("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", where)
         until(lambda: where.exists() and where.read_text().endswith("}"))
@@ -54,8 +57,7 @@ class Cluster:
 
     def _started(self, kind: str, *options: Any) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard", *map(str, options)]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        self.processes.append(subprocess.Popen(command, cwd=self.folder, env=environment, stdout=-3, stderr=-3))
+        self.processes.append(subprocess.Popen(command, cwd=self.folder, env=self._environment, stdout=-3, stderr=-3))
         return self.processes[-1]
 
     def close(self) -> None:
@@ -89,7 +91,7 @@ def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
         campaign.kill()
         (tmp_path / "killed").touch()
     assert (campaign.returncode, said) == (2, ""), complained
-    [line] = complained.splitlines()
+    _, line = complained.splitlines()
     assert cluster.address in line
     assert line.endswith(RESUMED)
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in finished(out)}
@@ -101,6 +103,45 @@ def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
     assert len(bytes_of(out)) == 6
 
 
+def test_a_cluster_of_tls_is_open_to_who_has_the_keys(out: Path, tmp_path: Path) -> None:
+    """As the page about clusters says, by Dask's own configuration; the bags are those of a cluster of this machine."""
+    from distributed import Security
+
+    keys = Security.temporary().get_tls_config_for_role("client")
+    for name in ("ca_file", "cert", "key"):
+        (tmp_path / name).write_text(str(keys[f"tls_{name}" if name != "ca_file" else "tls_ca_file"]))
+    environment = {
+        "DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "True",
+        "DASK_DISTRIBUTED__COMM__DEFAULT_SCHEME": "tls",
+    }
+    environment["DASK_DISTRIBUTED__COMM__TLS__CA_FILE"] = str(tmp_path / "ca_file")
+    for role in ("SCHEDULER", "WORKER", "CLIENT"):
+        environment[f"DASK_DISTRIBUTED__COMM__TLS__{role}__CERT"] = str(tmp_path / "cert")
+        environment[f"DASK_DISTRIBUTED__COMM__TLS__{role}__KEY"] = str(tmp_path / "key")
+    cluster = Cluster(tmp_path, environment)
+    try:
+        assert cluster.address.startswith("tls://")
+        cluster.worker(threads=1)
+        shutil.copy(out.parent / "estimator_of_a_campaign.py", tmp_path)
+        given = [str(written(tmp_path)), "--out", "other", "--scheduler", cluster.address]
+        command = [sys.executable, "-m", "lie_rigid_body", "campaign", *given]
+        for more, status, lines in (({}, 2, 1), (environment, 0, 0)):
+            done = subprocess.run(
+                command,
+                cwd=tmp_path,
+                env=os.environ | more,
+                capture_output=True,
+                text=True,
+                timeout=DEADLINE,
+                check=False,
+            )
+            assert (done.returncode, done.stderr.count("\n")) == (status, lines), done.stderr
+    finally:
+        cluster.close()
+    assert bytes_of(tmp_path / "other") == bytes_of(out)
+    assert table_of(tmp_path / "other").equals(table_of(out))
+
+
 def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
     cluster: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -109,7 +150,8 @@ def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
 
     def told(*given: str) -> None:
         complain(*given)
-        workers.append(cluster.worker(threads=1))
+        if "no worker" in given[1]:
+            workers.append(cluster.worker(threads=1))
 
     def kept(journal: Journal, row: Any) -> None:
         add(journal, row)
@@ -121,7 +163,7 @@ def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
     monkeypatch.setattr(Journal, "add", kept)
     path = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 9"))
     assert main([str(path), "--out", str(tmp_path / "out"), "--scheduler", cluster.address]) == 0
-    lines = [line.partition(" campaign: ")[2] for line in capsys.readouterr().err.splitlines()]
+    _, *lines = (line.partition(" campaign: ")[2] for line in capsys.readouterr().err.splitlines())
     assert all(line.startswith("warning: ") and cluster.address in line for line in lines)
     assert len(lines) in (2, 3)  # of dozens of times that it is asked; a result may come when its worker is gone
     assert len(finished(tmp_path / "out")) == 9

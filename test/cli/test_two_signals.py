@@ -5,20 +5,21 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import subprocess
 import time
 from importlib.util import find_spec
 from pathlib import Path
 from random import Random
 
 import pytest
-from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_fourth, full_pipe, started, struck
 
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.recording.bag_reader import read_bag
+from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_fourth, full_pipe, started, struck
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
-RUNS = 500
+CAMPAIGN = (
+    "{runs: 500, seed: 7, duration: 8.0, parameters: {imu_rate: 100.0}, vary: {sensor_seed: {distribution: run}}}"
+)
 MAGIC = b"\x89MCAP0\r\n"
 """Last bytes of a bag that is whole."""
 LONG_WORK = {
@@ -46,9 +47,7 @@ def prepared(folder: Path, bag: Path) -> Path:
     (folder / "bags").mkdir()
     for i in range(9):
         os.link(bag, folder / f"bags/{i}.mcap")
-    (folder / "campaign.yaml").write_text(
-        f"{{runs: {RUNS}, seed: 7, duration: 8.0, vary: {{sensor_seed: {{distribution: run}}}}, parameters: {{imu_rate: 100.0}}}}"
-    )
+    (folder / "campaign.yaml").write_text(CAMPAIGN)
     return folder
 
 

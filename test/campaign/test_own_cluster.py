@@ -1,0 +1,105 @@
+"""The cluster that a campaign starts is reached from this machine alone, and by nobody who lacks its keys."""
+
+from __future__ import annotations
+
+import http.client
+import socket
+import ssl
+from collections.abc import Iterator
+from contextlib import nullcontext, suppress
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+from campaigns import NEEDS_DASK
+
+from lie_rigid_body.campaign.cluster import client_of
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+pytestmark = [NEEDS_DASK, pytest.mark.skipif(not find_spec("cryptography"), reason="cryptography is not installed")]
+WORKERS = 2
+
+
+class Own(NamedTuple):
+    """A cluster of a campaign: its client, and what its processes listen on."""
+
+    client: Client
+    sockets: set[tuple[str, int]]
+
+
+def listening() -> dict[int, set[tuple[str, int]]]:
+    """Addresses and ports of TCP that this process and its children listen on, by their numbers."""
+    import psutil
+
+    own = psutil.Process()
+    found = {}
+    for process in (own, *own.children(recursive=True)):
+        with suppress(psutil.NoSuchProcess):
+            sockets = process.net_connections("inet")
+            found[process.pid] = {tuple(each.laddr) for each in sockets if each.status == psutil.CONN_LISTEN}
+    return found
+
+
+@pytest.fixture(scope="module")
+def own() -> Iterator[Own]:
+    before = set().union(*listening().values())
+    with client_of(WORKERS, None) as client:
+        there = listening()
+        workers = {worker["pid"] for worker in client.run(_process).values()}
+        assert len(workers & set(there)) == WORKERS  # processes of their own, whose end costs their run only
+        assert all(there[worker] for worker in workers)
+        yield Own(client, set().union(*there.values()) - before)
+    assert listening().keys() & workers == set()
+
+
+def _process() -> dict[str, int]:
+    import os
+
+    return {"pid": os.getpid()}
+
+
+def test_nothing_listens_beyond_this_machine(own: Own) -> None:
+    assert len(own.sockets) > WORKERS
+    assert {address for address, _ in own.sockets} <= {"127.0.0.1", "::1"}
+
+
+def test_who_lacks_the_keys_is_refused(own: Own) -> None:
+    """Without TLS, without a certificate, and with one of another cluster."""
+    from distributed import Security
+
+    nobody = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    nobody.check_hostname, nobody.verify_mode = False, ssl.CERT_NONE
+    other = Security.temporary().get_connection_args("client")["ssl_context"]
+    other.check_hostname, other.verify_mode = False, ssl.CERT_NONE
+    known = own.client.security.get_connection_args("client")["ssl_context"]
+    for address in (own.client.scheduler.address, *own.client.scheduler_info()["workers"]):
+        assert address.startswith("tls://127.0.0.1:")
+        port = int(address.rpartition(":")[2])
+        assert [is_greeted(port, context) for context in (known, None, nobody, other)] == [True, False, False, False]
+
+
+def is_greeted(port: int, context: ssl.SSLContext | None) -> bool:
+    """Whether who connects gets a message of Dask: 8 bytes that tell its length begin it."""
+    with (
+        suppress(OSError),
+        socket.create_connection(("127.0.0.1", port), timeout=10) as plain,
+        context.wrap_socket(plain) if context else nullcontext(plain) as stream,
+    ):
+        stream.sendall(bytes(8))
+        return len(stream.recv(64)) >= 8
+    return False
+
+
+def test_no_page_is_served(own: Own) -> None:
+    """Of a dashboard, and of the programs that Dask answers by HTTP, of which some change the cluster."""
+    answers = set()
+    for host, port in own.sockets:
+        for method, path in (("GET", "/"), ("GET", "/status"), ("GET", "/info"), ("POST", "/api/v1/retire_workers")):
+            connection = http.client.HTTPConnection(host, port, timeout=10)
+            with suppress(OSError, http.client.HTTPException):
+                connection.request(method, path)
+                answers.add(connection.getresponse().status)
+            connection.close()
+    assert answers == {404}
