@@ -173,7 +173,7 @@ def is_open(scheduler: str) -> bool:
     """Whether an address is of TCP without TLS, which asks nobody for a certificate."""
     from distributed.comm.addressing import parse_address
 
-    protocol, _ = parse_address(scheduler)
+    protocol: str = parse_address(scheduler)[0]
     return protocol == "tcp"
 
 

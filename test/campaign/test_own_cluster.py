@@ -8,7 +8,7 @@ import ssl
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 from campaigns import NEEDS_DASK
@@ -31,8 +31,7 @@ class Own(NamedTuple):
 
 def listening() -> dict[int, set[tuple[str, int]]]:
     """Addresses and ports of TCP that this process and its children listen on, by their numbers."""
-    import psutil
-
+    psutil: Any = pytest.importorskip("psutil")
     own = psutil.Process()
     found = {}
     for process in (own, *own.children(recursive=True)):

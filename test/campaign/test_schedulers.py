@@ -22,6 +22,7 @@ from lie_rigid_body.cli.campaign import main
 
 pytestmark = NEEDS_DASK
 DEADLINE = 120.0
+PARTS = ("cert", "key")
 WAITING = """
 import pathlib, time
 def from_truth(run):
@@ -107,17 +108,16 @@ def test_a_cluster_of_tls_is_open_to_who_has_the_keys(out: Path, tmp_path: Path)
     """As the page about clusters says, by Dask's own configuration; the bags are those of a cluster of this machine."""
     from distributed import Security
 
-    keys = Security.temporary().get_tls_config_for_role("client")
-    for name in ("ca_file", "cert", "key"):
-        (tmp_path / name).write_text(str(keys[f"tls_{name}" if name != "ca_file" else "tls_ca_file"]))
+    keys = Security.temporary()
+    tls = {"ca-file": tmp_path / "ca.pem"}
+    tls |= {f"{role}.{part}": tmp_path / f"{part}.pem" for role in ("scheduler", "worker", "client") for part in PARTS}
+    (tmp_path / "ca.pem").write_text(str(keys.tls_ca_file))
+    (tmp_path / "cert.pem").write_text(str(keys.tls_client_cert))
+    (tmp_path / "key.pem").write_text(str(keys.tls_client_key))
+    said = {"require-encryption": "True", "default-scheme": "tls", **{f"tls.{name}": f"{tls[name]}" for name in tls}}
     environment = {
-        "DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "True",
-        "DASK_DISTRIBUTED__COMM__DEFAULT_SCHEME": "tls",
+        f"DASK_DISTRIBUTED__COMM__{name.upper().replace('.', '__').replace('-', '_')}": said[name] for name in said
     }
-    environment["DASK_DISTRIBUTED__COMM__TLS__CA_FILE"] = str(tmp_path / "ca_file")
-    for role in ("SCHEDULER", "WORKER", "CLIENT"):
-        environment[f"DASK_DISTRIBUTED__COMM__TLS__{role}__CERT"] = str(tmp_path / "cert")
-        environment[f"DASK_DISTRIBUTED__COMM__TLS__{role}__KEY"] = str(tmp_path / "key")
     cluster = Cluster(tmp_path, environment)
     try:
         assert cluster.address.startswith("tls://")
