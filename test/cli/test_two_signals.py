@@ -18,8 +18,6 @@ from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_fourth, full_pi
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
 CAMPAIGN = "{runs: 500, seed: 7, duration: 8.0, vary: {initial_attitude_xyzw: {distribution: uniform_rotation}}}"
-    "{runs: 500, seed: 7, duration: 8.0, parameters: {imu_rate: 100.0}, vary: {sensor_seed: {distribution: run}}}"
-)
 MAGIC = b"\x89MCAP0\r\n"
 """Last bytes of a bag that is whole."""
 LONG_WORK = {

@@ -1,0 +1,86 @@
+"""A second and a third signal change nothing of how a node ends, wherever it is; the fourth ends it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from random import Random
+
+import pytest
+from simulator_process import LAST_LINE, assignments
+
+from lie_rigid_body.recording.bag_reader import read_bag
+from two_signals import DEADLINE, PAIRS, VERB, ended_by_the_fourth, fill, full_pipe, started, struck
+
+pytestmark = pytest.mark.ros
+INT, TERM = signal.SIGINT, signal.SIGTERM
+EVALUATE = [*VERB, "evaluate", "--ros-args", "-r", "estimate:=/nobody"]
+
+
+def simulated(folder: Path, seed: int) -> None:
+    """Strike the simulator once, and look at what it leaves."""
+    bag, random = folder / f"{seed}.mcap", Random(f"sim {seed}")
+    command = [*VERB, "sim", *assignments(rate=1000.0, record_path=bag)]
+    status, out, err = struck(command, folder, random, 4.0, PAIRS[seed % len(PAIRS)])
+    assert (status, [line for line in err.splitlines() if "catching up" not in line]) == (0, [])
+    if bag.exists() and " 0 samples" not in out:
+        assert f" {len(read_bag(bag).poses.stamps_ns)} samples" in out.splitlines()[-1].replace(
+            "1 sample;", "1 samples;"
+        )
+
+
+def evaluated(folder: Path, seed: int) -> None:
+    """Strike the evaluator once, before anything came that it could score."""
+    status, out, err = struck(EVALUATE, folder, Random(f"evaluate {seed}"), 4.0, PAIRS[seed % len(PAIRS)])
+    first, *last = [line for line in err.splitlines() if "Ctrl-C ends it" not in line]
+    assert (status, out, last) == (130, "", []), err
+    assert first.startswith("lie-rigid-body evaluate: error: interrupted"), err
+
+
+@pytest.mark.parametrize("strike", [simulated, evaluated])
+def test_a_second_signal_changes_nothing(strike, tmp_path: Path) -> None:
+    for seed in range(2):
+        strike(tmp_path, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strike", [simulated, evaluated])
+def test_a_second_signal_changes_nothing_at_any_moment(strike, tmp_path: Path) -> None:
+    for seed in range(2, 30):
+        strike(tmp_path, seed)
+
+
+@pytest.mark.parametrize("numbers", [(INT, TERM, TERM, INT), (TERM, INT, INT, TERM)])
+def test_the_fourth_signal_ends_a_simulator_that_closes_for_ever(
+    numbers: tuple[signal.Signals, ...], tmp_path: Path
+) -> None:
+    """It says farewell on stdout, a pipe that became full."""
+    read, write = os.pipe()
+    process = subprocess.Popen([*VERB, "sim"], cwd=tmp_path, stdout=write, stderr=subprocess.DEVNULL, text=True)
+    try:
+        said = b""
+        while LAST_LINE.encode() not in said:
+            said += os.read(read, 4096)
+        fill(write)
+        assert ended_by_the_fourth(process, numbers) == -numbers[-1]
+    finally:
+        process.kill()
+        process.wait(DEADLINE)
+        os.close(read)
+        os.close(write)
+
+
+def test_the_fourth_signal_ends_an_evaluator_that_cannot_close(tmp_path: Path) -> None:
+    read, write = full_pipe()
+    process = started(EVALUATE, tmp_path, write)
+    try:
+        time.sleep(1.0)
+        assert ended_by_the_fourth(process, (INT, TERM, TERM, INT)) == -INT
+    finally:
+        process.kill()
+        process.communicate()
+        os.close(read)
+        os.close(write)
