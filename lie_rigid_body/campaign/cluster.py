@@ -51,11 +51,8 @@ _QUIET: Final = {
     "distributed.worker.profile.enabled": False,
     # a run whose process dies is tried again alone, not at the cost of others and of one process after another
     "distributed.scheduler.allowed-failures": 0,
-    # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
 }
-"""Settings of Dask: no messages on stderr, little bookkeeping, no second try among others, and no pages."""
+"""Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
 
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
@@ -230,9 +227,12 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
 
     A thread that is deaf to Ctrl-C starts it, and so are the threads and processes that come of that.
     """
+    import dask
     from distributed import LocalCluster, Security
 
-    with ThreadPoolExecutor(1, initializer=_deafen) as thread:
+    # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
+    no_pages: dict[str, list[str]] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
+    with dask.config.set(no_pages), ThreadPoolExecutor(1, initializer=_deafen) as thread:
         return thread.submit(
             LocalCluster,
             n_workers=workers,
