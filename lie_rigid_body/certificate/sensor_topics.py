@@ -18,8 +18,8 @@ from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.sensor_clocks import PlacedMessages
-from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
+from lie_rigid_body.recording.segments import PlacedMessages
+from lie_rigid_body.recording.topic_messages import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -36,7 +36,7 @@ class _Told(NamedTuple):
     ----------
     frame : str
     rest, values : ndarray
-        The numbers that `SensorMessages` keeps as kinds, and those that it keeps for each message.
+        The numbers that `TopicMessages` keeps as kinds, and those that it keeps for each message.
     fixed : ndarray of bool
         Which of the latter are the same in every message.
     readings : tuple of (str, str, str, slice or ndarray)

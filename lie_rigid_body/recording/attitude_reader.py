@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import Decoded, decode
+from lie_rigid_body.messages import NOT_GIVEN, decode_places
 from lie_rigid_body.messages.definitions import (
     IMU,
     ODOMETRY,
@@ -21,24 +22,24 @@ from lie_rigid_body.messages.definitions import (
     TF_MESSAGE,
 )
 from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
-from lie_rigid_body.recording.track_decoding import columns, named, taken
+from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack
+from lie_rigid_body.recording.topic_messages import decoding, require_cdr
 from lie_rigid_body.wording import listed, short_repr
 
-_PLACES: Final = {POSE_STAMPED: (7, 3), POSE_WITH_COVARIANCE_STAMPED: (43, 3), QUATERNION_STAMPED: (4, 0), IMU: (37, 0)}
-"""Number of float64 fields of each type with one frame, and the field with which the attitude begins."""
+_NUMBERS: Final = {POSE_STAMPED: 7, POSE_WITH_COVARIANCE_STAMPED: 43, QUATERNION_STAMPED: 4, IMU: 37}
+"""Number of float64 fields of each type with one frame."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
     TF_MESSAGE: decode_transforms,
 }
-ATTITUDE_TYPES: Final = (*_PLACES, *_FRAMED)
+ATTITUDE_TYPES: Final = (*_NUMBERS, *_FRAMED)
 """Message types that hold an attitude with a stamp."""
+_BEHIND_POSITION: Final = (POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, *_FRAMED)
+"""Types whose attitude stands behind three numbers of a position."""
+_COVARIANCES: Final = {POSE_WITH_COVARIANCE_STAMPED: slice(7, 43), ODOMETRY: slice(7, 43), IMU: slice(4, 13)}
+"""Fields of the covariance: 6 × 6 after a pose, 3 × 3 after an orientation."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
 """Complaint about a topic of Imu in which no message has an orientation."""
-_POSE_COVARIANCE: Final = slice(7, 43)
-"""Fields of the 6 × 6 covariance after a pose."""
-_IMU_COVARIANCE: Final = slice(4, 13)
-"""Fields of the 3 × 3 covariance after an orientation."""
 
 
 @dataclass(frozen=True)
@@ -92,17 +93,23 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
         If there is no such topic, or none of these types on it, or no message, no orientation, or several bodies.
     """
     track = _find(path, contents, topic)
-    if track.message_type in _FRAMED:
-        return _framed_track(path, track, frames)
-    found = taken(path, track)
-    with named(path, topic):
-        read = columns(found, _PLACES[track.message_type][0], stamped=True)
-    if len(read.frame_ids) > 1:
-        raise BagError(f"{path}: topic {topic} is of the frames {listed(read.frame_ids)}: record those of one body")
-    attitudes = _plain_track(track.topic, track.message_type, read)
-    if not attitudes.stamps_ns.size:
+    require_cdr(path, track)
+    raw = track.take()
+    with decoding(path, topic, raw):
+        found = _attitudes(topic, track.message_type, raw)
+    chosen = frames if frames in found else next(iter(found), None)
+    if chosen is None:
+        raise BagError(f"{path}: the messages on {topic} are empty: record it while an estimator runs")
+    if len(found) > 1 and track.message_type not in _FRAMED:
+        raise BagError(f"{path}: topic {topic} is of the frames {_names(found)}: record those of one body")
+    if len(found) > 1 and chosen != frames:
+        what = f"none of which is {' to '.join(frames)}" if frames else "of which none is known as the body's"
+        raise BagError(
+            f"{path}: topic {topic} tells of {_names(found)}, {what}: record one body, or name its frames so"
+        )
+    if not found[chosen].stamps_ns.size:
         raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
-    return attitudes
+    return found[chosen]
 
 
 def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
@@ -120,27 +127,43 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     BagError
         If they cannot be read, or messages that tell of one frame each differ in it.
     """
+    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
+    found = _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
+    if len(found) > 1 and message_type not in _FRAMED:
+        raise BagError(f"topic {topic} is of the frames {_names(found)}: let one node publish it")
+    return found
+
+
+def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
     if message_type in _FRAMED:
-        found = _FRAMED[message_type](list(payloads))
-        return {frames: _framed(topic, message_type, frames, numbers) for frames, numbers in found.items()}
-    read = decode(payloads, _PLACES[message_type][0], stamped=True)
-    if len(read.frame_ids) > 1:
-        raise BagError(f"topic {topic} is of the frames {listed(read.frame_ids)}: let one node publish it")
-    track = _plain_track(topic, message_type, read)
-    return {(track.frame, ""): track}
-
-
-def _plain_track(topic: str, message_type: str, read: Decoded) -> AttitudeTrack:
+        framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])
+        return {
+            frames: _track(topic, message_type, np.array(own.stamps_ns, dtype=np.int64), np.array(own.numbers), frames)
+            for frames, own in framed.items()
+        }
+    ends = np.cumsum(found.sizes)
+    read = decode_places(found.data, ends - found.sizes, ends, _NUMBERS[message_type], stamped=True)
     assert read.stamps_ns is not None
-    first = _PLACES[message_type][1]
-    known = np.full(len(read.numbers), True)
-    if message_type == IMU:
-        known = read.numbers[:, _IMU_COVARIANCE.start] != -1.0
-    numbers = read.numbers[known]
-    covariance = _covariance(message_type, numbers)
-    return AttitudeTrack(
-        topic, message_type, read.stamps_ns[known], numbers[:, first : first + 4], covariance, read.frame_ids[0]
-    )
+    tracks: dict[Frames, AttitudeTrack] = {}
+    for i, frame in enumerate(read.frame_ids):
+        told = read.frames == i
+        if message_type == IMU:
+            told &= read.numbers[:, _COVARIANCES[IMU].start] != NOT_GIVEN
+        tracks[frame, ""] = _track(topic, message_type, read.stamps_ns[told], read.numbers[told], (frame, ""))
+    return tracks
+
+
+def _track(topic: str, message_type: str, stamps_ns: Integers, numbers: Array, frames: Frames) -> AttitudeTrack:
+    first, covariance = 3 if message_type in _BEHIND_POSITION else 0, None
+    if message_type in _COVARIANCES:
+        rows = numbers[:, _COVARIANCES[message_type]]
+        size = math.isqrt(rows.shape[1])
+        covariance = rows.reshape(-1, size, size)[:, -3:, -3:]
+    return AttitudeTrack(topic, message_type, stamps_ns, numbers[:, first : first + 4], covariance, *frames)
+
+
+def _names(found: dict[Frames, AttitudeTrack]) -> str:
+    return listed([" to ".join(filter(None, frames)) for frames in found])
 
 
 def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
@@ -161,30 +184,3 @@ def wrong_type(message_type: str) -> str:
     """Why a topic of a type holds no attitudes, for an error."""
     kind, *kinds, last = (name.rpartition("/")[2] for name in (message_type, *ATTITUDE_TYPES))
     return f"is of {kind}: give {', '.join(kinds)} or {last}"
-
-
-def _framed_track(path: Path, track: RawTrack, wanted: Frames | None) -> AttitudeTrack:
-    raw = taken(path, track)
-    with named(path, track.topic):
-        found = _FRAMED[track.message_type]([payload for _, payload in raw.payloads()])
-    frames = wanted if wanted in found else next(iter(found), None)
-    if frames is None:
-        raise BagError(f"{path}: the messages on {track.topic} are empty: record it while an estimator runs")
-    if len(found) > 1 and frames != wanted:
-        pairs = listed([f"{frame} to {child}" for frame, child in found])
-        what = f"none of which is {' to '.join(wanted)}" if wanted else "of which none is known as the body's"
-        raise BagError(f"{path}: topic {track.topic} tells of {pairs}, {what}: record one body, or name its frames so")
-    return _framed(track.topic, track.message_type, frames, found[frames])
-
-
-def _framed(topic: str, message_type: str, frames: Frames, found: FramedNumbers) -> AttitudeTrack:
-    numbers, stamps = np.array(found.numbers), np.array(found.stamps_ns, dtype=np.int64)
-    return AttitudeTrack(topic, message_type, stamps, numbers[:, 3:7], _covariance(message_type, numbers), *frames)
-
-
-def _covariance(message_type: str, numbers: Array) -> Array | None:
-    if message_type == IMU:
-        return numbers[:, _IMU_COVARIANCE].reshape(-1, 3, 3)
-    if message_type in (POSE_WITH_COVARIANCE_STAMPED, ODOMETRY):
-        return numbers[:, _POSE_COVARIANCE].reshape(-1, 6, 6)[:, 3:, 3:]
-    return None

@@ -16,7 +16,7 @@ from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
-    from lie_rigid_body.recording.sensor_reader import SensorMessages
+    from lie_rigid_body.recording.topic_messages import TopicMessages
 
 T = TypeVar("T")
 
@@ -84,14 +84,14 @@ class SensorArrays:
 
     @classmethod
     def of_messages(
-        cls, sensor: Sensor, messages: Mapping[str, SensorMessages | None], declared: Collection[str]
+        cls, sensor: Sensor, messages: Mapping[str, TopicMessages | None], declared: Collection[str]
     ) -> SensorArrays | None:
         """Make the arrays of the topics of a bag, by their relative names. Readings arrived at their log times.
 
         Parameters
         ----------
         sensor : Sensor
-        messages : mapping of str to (SensorMessages or None)
+        messages : mapping of str to (TopicMessages or None)
         declared : collection of str
             Arrays that the scenarios tell. Where there is no message, they decide whether an optional field is there.
 
@@ -134,10 +134,10 @@ class SensorArrays:
 
 
 def _array(
-    topic: Topic, field: Field, messages: SensorMessages | None, t_ns: Integers, declared: Collection[str]
+    topic: Topic, field: Field, messages: TopicMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
     """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
-    from lie_rigid_body.recording.sensor_reader import fixed_number, value_columns
+    from lie_rigid_body.recording.topic_messages import fixed_number, value_columns
 
     columns = value_columns(topic, field)
     shape = field.shape or (len(columns),)

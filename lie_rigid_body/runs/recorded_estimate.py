@@ -20,16 +20,15 @@ from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
+from lie_rigid_body.recording.bodies import SCENARIO, given_track, scenario_texts, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.recording.track_decoding import taken, texts
+from lie_rigid_body.recording.topic_messages import require_cdr
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
-_TYPES: Final = (*ATTITUDE_TYPES, STRING)
 LENIENCE_NS: Final = NS
 """Largest time between the last estimate and the last pose heard, ns, as each has its way. The scenario tells the truth
 so far beyond the poses: stamps further on are of another clock. A filter further behind has ended."""
@@ -185,7 +184,7 @@ def disorder(late: int, count: int) -> str:
 
 def _estimate_or_truth(*topics: str) -> Wanted:
     """Want the messages of an estimate's topic, and of those that are said to or may tell the truth."""
-    return lambda name, kind: kind in _TYPES and (name in topics or name.rpartition("/")[2] in ("scenario", "pose"))
+    return lambda name, kind: kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
 
 
 @dataclass(frozen=True)
@@ -243,16 +242,14 @@ def _true_motion(
     candidates = [
         track
         for track in contents.tracks.values()
-        if track.count and track.topic != estimate_topic and not _is_of_others(path, track)
+        if track.count and track.topic != estimate_topic and not _is_of_others(path, contents, track)
     ]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
-        segments = tuple(
-            declared_segments(
-                (text for _, text in texts(path, scenario.topic, [taken(path, scenario)])), f"{path}"
-            ).values()
-        )
+        require_cdr(path, scenario)
+        told = (text for _, text in scenario_texts(path, contents, scenario))
+        segments = tuple(declared_segments(told, f"{path}").values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
     pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
     if scenario is None and pose is None:
@@ -263,9 +260,9 @@ def _true_motion(
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
 
 
-def _is_of_others(path: Path, track: RawTrack) -> bool:
+def _is_of_others(path: Path, contents: McapContents, track: RawTrack) -> bool:
     """Whether a topic of texts is that of another node, which calls something else a scenario."""
-    return track.message_type == STRING and not tells_of_body(texts(path, track.topic, track.pieces))
+    return track.message_type == STRING and not tells_of_body(scenario_texts(path, contents, track))
 
 
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:

@@ -30,6 +30,7 @@ from lie_rigid_body.wording import call_repr
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
     from lie_rigid_body.recording.bag_reader import Recording
+    from lie_rigid_body.recording.topic_messages import FaultMessages
 
 END_OF_TIME: Final = np.iinfo(np.int64).max
 
@@ -111,14 +112,8 @@ class Run(ReadOnly):
         from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
         from lie_rigid_body.recording.bodies import for_python, require_topics
         from lie_rigid_body.recording.samples import recorded_segments
-        from lie_rigid_body.recording.segments import as_written
-        from lie_rigid_body.recording.sensor_clocks import measured_ns
-        from lie_rigid_body.recording.sensor_reader import (
-            FaultMessages,
-            SensorMessages,
-            no_messages,
-            recorded_faults,
-        )
+        from lie_rigid_body.recording.segments import declared_segments, measured_ns
+        from lie_rigid_body.recording.topic_messages import FaultMessages, TopicMessages
 
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
@@ -129,15 +124,19 @@ class Run(ReadOnly):
         pieces = recorded_segments(recording)
         declared = [piece.segment.scenario.sensors for piece in pieces]
         models = [(name, model) for sensors in declared for name, model in sensors.on.items()]
-        readings: dict[str, SensorMessages | None] = {
-            name: messages if isinstance(messages := recording.readings.get(name), SensorMessages) else None
+        readings: dict[str, TopicMessages | None] = {
+            name: messages if isinstance(messages := recording.readings.get(name), TopicMessages) else None
             for name in SENSOR_TOPICS
         }
         for name in {SENSORS[name].topics[0].name for name, _ in models}:
-            readings[name] = readings[name] or no_messages(SENSOR_TOPICS[name])
-        for name, of_topic in () if as_written(recording) else list(readings.items()):
-            if of_topic is not None and len(of_topic):
-                readings[name] = replace(of_topic, log_times_ns=measured_ns(recording, name))
+            readings[name] = readings[name] or TopicMessages.none_of(SENSOR_TOPICS[name])
+        if not recording.as_written:
+            segments = [*declared_segments(text for _, text in recording.scenario_texts).values()]
+            for sensor in SENSORS.values():
+                first = readings[sensor.topics[0].name]
+                if first is not None:
+                    measured = measured_ns(segments, sensor.name, first.stamps_ns)
+                    readings[sensor.topics[0].name] = replace(first, log_times_ns=measured)
         fields = {
             f.array for name, model in models for topic in SENSORS[name].topics for f in told_fields(topic, model)
         }
@@ -152,7 +151,7 @@ class Run(ReadOnly):
             ),
             {key: arrays for key, arrays in found.items() if arrays is not None},
             tuple(piece.segment for piece in pieces),
-            recorded_faults(recording.name, told) if isinstance(told, FaultMessages) else (),
+            _faults(recording.name, told) if isinstance(told, FaultMessages) else (),
             recording,
         )
 
@@ -195,13 +194,13 @@ class Run(ReadOnly):
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
         """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
         from lie_rigid_body.recording.bag_writer import CUT_OFF, REWRITTEN
-        from lie_rigid_body.recording.segments import as_written, declared_segments
+        from lie_rigid_body.recording.segments import declared_segments
 
         recording = self._recording
         if recording is None:
             return {segment.to_json(): segment for segment in self.segments}, {}
         declared = declared_segments((text for _, text in recording.scenario_texts), recording.name)
-        if as_written(recording):
+        if recording.as_written:
             return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
         recorder = recording.library.partition(REWRITTEN)[0]
         return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
@@ -379,6 +378,14 @@ class Run(ReadOnly):
                     "take their topic out of the bag that it is from"
                 )
         return taken
+
+
+def _faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
+    """The faults that messages of a bag of that name tell of, in file order; repeats of a text count once."""
+    try:
+        return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
+    except InputError as error:
+        raise BagError(f"{name}: {error}") from None
 
 
 def _bounded(declared: Mapping[str, Segment]) -> Iterator[tuple[str, Segment, int, int]]:
