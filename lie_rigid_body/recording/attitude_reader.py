@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import NOT_GIVEN, decode_places
 from lie_rigid_body.messages.definitions import (
@@ -69,6 +69,30 @@ class AttitudeTrack:
 
     __repr__ = short_repr
 
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def __getitem__(self, rows: slice | Integers | Booleans) -> AttitudeTrack:
+        P = self.covariance
+        return replace(
+            self,
+            stamps_ns=self.stamps_ns[rows],
+            attitude_xyzw=self.attitude_xyzw[rows],
+            covariance=None if P is None else P[rows],
+        )
+
+    @classmethod
+    def joined(cls, parts: Iterable[AttitudeTrack]) -> AttitudeTrack:
+        """Attitudes of one topic that continue each other as one; of at least one part."""
+        first, *rest = parts
+        covariances = [part.covariance for part in (first, *rest) if part.covariance is not None]
+        return replace(
+            first,
+            stamps_ns=np.concatenate([first.stamps_ns, *(part.stamps_ns for part in rest)]),
+            attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
+            covariance=np.concatenate(covariances) if covariances else None,
+        )
+
 
 def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frames | None = None) -> AttitudeTrack:
     """The attitudes of a topic.
@@ -107,7 +131,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
         raise BagError(
             f"{path}: topic {topic} tells of {_names(found)}, {what}: record one body, or name its frames so"
         )
-    if not found[chosen].stamps_ns.size:
+    if not len(found[chosen]):
         raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
     return found[chosen]
 

@@ -135,7 +135,8 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
     stamps, waiting = np.empty(0, dtype=np.int64), list[TopicMessages]()
     for poses, twists in batches:
         if by_log is None and len(twists):
-            by_log = _is_on_grid(clock, twists.log_times_ns[:1])
+            first_ns = twists.log_times_ns[:1]
+            by_log = clock.stamp_ns(int(number_samples(clock, first_ns)[0])) == int(first_ns[0])
         if by_log:
             yield poses, twists
             continue
@@ -148,10 +149,6 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
             f"{bag.name}: {bag.twist_count} twists without stamps cannot be paired with {bag.pose_count} poses: "
             "run the node with stamped_twist true, or record with it"
         )
-
-
-def _is_on_grid(clock: SampleClock, stamps_ns: Integers) -> bool:
-    return clock.stamp_ns(int(number_samples(clock, stamps_ns)[0])) == int(stamps_ns[0])
 
 
 @dataclass(frozen=True)

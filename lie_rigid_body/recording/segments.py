@@ -123,11 +123,9 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     # in two parts, as the product of a long time and a rate exceeds 53 bits
     elapsed = stamps_ns - clock.epoch_ns
     whole = elapsed // NS  # half of the time of `divmod`
-    rest = elapsed - whole * NS
-    if float(clock.rate).is_integer():
-        rate = int(clock.rate)
-        return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
-    return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
+    in_rest = (elapsed - whole * NS) * (clock.rate * 1e-9)
+    rate = int(clock.rate)
+    return whole * rate + np.rint(whole * (clock.rate - rate) + in_rest).astype(np.int64)
 
 
 def grid(clock: SampleClock, numbers: Integers) -> Integers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
@@ -13,14 +14,166 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.estimate import GAP, period_ns
 from lie_rigid_body.evaluation.tally import Tally
+from lie_rigid_body.messages import decode_string
+from lie_rigid_body.messages.definitions import TF_MESSAGE
+from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.runs.heard import MOST_WAITING, HeardEstimate, HeardTruth
-from lie_rigid_body.runs.kept import MOST_KEPT, Rows, joined
-from lie_rigid_body.runs.kept_estimate import KeptEstimate
-from lie_rigid_body.runs.recorded_estimate import LENIENCE_NS, RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.runs.kept_estimate import LENIENCE_NS, MOST_KEPT, MOST_WAITING, Kept, KeptEstimate
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import listed
 
+RECENT: Final = 40
+"""Number of batches of poses by which the latest estimates are judged."""
 INTERIM: Final = 2000
 """Number of samples of the score on the way."""
+
+
+class HeardTruth:
+    """Scenarios and poses that tell the truth, message by message.
+
+    Parameters
+    ----------
+    most : int
+        Largest number of poses that are kept.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._segments: dict[str, Segment] = {}
+        self._poses, self._recent = Kept(most), deque[AttitudeTrack](maxlen=RECENT)
+        self._frames: Frames | None = None
+
+    def hear_scenario(self, payload: bytes) -> None:
+        """Take a latched scenario; a reset sends another.
+
+        Raises
+        ------
+        InputError
+            If the text is no scenario.
+        """
+        text = decode_string(payload)
+        if text not in self._segments:
+            self._segments[text] = Segment.from_json(text)
+
+    def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
+        """Take messages of poses: those of the frames that the first is of.
+
+        Raises
+        ------
+        BagError
+            If they cannot be read.
+        """
+        for frames, track in attitudes_of(topic, message_type, payloads).items():
+            self._frames = self._frames or frames
+            if frames == self._frames:
+                ordered = self._poses.add(track)
+                self._recent += [ordered] if len(ordered) else []
+
+    @property
+    def is_known(self) -> bool:
+        """Whether a scenario or a pose was heard."""
+        return bool(self._segments) or self._poses.count > 0
+
+    @property
+    def begin_ns(self) -> int:
+        """Start of the first scenario, or without one the stamp of the first pose, ns."""
+        return min((segment.start_ns for segment in self._segments.values()), default=self._poses.first_ns)
+
+    @property
+    def last_pose_ns(self) -> int | None:
+        """Stamp of the last pose, ns."""
+        return self._poses.last_ns if self._poses.count else None
+
+    @property
+    def frames(self) -> Frames | None:
+        """Names of the world's and the body's frame, if a scenario tells them."""
+        return self.of_scenarios().frames
+
+    def of_scenarios(self) -> TrueMotion:
+        """The motion that the scenarios alone tell."""
+        return TrueMotion(tuple(sorted(self._segments.values(), key=lambda segment: segment.start_ns)), None)
+
+    def whole(self) -> TrueMotion:
+        """The motion that all tells that is kept."""
+        return replace(self.of_scenarios(), poses=self._poses.track() if self._poses.count else None)
+
+    def recent(self, since_ns: int) -> TrueMotion:
+        """The motion that the latest poses tell, without the segments that had ended at a time: each costs much."""
+        true = self.of_scenarios()
+        ended = sum(segment.start_ns <= since_ns for segment in true.segments[1:])
+        return TrueMotion(true.segments[ended:], AttitudeTrack.joined(self._recent) if self._recent else None)
+
+
+class HeardEstimate:
+    """Messages of an estimate, which wait to be read until the truth is known.
+
+    Parameters
+    ----------
+    topic, message_type : str
+
+    Attributes
+    ----------
+    messages : int
+        Number of messages that came.
+    given_up : int
+        Number of those that were not read, as too many came before any truth.
+    """
+
+    def __init__(self, topic: str, message_type: str) -> None:
+        self.topic, self._message_type = topic, message_type
+        self.messages = self.given_up = 0
+        self._unread: list[bytes] = []
+        self._pairs: dict[Frames, None] = {}
+        self._has_attitudes = False
+
+    def hear(self, payloads: list[bytes], *, to_wait: bool) -> None:
+        """Take messages; those that are to wait for a truth are no more than `MOST_WAITING`."""
+        self.messages += len(payloads)
+        self._unread += payloads
+        excess = max(0, len(self._unread) - MOST_WAITING) if to_wait else 0
+        self.given_up += excess
+        del self._unread[:excess]
+
+    def read(self, frames: Frames | None) -> list[AttitudeTrack]:
+        """Read the messages that were not read yet, as one track if they have any attitude.
+
+        Parameters
+        ----------
+        frames : tuple of str or None
+            Names of the world's and the body's frame, where the truth tells them.
+
+        Raises
+        ------
+        InputError
+            If the messages are of several frames.
+        """
+        unread, self._unread = self._unread, []
+        found = attitudes_of(self.topic, self._message_type, unread)
+        self._pairs |= dict.fromkeys(found)
+        chosen = self._chosen(frames)
+        tracks = [track for pair, track in found.items() if pair == chosen and len(track)]
+        self._has_attitudes |= bool(tracks)
+        return tracks
+
+    def _chosen(self, frames: Frames | None) -> Frames:
+        """Frames of the estimate: of transforms those of the truth, else those of all messages."""
+        if self._message_type == TF_MESSAGE and frames is not None:
+            return frames
+        if len(self._pairs) > 1:
+            pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
+            raise InputError(f"topic {self.topic} is of the frames {pairs}: let one node publish one body")
+        return next(iter(self._pairs), ("", ""))
+
+    def fault(self, frames: Frames | None) -> str:
+        """Reason, beginning with the topic, why no message has an attitude; empty if one has."""
+        if self._has_attitudes:
+            return ""
+        if self._message_type == TF_MESSAGE and self._pairs:
+            pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
+            wanted = " to ".join(frames or ())
+            return f"topic {self.topic} tells of {pairs}, none of which is {wanted}: name the frames so"
+        return f"topic {self.topic} {NO_ORIENTATION}"
 
 
 class LiveEstimate:
@@ -59,8 +212,8 @@ class LiveEstimate:
         self._limits, self._covariance_axes = limits, covariance_axes
         self.truth, self.tally = HeardTruth(most), Tally(limits)
         self._heard = HeardEstimate(topic, message_type)
-        self.estimate = KeptEstimate(self.truth, most, duration_s)
-        self._waiting: list[Rows] = []
+        self.estimate = KeptEstimate(most, duration_s)
+        self._waiting: list[AttitudeTrack] = []
 
     @property
     def messages(self) -> int:
@@ -88,20 +241,22 @@ class LiveEstimate:
         """
         if not self.truth.is_known:
             return None
-        new = self.estimate.add(self._heard.read(self.truth.frames))
+        read = self._heard.read(self.truth.frames)
+        new = self.estimate.add(read, self.truth.begin_ns, self.truth.last_pose_ns)
         ready, self._waiting = self._waiting, [] if new is None else [new]
         if not ready:
             return None
-        stamps, numbers = joined(ready)
+        track = AttitudeTrack.joined(ready)
+        stamps = track.stamps_ns
         truth = self._truth_of(self.truth.recent(int(stamps[0])), stamps, self.estimate.duration.first_ns)
         known = truth.covers(stamps)
         late = stamps > truth.last_ns  # whose truth may yet come
         if late.any():
-            self._waiting.insert(0, (stamps[late][-MOST_WAITING:], numbers[late][-MOST_WAITING:]))
+            self._waiting.insert(0, track[late][-MOST_WAITING:])
         if not known.any():
             return None
         stamps = stamps[known]
-        error = attitude_error(numbers[known, :4], truth.at(stamps))
+        error = attitude_error(track.attitude_xyzw[known], truth.at(stamps))
         self.tally.add(stamps, error)
         return stamps, error
 
@@ -127,7 +282,7 @@ class LiveEstimate:
         if most is None:
             self.judge()
             self.judge()
-            self.estimate.end()
+            self.estimate.end(self.truth.begin_ns)
         read = self._held_against_truth(most)
         due_ns = self.estimate.duration.due_ns
         due_ns = read.truth.last_ns if due_ns is None else due_ns
@@ -141,19 +296,19 @@ class LiveEstimate:
             raise InputError(f"nothing tells the truth of {self._heard.topic}: neither a scenario nor a pose came")
         if fault := self._fault(usable=self.estimate.kept.count > 0):
             raise InputError(fault)
-        track = self._heard.track(self.estimate.kept.rows() if most is None else self._settled(most))
+        track = self.estimate.kept.track() if most is None else self._settled(most)
         scenarios = self.truth.of_scenarios()
         true = scenarios if most is not None and scenarios.segments else self.truth.whole()
         start = self.estimate.duration.first_ns if most is None else int(track.stamps_ns[0])
         read = held_against(track, true, self._truth_of(true, track.stamps_ns, start))
         return replace(read, notes=(*read.notes, *self._notes()), left_out=self.estimate.left_out)
 
-    def _settled(self, most: int) -> Rows:
-        """Rows of so many estimates in the second half of the time, evenly spread."""
-        stamps, numbers = self.estimate.kept.rows()
+    def _settled(self, most: int) -> AttitudeTrack:
+        """So many estimates in the second half of the time, evenly spread."""
+        track = self.estimate.kept.track()
+        stamps = track.stamps_ns
         settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)
-        chosen = settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]
-        return stamps[chosen], numbers[chosen]
+        return track[settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]]
 
     def _fault(self, *, usable: bool) -> str:
         """Reason why an estimate, of which attitudes are usable or not, cannot be compared; empty if there is none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,28 +11,25 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
+from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
-from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, scenario_texts, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import require_cdr
+from lie_rigid_body.runs.kept_estimate import KeptEstimate
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
-LENIENCE_NS: Final = NS
-"""Largest time between the last estimate and the last pose heard, ns, as each has its way. The scenario tells the truth
-so far beyond the poses: stamps further on are of another clock. A filter further behind has ended."""
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 
@@ -135,51 +133,15 @@ def recorded_estimate(
     else:
         truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
         true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
-    track = read_attitudes(path, contents, topic, true.frames)
+    track, kept = read_attitudes(path, contents, topic, true.frames), KeptEstimate(sys.maxsize)
     # the truth of a scenario alone has no end that a stamp could be ahead of
-    last_ns = int((track if true.poses is None else true.poses).stamps_ns.max())
-    astray = passed_by(track.stamps_ns > last_ns + LENIENCE_NS)
-    sound = _part(track, ~astray)
-    ordered = _part(sound, in_order(sound.stamps_ns))
-    read = held_against(ordered, true, true.until(int(ordered.stamps_ns.max())))
-    count, late = len(track.stamps_ns), len(sound.stamps_ns) - len(ordered.stamps_ns)
-    ahead_s = (track.stamps_ns[astray] - last_ns) / NS
-    told = (*left_ahead(ahead_s, count), *((disorder(late, count),) if late else ()))
-    return replace(read, notes=(*read.notes, *told), left_out=late + len(ahead_s))
-
-
-def _part(track: AttitudeTrack, kept: Booleans) -> AttitudeTrack:
-    """Some of the messages of a track."""
-    P = track.covariance
-    return replace(
-        track,
-        stamps_ns=track.stamps_ns[kept],
-        attitude_xyzw=track.attitude_xyzw[kept],
-        covariance=None if P is None else P[kept],
-    )
-
-
-def passed_by(ahead: Booleans) -> Booleans:
-    """Mask of the messages stamped ahead of the truth that came before one that is not: their stamps are wrong."""
-    return np.asarray(ahead & np.logical_or.accumulate(~ahead[::-1])[::-1])
-
-
-def left_ahead(ahead_s: Array, count: int) -> tuple[str, ...]:
-    """Note of a score about estimates that are left out, as they are stamped so far ahead, s; of so many in all."""
-    if not len(ahead_s):
-        return ()
-    return (
-        f"Left out of {count} estimates: {len(ahead_s)} stamped far ahead of the truth, the first by "
-        f"{ahead_s[0]:.12g} s, where later ones are not: find out what stamped them.",
-    )
-
-
-def disorder(late: int, count: int) -> str:
-    """Note of a score about estimates out of order, which are left out: so many of all."""
-    return (
-        f"{late} of {count} estimates were stamped before one that had come, and are left out: is there one publisher, "
-        "and does time never jump back?"
-    )
+    kept.add([track], 0, None if true.poses is None else int(true.poses.stamps_ns.max()))
+    kept.end(0)
+    if kept.unusable:
+        unit("estimate", track.attitude_xyzw)  # refuses them
+    ordered = kept.kept.track()
+    read = held_against(ordered, true, true.until(int(ordered.stamps_ns[-1])))
+    return replace(read, notes=(*read.notes, *kept.notes()), left_out=kept.left_out)
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:
