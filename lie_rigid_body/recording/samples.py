@@ -55,6 +55,8 @@ class Block:
     stamps_ns: Integers
     states: State
 
+    __repr__ = short_repr
+
     def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
         states = State.trusted(self.states.attitude_xyzw[rows], self.states.body_rate[rows])
         return Block(self.samples[rows], self.stamps_ns[rows], states)
@@ -152,19 +154,13 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
 
 
 @dataclass(frozen=True)
-class RecordedSegment:
-    """Samples of one segment, as recorded.
+class RecordedSegment(Block):
+    """Samples of one segment, as recorded. See `Block` for the other parameters.
 
     Parameters
     ----------
     segment : Segment
         As the bag declares it.
-    samples : ndarray of int64, shape (N,)
-        Numbers of the samples that have both pose and twist, rising.
-    stamps_ns : ndarray of int64, shape (N,)
-        Their stamps.
-    states : State
-        Their states, of shapes (N, 4) and (N, 3), not normalised.
     count : int
         Number of samples that the bag has of it: more than N where they were thinned.
     close : int
@@ -172,13 +168,8 @@ class RecordedSegment:
     """
 
     segment: Segment
-    samples: Integers
-    stamps_ns: Integers
-    states: State
     count: int
     close: int
-
-    __repr__ = short_repr
 
 
 def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
@@ -371,7 +362,7 @@ class _Thinning:
 
 
 def _recorded(segment: Segment, block: Block, count: int, close: int) -> RecordedSegment:
-    return RecordedSegment(segment, block.samples, block.stamps_ns, block.states, count, close)
+    return RecordedSegment(block.samples, block.stamps_ns, block.states, segment, count, close)
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

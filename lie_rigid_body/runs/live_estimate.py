@@ -105,77 +105,6 @@ class HeardTruth:
         return TrueMotion(true.segments[ended:], AttitudeTrack.joined(self._recent) if self._recent else None)
 
 
-class HeardEstimate:
-    """Messages of an estimate, which wait to be read until the truth is known.
-
-    Parameters
-    ----------
-    topic, message_type : str
-
-    Attributes
-    ----------
-    messages : int
-        Number of messages that came.
-    given_up : int
-        Number of those that were not read, as too many came before any truth.
-    """
-
-    def __init__(self, topic: str, message_type: str) -> None:
-        self.topic, self._message_type = topic, message_type
-        self.messages = self.given_up = 0
-        self._unread: list[bytes] = []
-        self._pairs: dict[Frames, None] = {}
-        self._has_attitudes = False
-
-    def hear(self, payloads: list[bytes], *, to_wait: bool) -> None:
-        """Take messages; those that are to wait for a truth are no more than `MOST_WAITING`."""
-        self.messages += len(payloads)
-        self._unread += payloads
-        excess = max(0, len(self._unread) - MOST_WAITING) if to_wait else 0
-        self.given_up += excess
-        del self._unread[:excess]
-
-    def read(self, frames: Frames | None) -> list[AttitudeTrack]:
-        """Read the messages that were not read yet, as one track if they have any attitude.
-
-        Parameters
-        ----------
-        frames : tuple of str or None
-            Names of the world's and the body's frame, where the truth tells them.
-
-        Raises
-        ------
-        InputError
-            If the messages are of several frames.
-        """
-        unread, self._unread = self._unread, []
-        found = attitudes_of(self.topic, self._message_type, unread)
-        self._pairs |= dict.fromkeys(found)
-        chosen = self._chosen(frames)
-        tracks = [track for pair, track in found.items() if pair == chosen and len(track)]
-        self._has_attitudes |= bool(tracks)
-        return tracks
-
-    def _chosen(self, frames: Frames | None) -> Frames:
-        """Frames of the estimate: of transforms those of the truth, else those of all messages."""
-        if self._message_type == TF_MESSAGE and frames is not None:
-            return frames
-        if len(self._pairs) > 1:
-            pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
-            raise InputError(f"topic {self.topic} is of the frames {pairs}: let one node publish one body")
-        return next(iter(self._pairs), ("", ""))
-
-    def fault(self, frames: Frames | None) -> str:
-        """Reason, beginning with the topic, why no message has an attitude; empty if one has."""
-        if self._has_attitudes:
-            return ""
-        if self._message_type == TF_MESSAGE and self._pairs:
-            pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
-            wanted = " to ".join(frames or ())
-            return f"topic {self.topic} tells of {pairs}, none of which is {wanted}: name the frames so"
-        return f"topic {self.topic} {NO_ORIENTATION}"
-
-
 class LiveEstimate:
     """The truth and an estimate, message by message.
 
@@ -196,6 +125,8 @@ class LiveEstimate:
     truth : HeardTruth
     estimate : KeptEstimate
         What was read of the estimate and counts.
+    messages : int
+        Number of messages of the estimate that came.
     tally : Tally
         Of all estimates that were compared so far.
     """
@@ -211,14 +142,13 @@ class LiveEstimate:
     ) -> None:
         self._limits, self._covariance_axes = limits, covariance_axes
         self.truth, self.tally = HeardTruth(most), Tally(limits)
-        self._heard = HeardEstimate(topic, message_type)
+        self._topic, self._message_type = topic, message_type
+        self.messages = self._given_up = 0
+        self._unread: list[bytes] = []
+        self._pairs: dict[Frames, None] = {}
+        self._has_attitudes = False
         self.estimate = KeptEstimate(most, duration_s)
         self._waiting: list[AttitudeTrack] = []
-
-    @property
-    def messages(self) -> int:
-        """Number of messages of the estimate that came."""
-        return self._heard.messages
 
     @property
     def complete(self) -> bool:
@@ -226,8 +156,42 @@ class LiveEstimate:
         return self.estimate.duration.complete
 
     def hear_estimates(self, payloads: list[bytes]) -> None:
-        """Take messages of the estimate."""
-        self._heard.hear(payloads, to_wait=not self.truth.is_known)
+        """Take messages of the estimate; those that wait for a truth are no more than `MOST_WAITING`."""
+        self.messages += len(payloads)
+        self._unread += payloads
+        excess = 0 if self.truth.is_known else max(0, len(self._unread) - MOST_WAITING)
+        self._given_up += excess
+        del self._unread[:excess]
+
+    def _read(self, frames: Frames | None) -> list[AttitudeTrack]:
+        """Read the messages that were not read yet, as one track if they have any attitude.
+
+        Parameters
+        ----------
+        frames : tuple of str or None
+            Names of the world's and the body's frame, where the truth tells them.
+
+        Raises
+        ------
+        InputError
+            If the messages are of several frames.
+        """
+        unread, self._unread = self._unread, []
+        found = attitudes_of(self._topic, self._message_type, unread)
+        self._pairs |= dict.fromkeys(found)
+        chosen = self._chosen(frames)
+        tracks = [track for pair, track in found.items() if pair == chosen and len(track)]
+        self._has_attitudes |= bool(tracks)
+        return tracks
+
+    def _chosen(self, frames: Frames | None) -> Frames:
+        """Frames of the estimate: of transforms those of the truth, else those of all messages."""
+        if self._message_type == TF_MESSAGE and frames is not None:
+            return frames
+        if len(self._pairs) > 1:
+            pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
+            raise InputError(f"topic {self._topic} is of the frames {pairs}: let one node publish one body")
+        return next(iter(self._pairs), ("", ""))
 
     def judge(self) -> tuple[Integers, AttitudeError] | None:
         """Compare the estimates that came before the last call, as far as their truth is known by now.
@@ -241,7 +205,7 @@ class LiveEstimate:
         """
         if not self.truth.is_known:
             return None
-        read = self._heard.read(self.truth.frames)
+        read = self._read(self.truth.frames)
         new = self.estimate.add(read, self.truth.begin_ns, self.truth.last_pose_ns)
         ready, self._waiting = self._waiting, [] if new is None else [new]
         if not ready:
@@ -293,7 +257,7 @@ class LiveEstimate:
 
     def _held_against_truth(self, most: int | None) -> RecordedEstimate:
         if not self.truth.is_known:
-            raise InputError(f"nothing tells the truth of {self._heard.topic}: neither a scenario nor a pose came")
+            raise InputError(f"nothing tells the truth of {self._topic}: neither a scenario nor a pose came")
         if fault := self._fault(usable=self.estimate.kept.count > 0):
             raise InputError(fault)
         track = self.estimate.kept.track() if most is None else self._settled(most)
@@ -312,22 +276,27 @@ class LiveEstimate:
 
     def _fault(self, *, usable: bool) -> str:
         """Reason why an estimate, of which attitudes are usable or not, cannot be compared; empty if there is none."""
-        fault = self._heard.fault(self.truth.frames)
-        return fault or ("" if usable else f"topic {self._heard.topic}: {self.estimate.fault()}")
+        if self._has_attitudes:
+            return "" if usable else f"topic {self._topic}: {self.estimate.fault()}"
+        if self._message_type == TF_MESSAGE and self._pairs:
+            pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
+            wanted = " to ".join(self.truth.frames or ())
+            return f"topic {self._topic} tells of {pairs}, none of which is {wanted}: name the frames so"
+        return f"topic {self._topic} {NO_ORIENTATION}"
 
     def why_not_compared(self) -> str:
         """Reason why no message of the estimate has an error, though the truth is known."""
         last_ns, pose_ns = self.estimate.last_ns, self.truth.last_pose_ns
         end = "on" if pose_ns is None else f"to {pose_ns / NS:.13g} s"
         return self._fault(usable=last_ns is not None) or (
-            f"no attitude of {self._heard.topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s "
+            f"no attitude of {self._topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s "
             f"{end}; the last is at {(last_ns or 0) / NS:.13g} s: is it of the same clock and run?"
         )
 
     def _notes(self) -> Iterator[str]:
         yield from self.estimate.notes()
-        if self._heard.given_up:
-            yield f"{self._heard.given_up} estimates came before any truth, and are left out."
+        if self._given_up:
+            yield f"{self._given_up} estimates came before any truth, and are left out."
         kept = self.estimate.kept
         if kept.stride > 1:
             yield (

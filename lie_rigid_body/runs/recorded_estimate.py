@@ -185,9 +185,7 @@ class TrueMotion:
         attitude = self.poses.attitude_xyzw[first]
         if not self.segments:
             return SampledTruth(stamps, attitude)
-        clock = self.segments[-1].clock()
-        end = clock.stamp_ns(clock.count_until(int(stamps[-1]))) - 1
-        return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
+        return ScenarioTruth.of_samples(self.segments, stamps, attitude)
 
 
 def _true_motion(

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Truth
 from lie_rigid_body.evaluation.unavoidable import (
@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.unavoidable import (
     unavoidable_error,
 )
 from lie_rigid_body.sensors import Sensors
-from lie_rigid_body.sensors.sensor import AttitudeAid, VectorAid
+from lie_rigid_body.sensors.sensor import VectorAid
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.sample_clock import SampleClock
 
@@ -134,13 +134,9 @@ def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[At
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
                 vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias))
             else:
-                attitudes.append(AttitudeReadings(stamps, _covariance(aid)))
+                across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
+                attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis))
     return vectors, attitudes
-
-
-def _covariance(aid: AttitudeAid) -> Array:
-    across, about = aid.across**2, aid.about**2
-    return np.asarray(across * np.eye(3) + (about - across) * np.outer(aid.axis, aid.axis))
 
 
 def _has_noise(sensors: Sensors) -> bool:
