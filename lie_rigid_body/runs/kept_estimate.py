@@ -12,7 +12,7 @@ from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.parameters import NS, exact_duration
-from lie_rigid_body.recording.attitude_reader import AttitudeTrack
+from lie_rigid_body.recording.topic_messages import AttitudeTrack
 
 MOST_KEPT: Final = 100_000
 """Largest number of samples of the estimate, and of the poses, that are kept: a quarter of an hour at 100 Hz.

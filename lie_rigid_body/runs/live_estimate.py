@@ -18,7 +18,7 @@ from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.attitude_reader import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.kept_estimate import LENIENCE_NS, MOST_KEPT, MOST_WAITING, Kept, KeptEstimate
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
 from lie_rigid_body.simulation import Segment

@@ -18,12 +18,11 @@ from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
-from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, scenario_texts, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.recording.topic_messages import require_cdr
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
 from lie_rigid_body.runs.kept_estimate import KeptEstimate
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of

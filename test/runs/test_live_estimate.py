@@ -17,8 +17,8 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
-from lie_rigid_body.recording.attitude_reader import AttitudeTrack
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.runs.kept_estimate import Kept
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
