@@ -192,7 +192,8 @@ def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, firs
     with decoding(path, topic, found):
         decoded = _columns(found, len(varying), stamped=message_type != TWIST, first=first)
     stamps, frame_ids = decoded.stamps_ns, decoded.frame_ids or (None,)
-    values, rest = (np.compress(fields, decoded.numbers, axis=1) for fields in (varying, ~varying))
+    values = decoded.numbers if varying.all() else np.compress(varying, decoded.numbers, axis=1)
+    rest = np.compress(~varying, decoded.numbers, axis=1)
     keys = np.column_stack([decoded.frames, rest.view(np.int64)])
     distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
     if (keys != distinct).any():

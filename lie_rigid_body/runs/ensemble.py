@@ -180,7 +180,7 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
 
 
 @dataclass
-class _Kept:
+class _KeptStates:
     """A motion, and its states at the times of a clock, as many as anyone has asked for: each is computed once."""
 
     motion: Motion
@@ -191,7 +191,7 @@ class _SharedMotions:
     """The motions of one start for many simulations, which ask for the times of the same clocks."""
 
     def __init__(self) -> None:
-        self._kept: list[_Kept] = []
+        self._kept: list[_KeptStates] = []
 
     def __call__(self, scenario: Scenario) -> Callable[[], Motion]:
         make, turns = motions_of(scenario), count()
@@ -200,7 +200,7 @@ class _SharedMotions:
             turn = next(turns)
             if turn == len(self._kept):
                 start = make()
-                self._kept.append(_Kept(start, start.at(np.empty(0, dtype=np.int64))))
+                self._kept.append(_KeptStates(start, start.at(np.empty(0, dtype=np.int64))))
             return _SharedStates(self._kept[turn])
 
         return motion
@@ -213,7 +213,7 @@ class _SharedStates:
     times are divided into calls.
     """
 
-    def __init__(self, kept: _Kept) -> None:
+    def __init__(self, kept: _KeptStates) -> None:
         self._kept = kept
         self._asked = 0
 

@@ -268,7 +268,7 @@ class LiveEstimate:
         return replace(read, notes=(*read.notes, *self._notes()), left_out=self.estimate.left_out)
 
     def _settled(self, most: int) -> AttitudeTrack:
-        """So many estimates in the second half of the time, evenly spread."""
+        """Evenly spread estimates of the second half of the time, of a given number."""
         track = self.estimate.kept.track()
         stamps = track.stamps_ns
         settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)

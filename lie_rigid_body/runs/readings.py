@@ -123,9 +123,10 @@ class SensorArrays:
         arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
         for topic in sensor.topics[1:]:
             columns = [arrays[field.array] for field in topic.fields]
-            told = [np.isfinite(column).all(axis=1) for column in columns if column is not None]
-            missing = len(self.t_ns) - int(np.logical_and.reduce(told).sum()) * (len(told) == len(columns))
-            if missing or len(told) < len(columns):
+            none = np.zeros(len(self.t_ns), dtype=np.bool_)
+            told = [none if column is None else np.isfinite(column).all(axis=1) for column in columns]
+            missing = int(np.count_nonzero(~np.logical_and.reduce(told)))
+            if missing:
                 raise InputError(
                     f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"

@@ -124,6 +124,8 @@ def recorded_estimate(
         If a bag cannot be read, the topic holds no estimate of one body, or there is no truth of one body.
     ParameterError
         If a declared scenario is impossible.
+    InputError
+        If an attitude is not finite, or zero.
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))

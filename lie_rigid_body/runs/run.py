@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -163,9 +163,11 @@ class Run:
             a sensor that its scenario has not.
         """
         declared, origin = self._declared()
-        pieces = [(text, segment, self._within(segment, *bounds)) for text, segment, *bounds in _bounded(declared)]
+        starts = [segment.start_ns for segment in declared.values()][1:]
+        bounds = zip([0, *starts], [*starts, END_OF_TIME], strict=True)
+        pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
-            for text, segment, taken in pieces:
+            for (text, segment), taken in zip(declared.items(), pieces, strict=True):
                 bag.begin_segment(segment, text)
                 bag.write(BatchEncoder(segment.scenario).encode(taken))
 
@@ -358,13 +360,6 @@ def _faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
         return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
     except InputError as error:
         raise BagError(f"{name}: {error}") from None
-
-
-def _bounded(declared: Mapping[str, Segment]) -> Iterator[tuple[str, Segment, int, int]]:
-    """Each segment by its text, with the first stamp that may be in it and the first after it."""
-    starts = [segment.start_ns for segment in declared.values()]
-    for (text, segment), begin, end in zip(declared.items(), [0, *starts[1:]], [*starts[1:], END_OF_TIME], strict=True):
-        yield text, segment, begin, end
 
 
 def _first_after(stamps: Integers, after_s: float) -> int:

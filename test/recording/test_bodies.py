@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -22,7 +23,9 @@ POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING
 BODY = {"/pose": POSE, "/twist": RATE, "/lie_rigid_body/scenario": TEXT}
 
 
-def contents(topics: dict[str, str], ours: tuple[str, ...] = ("",), **counts: int) -> McapContents:
+def contents(
+    topics: dict[str, str], ours: tuple[str, ...] = ("",), counts: Mapping[str, int] = MappingProxyType({})
+) -> McapContents:
     tracks = [RawTrack(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
     return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, outlines=[Texts(ours)])
 
@@ -123,7 +126,7 @@ def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[s
 def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
     two, rest = {**inside("/a"), **inside("/b")}, {"/b/imu/data_raw": IMU}
     without_twist = {topic: kind for topic, kind in two.items() if topic != "/b/twist"} | rest
-    mute, doubled = contents(two, **{"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
+    mute, doubled = contents(two, counts={"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
     for held, fault in (
         (contents(without_twist), "x.mcap has /b/lie_rigid_body/scenario and no topic /b/twist: record it as well"),
         (mute, "x.mcap has no message on /b/pose: record it while the body is published"),
