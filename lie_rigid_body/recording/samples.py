@@ -272,23 +272,17 @@ def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count
         raise BagError(f"{name}: no sample has both a pose and a twist of the same stamp: record both topics together")
 
 
-def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+def recorded_segments(bag: Bag | Recording) -> list[RecordedSegment]:
     """Segments of a bag with all their samples, in memory; those without a sample, that a reset followed, left out.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    inertia : sequence of float, optional
-        Principal moments in place of the declared inertia, kg m².
 
     Raises
     ------
     BagError
         If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
     ParameterError
-        If a declared scenario or the given inertia is impossible.
+        If a declared scenario is impossible.
     """
-    segments = bag_segments(bag, inertia)
+    segments = bag_segments(bag)
     blocks: list[list[Block]] = [[] for _ in segments]
     places = _read(bag, segments, lambda i, block: blocks[i].append(block))
     joined = [(segments[i], Block.joined(blocks[i])) for i in places]
@@ -299,7 +293,13 @@ def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = Non
     """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
 
     Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
-    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments`.
+    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments` for errors.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    inertia : sequence of float, optional
+        Principal moments in place of the declared inertia, kg m².
     """
     segments = bag_segments(bag, inertia)
     counts = Counter[int]()

@@ -249,6 +249,8 @@ class SensorClocks:
         """
         numbers, times, off = self._read(place, stamps_ns)
         rows = np.flatnonzero(np.searchsorted(self._starts, times - off, side="right") - 1 == place)
+        if self._models[place] is None:
+            off = np.full_like(off, _FAR)  # where there is no sensor, any clock of one shows a stamp rather
         return np.stack([rows, off[rows], np.full(len(rows), place), numbers[rows], times[rows]])
 
     def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers, Integers]:

@@ -24,7 +24,7 @@ from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
-from lie_rigid_body.sensors import SENSORS, Sensor
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Simulation, motions_of
 from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.wording import shown
@@ -149,16 +149,14 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     """Refuse runs that would take more memory than is allowed, before any is computed."""
     truth = SampleClock(0, scenario.rate).count_before(duration)
     readings = {name: SampleClock(0, model.rate).count_before(duration) for name, model in scenario.sensors.on.items()}
-    largest = max((_reading_bytes(SENSORS[name]) * count for name, count in readings.items()), default=0)
+    numbers = {
+        name: sum(len(numbers_of(topic, field)) for topic in SENSORS[name].topics for field in topic.fields)
+        for name in readings
+    }
+    largest = max((max(_TRUTH_BYTES, _NUMBER_BYTES * numbers[name]) * readings[name] for name in readings), default=0)
     kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
     samples = truth + runs * sum(readings.values())
     require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
-
-
-def _reading_bytes(sensor: Sensor) -> int:
-    """Memory that a reading takes at most while it is computed, bytes."""
-    numbers = sum(len(numbers_of(topic, field)) for topic in sensor.topics for field in topic.fields)
-    return max(_TRUTH_BYTES, _NUMBER_BYTES * numbers)
 
 
 def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:
