@@ -203,7 +203,10 @@ def _true_motion(
     candidates = [
         track
         for track in contents.tracks.values()
-        if track.count and track.topic != estimate_topic and not _is_of_others(path, contents, track)
+        if track.count
+        and track.topic != estimate_topic
+        # a text may be that of another node, which calls something else a scenario
+        and (track.message_type != STRING or tells_of_body(scenario_texts(path, contents, track)))
     ]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
@@ -221,11 +224,6 @@ def _true_motion(
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
 
 
-def _is_of_others(path: Path, contents: McapContents, track: RawTrack) -> bool:
-    """Whether a topic of texts is that of another node, which calls something else a scenario."""
-    return track.message_type == STRING and not tells_of_body(scenario_texts(path, contents, track))
-
-
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
     """An estimate and its truth, with what a reader of the score should know of them."""
     covariance = track.covariance
@@ -241,15 +239,8 @@ def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
             f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
             f"{(first - start) / 1e9:.9g} s after that."
         )
-    yield from _frame_notes(track, true)
-    fault = "" if track.covariance is None else covariance_fault(track.covariance)
-    if fault:
-        yield f"There is no NEES: {fault}."
-
-
-def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
-    """Names of frames that are not those of the truth. An Imu is stamped with the frame of the sensor (REP-145)."""
-    world = true.frames[0] if true.frames else true.poses.frame if true.poses else ""
+    # an Imu is stamped with the frame of the sensor (REP-145)
+    world = true.frames[0] if true.frames else true.poses.frame if true.poses is not None else ""
     ours = {world}
     if track.message_type == IMU and true.segments:
         parameters = true.segments[0].scenario.parameters()
@@ -264,6 +255,9 @@ def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
             f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(true.frames[1])}: they "
             "are taken for the same. Is it the right body?"
         )
+    fault = "" if track.covariance is None else covariance_fault(track.covariance)
+    if fault:
+        yield f"There is no NEES: {fault}."
 
 
 def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:
