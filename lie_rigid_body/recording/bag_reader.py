@@ -16,7 +16,7 @@ from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
 from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, unheard
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
-from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, scenario_texts, the_body
+from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
     Found,
     McapContents,
@@ -231,7 +231,7 @@ class Bag(BagFacts):
             twist_topic=twist.topic,
             stamped=twist.message_type == TWIST_STAMPED,
             library=contents.library,
-            scenario_texts=_scenarios(scenario_texts(self._path, contents, scenario)),
+            scenario_texts=read_scenarios(self._path, contents, scenario),
             expected_samples=_expected_samples(self._path, contents),
             published_otherwise=sum(track.published_otherwise for track in truth),
             others=_others(contents, [body]),
@@ -289,7 +289,7 @@ class Bag(BagFacts):
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""
-        return scenario_texts(self._path, self._contents, self._tracks[FAULTS])
+        return texts_on(self._path, self._contents, self._tracks[FAULTS])
 
     def load(self) -> Recording:
         """The whole bag in memory."""
@@ -323,10 +323,13 @@ def read_bag(path: str | Path) -> Recording:
     return Bag(path, in_memory=True).load()
 
 
-def _scenarios(found: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
-    """The messages of a scenario topic, up to the first that is none: a topic of other texts may be without end."""
+def read_scenarios(path: Path, contents: McapContents, track: RawTrack) -> list[tuple[int, str]]:
+    """Log time, ns, and text of each message of a scenario topic, up to the first that is no scenario.
+
+    A topic of other texts may be without end.
+    """
     kept, distinct = list[tuple[int, str]](), dict[str, str]()
-    for time, text in found:
+    for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))
         if is_new and (len(distinct) > MOST_SEGMENTS or not _is_scenario(text)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -106,21 +106,15 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
     return found[0]
 
 
-def scenario_texts(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tuple[int, str]]:
+def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tuple[int, str]]:
     """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
     return texts(path, track.topic, (found[track.key] for found in contents.read([track.key], unheard)))
 
 
-def tells_of_body(found: Iterable[tuple[int, str]]) -> bool:
-    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node.
-
-    Parameters
-    ----------
-    found : iterable of (int, str)
-        Log times and texts, which may raise an error as they are read.
-    """
+def tells_of_body(path: Path, contents: McapContents, track: RawTrack) -> bool:
+    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node."""
     try:
-        return any('"inertia"' in text for _, text in islice(found, 1))
+        return any('"inertia"' in text for _, text in islice(texts_on(path, contents, track), 1))
     except BagError:
         return True
 
@@ -138,7 +132,7 @@ def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[T
         beside = {space: _beside(contents, space) for space in _above(scenario.topic)}
         namespace = next((space for space, own in beside.items() if own), "")
         own = beside.get(namespace, {})
-        if len(own) == 1 and tells_of_body(scenario_texts(path, contents, scenario)):
+        if len(own) == 1 and tells_of_body(path, contents, scenario):
             name = TWIST if POSE in own else POSE
             none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
             lacking[namespace] = {**own, name: none, SCENARIO: scenario}
@@ -168,7 +162,7 @@ def _above(topic: str) -> Iterator[str]:
 
 def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawTrack:
     """The one of several topics of texts that is of scenarios."""
-    own = [track for track in scenarios if track.count and tells_of_body(scenario_texts(path, contents, track))]
+    own = [track for track in scenarios if track.count and tells_of_body(path, contents, track)]
     if len(own) != 1:
         raise _several(path, SCENARIO, own or scenarios)
     return own[0]

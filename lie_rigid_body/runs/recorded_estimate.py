@@ -19,7 +19,8 @@ from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bodies import SCENARIO, given_track, scenario_texts, tells_of_body
+from lie_rigid_body.recording.bag_reader import read_scenarios
+from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
@@ -206,14 +207,14 @@ def _true_motion(
         if track.count
         and track.topic != estimate_topic
         # a text may be that of another node, which calls something else a scenario
-        and (track.message_type != STRING or tells_of_body(scenario_texts(path, contents, track)))
+        and (track.message_type != STRING or tells_of_body(path, contents, track))
     ]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
         require_cdr(path, scenario)
-        told = (text for _, text in scenario_texts(path, contents, scenario))
-        segments = tuple(declared_segments(told, f"{path}").values())
+        told = read_scenarios(path, contents, scenario)
+        segments = tuple(declared_segments((text for _, text in told), f"{path}").values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
     pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
     if scenario is None and pose is None:
