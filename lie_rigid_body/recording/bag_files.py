@@ -11,7 +11,7 @@ from typing import Any, Final
 from lie_rigid_body.bounded_input import as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording import folder_metadata
-from lie_rigid_body.recording.mcap_contents import KeptMessages, McapContents, Progress, Wanted
+from lie_rigid_body.recording.mcap_contents import McapContents, Progress, Wanted
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
@@ -24,6 +24,11 @@ SUFFIXES: Final = (".mcap", SUFFIX)
 
 LARGEST_METADATA: Final = 2**20
 """Largest size of a metadata.yaml, bytes."""
+
+
+_KEPT_AT_LEAST: Final = 64 * 2**20
+_KEPT_PER_BYTE: Final = 200
+"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 
 
 def unheard(count: int) -> None:
@@ -73,15 +78,23 @@ class BagFiles:
         contents = McapContents()
         for file in self.files:
             read = read_database if file.suffix == SUFFIX else read_file
-            before, kept = 0, None
+            before = kept = 0
             for position, found in read(file, contents, wanted):
-                kept = kept or KeptMessages(file, contents)
-                kept.keep(found)
+                kept += contents.keep(found)
+                _require_moderate(file, kept)
                 self.progress(position - before)
                 before = position
         if self._information is not None:
             folder_metadata.hold(self._metadata, self._information, contents)
         return contents
+
+
+def _require_moderate(file: Path, kept: int) -> None:
+    """Refuse messages that take more memory than those of such a file may."""
+    size = file.stat().st_size
+    if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * size):
+        what = f"messages of {kept} bytes in a file of {size}"
+        raise BagError(f"{file} has {what}, more than is read: record it again")
 
 
 def is_one_bag(folder: Path) -> bool:

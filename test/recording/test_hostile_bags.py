@@ -23,7 +23,7 @@ from test_bag_reader import folder
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording import mcap_contents
+from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
@@ -154,15 +154,21 @@ def test_a_message_of_a_channel_that_was_not_declared_is_damage(tmp_path: Path) 
         read_bag(bag(tmp_path / "x.mcap", chunk("", len(message), message)))
 
 
-@pytest.mark.parametrize("opcode", [0, 1, 2, 6, 9, 15, 200])
+@pytest.mark.parametrize("opcode", [1, 2, 6, 9, 15, 200])
 def test_a_chunk_holds_messages_and_their_types_only(tmp_path: Path, opcode: int) -> None:
     inner = chunk("", 0, b"") if opcode == 6 else record(opcode, b"")
     with pytest.raises(BagError, match=f"a record of kind {opcode:#04x} in a chunk"):
         read_bag(bag(tmp_path / "x.mcap", chunk("", len(inner), inner)))
 
 
+@pytest.mark.parametrize("inner", [record(0, b""), record(3, b"")[:-1], struct.pack("<BQ", 3, 1)])
+def test_a_chunk_holds_whole_records_only(tmp_path: Path, inner: bytes) -> None:
+    with pytest.raises(BagError, match="damaged at byte 37: no record that ends in its chunk stands at byte 0 of it"):
+        read_bag(bag(tmp_path / "x.mcap", chunk("", len(inner), inner)))
+
+
 def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", 2**16)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", 2**16)
     with open(tmp_path / "x.mcap", "wb") as out:
         writer = Writer(out, compression=CompressionType.ZSTD)
         writer.start("ros2", "a forger")
@@ -208,11 +214,11 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
         if each.pieces
     ]
     one = sum(len(piece.data) + 100 * len(piece) for piece in track.pieces)
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one)
-    monkeypatch.setattr(mcap_contents, "_KEPT_PER_BYTE", 0)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one)
+    monkeypatch.setattr(bag_files, "_KEPT_PER_BYTE", 0)
     whole = BagFiles(path).contents(of_types([POSE_STAMPED])).tracks[track.key].take()
     assert (len(whole), len(whole.data)) == (600, 3 * sum(len(piece.data) for piece in track.pieces))
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one - 1)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one - 1)
     with pytest.raises(BagError, match=f"messages of {one} bytes"):
         BagFiles(path).contents(of_types([POSE_STAMPED]))
 

@@ -20,7 +20,8 @@ from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording.bag_files import BagFiles, unheard
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.mcap_contents import Found, McapContents, RawMessages
-from lie_rigid_body.recording.message_table import NO_HINTS, ContradictionError, ExcessError, find_messages
+from lie_rigid_body.recording.message_table import NO_HINTS, find_messages
+from lie_rigid_body.recording.records import ContradictionError, ExcessError
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
@@ -57,14 +58,17 @@ STARTS = [sum(map(len, RECORDS[:i])) for i in range(len(RECORDS)) if RECORDS[i][
     ],
 )
 def test_hints_change_nothing_but_time(hints: list[int]) -> None:
-    table, others = find_messages(DATA, np.array(hints, dtype=np.int64), 5)
+    table = find_messages(DATA, np.array(hints, dtype=np.int64), 5)
     assert table.starts.tolist() == STARTS
     assert [DATA[start:end] for start, end in zip(table.starts, table.ends, strict=True)] == [
         one for one in RECORDS if one[0] == 5
     ]
     assert table.heads["channel"].tolist() == [1, 2, 1]
     assert table.log_times.tolist() == [7, 7, 9]
-    assert [(place.opcode, DATA[place.begin : place.end]) for place in others] == [(4, b"a channel"), (3, b"schema")]
+    assert [(place.opcode, DATA[place.begin : place.end]) for place in table.others] == [
+        (4, b"a channel"),
+        (3, b"schema"),
+    ]
 
 
 def test_a_hint_into_a_payload_is_not_followed() -> None:
@@ -72,15 +76,13 @@ def test_a_hint_into_a_payload_is_not_followed() -> None:
     data = message(1, message(2))
     inner = len(data) - len(message(2))
     for hints in ([inner], [0, inner], [inner, 0]):
-        table, _ = find_messages(data, np.array(hints), 9)
+        table = find_messages(data, np.array(hints), 9)
         assert table.heads["channel"].tolist() == [1]
 
 
 @pytest.mark.parametrize(
     ("data", "most", "error"),
     [
-        (DATA[:-1], 5, ContradictionError),
-        (DATA + b"\5", 5, ContradictionError),
         (record(5, b"short"), 5, ContradictionError),
         (DATA, 4, ExcessError),
     ],
@@ -89,6 +91,13 @@ def test_what_does_not_add_up_is_refused(data: bytes, most: int, error: type[Exc
     for hints in (NO_HINTS, np.array(STARTS[:2])):
         with pytest.raises(error):
             find_messages(data, hints, most)
+
+
+@pytest.mark.parametrize(("data", "whole"), [(DATA[:-1], DATA[: -len(RECORDS[-1])]), (DATA + b"\5", DATA)])
+def test_what_is_no_whole_record_ends_the_data(data: bytes, whole: bytes) -> None:
+    for hints in (NO_HINTS, np.array(STARTS[:2])):
+        table = find_messages(data, hints, 5)
+        assert (table.data, table.starts.tolist()) == (whole, STARTS)
 
 
 def again(path: Path) -> RawMessages:

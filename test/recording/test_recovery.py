@@ -23,7 +23,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.chunk import record_bytes
+from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
