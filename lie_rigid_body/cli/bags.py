@@ -23,7 +23,7 @@ def is_folder_of_bags(name: str) -> bool:
 
 def bags_of(names: Sequence[str]) -> list[str]:
     """Bags that the arguments name, each once; folders of bags are searched."""
-    from lie_rigid_body.recording.bag_folders import bags_in
+    from lie_rigid_body.recording.bag_files import bags_in
 
     found: dict[Path, str] = {}
     for name in names:

@@ -18,7 +18,7 @@ from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
 from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bag_folders import files_of
+from lie_rigid_body.recording.bag_files import files_of
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.recording.samples import thinned_segments

@@ -21,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if Path(given.out).suffix.lower() != ".png":
         raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
 
-    from lie_rigid_body.recording.bag_folders import files_of
+    from lie_rigid_body.recording.bag_files import files_of
     from lie_rigid_body.recording.bodies import topic_types
 
     topics = console.topic_names(given.topic, topic_types())

@@ -96,7 +96,7 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
 
 
 def _what_next(given: argparse.Namespace) -> list[str]:
-    from lie_rigid_body.recording.bag_folders import whole_of
+    from lie_rigid_body.recording.bag_files import whole_of
 
     if os.path.isdir(given.broken):
         return [

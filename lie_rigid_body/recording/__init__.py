@@ -8,9 +8,10 @@
 - `disk_queue`: the thread that compresses and writes;
 - `bag_writer`: messages into an MCAP file, in batches or a whole run;
 - `inflation`: the records of a chunk, within bounds;
+- `folder_metadata`: the metadata.yaml of a folder, held against its files;
 - `recovery`: what is whole of a file, or of a folder of them, that was cut off;
 - `mcap_contents`, `mcap_reader`, `sqlite_reader`: a file as raw messages;
-- `bag_files`, `bag_folders`: the files of a bag, and the bags of a folder;
+- `bag_files`: the files of a bag, and the bags of a folder;
 - `bodies`, `tracks`, `bag_reader`: the bodies of a bag, and each as arrays;
 - `segments`, `pairing`, `samples`: a bag as samples, segment by segment.
 """

@@ -1,10 +1,12 @@
-"""The files that a bag is made of, read one after the other."""
+"""The files that a bag is made of, read one after the other, and the bags in a folder."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -104,11 +106,31 @@ def is_one_bag(folder: Path) -> bool:
     """
     if (folder / METADATA).exists():
         return True
-    for suffix in SUFFIXES:
-        files = {path.name for path in folder.glob(f"*{suffix}")}
-        if files:
-            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
-    return False
+    suffix = next((suffix for suffix in SUFFIXES if any(folder.glob(f"*{suffix}"))), "")
+    numbers = _numbers(folder, suffix) if suffix else set()
+    return bool(numbers) and numbers == {*range(len(numbers))}
+
+
+def _numbers(folder: Path, suffix: str) -> set[int]:
+    """Numbers of the files of a folder, if all are called as those of one recording; else none."""
+    of_one = re.compile(rf"{re.escape(folder.resolve().name)}_(0|[1-9]\d{{0,5}}){re.escape(suffix)}")
+    found = [of_one.fullmatch(path.name) for path in folder.glob(f"*{suffix}")]
+    return {int(match[1]) for match in found if match} if all(found) else set()
+
+
+def whole_of(file: Path) -> Path | None:
+    """The folder of the bag that was split into several files, of which this is one; None if it is not."""
+    folder = file.parent
+    parts = [*folder.glob(f"*{file.suffix}")] if file.suffix in SUFFIXES and file.is_file() else []
+    return folder if len(parts) > 1 and is_one_bag(folder) else None
+
+
+def missing_beside(file: Path) -> str | None:
+    """The first file that is missing where all in a folder are called as those of a bag that was split; else None."""
+    is_bag = file.suffix in SUFFIXES and file.is_file()
+    numbers = _numbers(file.parent, file.suffix) if is_bag else set()
+    missing = {*range(max(numbers, default=0))} - numbers
+    return f"{file.resolve().parent.name}_{min(missing)}{file.suffix}" if missing else None
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
@@ -145,3 +167,50 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
 def natural_order(path: Path) -> list[tuple[int, str]]:
     """A key that sorts paths by their names, numbers in them by their values."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", str(path))]
+
+
+def bags_in(folder: Path) -> list[Path]:
+    """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
+
+    Folders that are hidden, or symbolic links, are left out.
+
+    Parameters
+    ----------
+    folder : Path
+        If it is a rosbag2 folder itself, it is the only bag.
+
+    Returns
+    -------
+    list of Path
+        By their names, numbers in them in their order. A folder that cannot be read, or has no bag in it, stands for
+        itself: whoever opens it is told why it is none.
+    """
+    return sorted(_bags_below(folder), key=natural_order) or [folder]
+
+
+def files_of(bag: str | Path) -> Iterator[Path]:
+    """The files of a bag, or of all bags in a folder, whatever is wrong with them."""
+    if not Path(bag).is_dir():
+        yield Path(bag)
+        return
+    for each in bags_in(Path(bag)):
+        with suppress(BagError):
+            yield from BagFiles(each).files
+        yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
+
+
+def _bags_below(folder: Path) -> Iterator[Path]:
+    try:
+        if is_one_bag(folder):
+            yield folder
+            return
+        with os.scandir(folder) as entries:
+            inside = [entry for entry in entries if not entry.name.startswith(".")]
+    except OSError:
+        yield folder
+        return
+    for entry in inside:
+        if entry.is_dir(follow_symlinks=False):
+            yield from _bags_below(folder / entry.name)
+        elif entry.name.endswith(SUFFIXES):
+            yield folder / entry.name
