@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Container, Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import BinaryIO, Final, Protocol, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.bounded_input import open_file
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.wording import short_repr
 
 TrackKey: TypeAlias = tuple[str, str]
@@ -205,27 +200,3 @@ def of_types(types: Container[str]) -> Wanted:
 def nothing(topic: str, message_type: str) -> bool:
     """Want no messages: they are counted."""
     return False
-
-
-def state_of(stream: BinaryIO) -> tuple[int, ...]:
-    """Identity of an open file, and what changes when it is written to."""
-    status = os.fstat(stream.fileno())
-    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
-
-
-def opened(path: Path) -> BinaryIO:
-    """Open a bag's file to be read.
-
-    Raises
-    ------
-    BagError
-        If it cannot be.
-    """
-    try:
-        return open_file(path)
-    except InputError as error:
-        raise BagError(str(error)) from None
-    except FileNotFoundError:
-        raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
-    except (OSError, ValueError) as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import struct
 import zlib
-from array import array
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Final
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -28,11 +27,9 @@ from lie_rigid_body.recording.mcap_contents import (
     RawTrack,
     TrackKey,
     Wanted,
-    opened,
-    state_of,
 )
 from lie_rigid_body.recording.message_table import HEAD, NO_HINTS, MessageTable, Rows, find_messages
-from lie_rigid_body.recording.output_file import reason, rescue
+from lie_rigid_body.recording.output_file import rescue
 from lie_rigid_body.recording.records import (
     MAGIC,
     RECORD_HEAD,
@@ -80,42 +77,35 @@ class McapOutline:
     path : Path
     state : tuple of int
         Which file it was, and what it would not be any more if it changed.
-    parts : array of int
-        Bytes where each part with messages begins and ends, by turns.
+    parts : list of (int, int, tuple of TrackKey)
+        Bytes where each part with messages begins and ends, and of which tracks they are.
     channels : dict of TrackKey to list of int
-    parts_of : dict of TrackKey to array of int
-        Numbers of the parts that have messages of a track.
     """
 
     path: Path
     state: tuple[int, ...]
-    parts: array[int]
-    channels: dict[TrackKey, list[int]]
-    parts_of: dict[TrackKey, array[int]]
+    parts: list[tuple[int, int, tuple[TrackKey, ...]]] = field(default_factory=list)
+    channels: dict[TrackKey, list[int]] = field(default_factory=dict)
 
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         """Read the messages of some tracks, part by part; see `Outline.read`."""
-        numbers = sorted({number for key in keys for number in self.parts_of.get(key, ())})
-        channels = {key: self.channels[key] for key in keys if key in self.channels}
-        with opened(self.path) as stream:
-            file, before = FileBytes(stream), 0
+        with FileBytes(self.path) as file:
             try:
-                self._require_same(stream)
-                for number in numbers:
-                    begin, end = self.parts[2 * number : 2 * number + 2]
-                    *_, table = _messages_of(file[begin:end], LARGEST_CHUNK, inflated_unverified)
-                    yield _by_track(table, channels)
-                    progress(end - before)
-                    before = end
-                self._require_same(stream)
-            except OSError as error:
-                raise _unreadable(self.path, error) from None
+                require(file.state() == self.state, "it is another file")
+                before = 0
+                for begin, end, there in self.parts:
+                    channels = {key: self.channels[key] for key in there if key in keys}
+                    if channels:
+                        *_, table = _messages_of(file[begin:end], LARGEST_CHUNK, inflated_unverified)
+                        yield _by_track(table, channels)
+                        progress(end - before)
+                        before = end
+                require(file.state() == self.state, "it is another file")
+            except BagError:
+                raise
             except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
                 what = f"{self.path} changed while it was read: try again when nobody writes it"
                 raise BagError(what) from error
-
-    def _require_same(self, stream: BinaryIO) -> None:
-        require(state_of(stream) == self.state, "it is another file")
 
 
 def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
@@ -141,22 +131,16 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    with opened(path) as stream:
-        reader = _FileReader(path, stream, contents, wanted)
+    with FileBytes(path) as file:
+        reader = _FileReader(file, contents, wanted)
         try:
             yield from reader.read()
         except (BagError, ModuleNotFoundError):
             raise
-        except OSError as error:
-            raise _unreadable(path, error) from None
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
             what = f"{type(error).__name__}: {error}".removesuffix(": ")
             told = error if isinstance(error, ContradictionError) else ContradictionError(what)
             raise BagError(f"{path} {told.sentence.format(at=reader.at, what=told)}") from None
-
-
-def _unreadable(path: Path, error: OSError) -> BagError:
-    return BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place")
 
 
 def _messages_of(
@@ -194,12 +178,11 @@ class _FileReader:
         Byte where the record begins that is looked at.
     """
 
-    def __init__(self, path: Path, stream: BinaryIO, contents: McapContents, wanted: Wanted) -> None:
-        self._path, self._contents, self._wanted = path, contents, wanted
-        self._file = FileBytes(stream)
+    def __init__(self, file: FileBytes, contents: McapContents, wanted: Wanted) -> None:
+        self._file, self._contents, self._wanted = file, contents, wanted
         self._records_left = most_records(len(self._file))
         self._channels: dict[int, TrackKey] = {}
-        self._outline = McapOutline(path, state_of(stream), array("q"), {}, {})
+        self._outline = McapOutline(file.path, file.state())
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
         self._before = contents.message_count
@@ -217,12 +200,12 @@ class _FileReader:
             raise self._cut_off()
 
     def _require_magic(self) -> None:
-        start = self._file[:16]
+        start, path = self._file[:16], self._file.path
         if not start:
-            raise BagError(f"{self._path} is empty: record it again, it holds nothing to rescue")
+            raise BagError(f"{path} is empty: record it again, it holds nothing to rescue")
         if not start.startswith(MAGIC):
             hint = next((text for magic, text in _OTHER_FORMATS.items() if start.startswith(magic)), "")
-            raise BagError(f"{self._path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
+            raise BagError(f"{path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
 
     def _parts(self) -> Iterator[tuple[int, int, int]]:
         """Opcode of the first record of each part, and where the part begins and ends.
@@ -302,7 +285,7 @@ class _FileReader:
         for number, key in self._channels.items():
             self._outline.channels.setdefault(key, []).append(number)
         found = self._summary
-        self._contents.files.append(FileSpan(self._path.name, found.counts.total(), found.first_ns, found.last_ns))
+        self._contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
         self._contents.outlines.append(self._outline)
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
@@ -343,13 +326,10 @@ class _FileReader:
             require(is_known, f"it has a message of channel {channel}, which is not declared before it")
             channels.setdefault(self._channels[channel], []).append(channel)
             self._contents.tracks[self._channels[channel]].count += len(rows)
-        number = len(self._outline.parts) // 2
-        self._outline.parts.extend((begin, end))
+        self._outline.parts.append((begin, end, tuple(channels)))
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
-        for key, own in channels.items():
-            self._outline.parts_of.setdefault(key, array("q")).append(number)
-            if len(otherwise):
-                self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
+        for key, own in channels.items() if len(otherwise) else ():
+            self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
         return _by_track(table, {key: own for key, own in channels.items() if self._wanted(*key)})
 
     def _cut_off(self) -> BagError:
@@ -358,12 +338,14 @@ class _FileReader:
         is_record = len(self._file) - self._end >= RECORD_HEAD.size and opcode != b"\0"
         require(not (is_record and ends_well), "a record is longer than the file")
         count = self._contents.message_count - self._before
-        holds = f"it holds at least {counted(count, 'whole message')}" if count else "it may hold whole messages"
-        return BagError(f"{self._path} was cut off, or is still being written: {holds}: rescue them with {rescue()}")
+        holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
+        what = f"was cut off, or is still being written: it {holds}: rescue them with {rescue()}"
+        return BagError(f"{self._file.path} {what}")
 
 
 def _verified_index(content: bytes, found: Mapping[int, Rows]) -> int:
     """Channel of a message index, which must be that of the messages found in its chunk."""
+    channel: int
     channel, size = _INDEX_HEAD.unpack_from(content)
     require(size <= len(content) - _INDEX_HEAD.size, f"the index of channel {channel} is longer than its record")
     rows = np.frombuffer(content[_INDEX_HEAD.size :][:size], "<u8").reshape(-1, 2)

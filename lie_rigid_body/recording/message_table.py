@@ -69,7 +69,8 @@ class MessageTable:
     @property
     def log_times(self) -> Integers:
         """Times when the messages were logged, ns, shape (N,)."""
-        return self.heads["log_time"].view(np.int64)
+        times: Integers = self.heads["log_time"].view(np.int64)
+        return times
 
     @property
     def span_ns(self) -> tuple[int, int]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from collections.abc import Iterator
 from io import BytesIO
-from typing import Any, BinaryIO, ClassVar, Final, NamedTuple
+from pathlib import Path
+from typing import Any, ClassVar, Final, NamedTuple
 
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
@@ -24,6 +26,10 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+
+from lie_rigid_body.bounded_input import open_file
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.recording.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
@@ -79,23 +85,50 @@ class Place(NamedTuple):
 
 
 class FileBytes:
-    """Bytes of an open file, of which a slice is read when it is taken.
+    """Bytes of a file, of which a slice is read when it is taken. Use it as a context, which closes the file.
 
     Parameters
     ----------
-    stream : binary file
+    path : Path
+
+    Raises
+    ------
+    BagError
+        If the file cannot be opened, or later not be read.
     """
 
-    def __init__(self, stream: BinaryIO) -> None:
-        self._stream, self._size = stream, stream.seek(0, 2)
+    def __init__(self, path: Path) -> None:
+        try:
+            self.path, self._stream = path, open_file(path)
+        except InputError as error:
+            raise BagError(str(error)) from None
+        except FileNotFoundError:
+            raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
+        except (OSError, ValueError) as error:
+            raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None
+        self._size = self.state()[2]
+
+    def state(self) -> tuple[int, ...]:
+        """Identity of the file, its size, and when it was written to: what changes when it does."""
+        status = os.fstat(self._stream.fileno())
+        return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
     def __len__(self) -> int:
         return self._size
 
     def __getitem__(self, part: slice) -> bytes:
         begin, end, _ = part.indices(self._size)
-        self._stream.seek(begin)
-        return self._stream.read(max(0, end - begin))
+        try:
+            self._stream.seek(begin)
+            return self._stream.read(max(0, end - begin))
+        except OSError as error:
+            raise BagError(f"{self.path} cannot be read: {reason(error)}: copy it to a better place") from None
+
+    def __enter__(self) -> FileBytes:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stream.close()
 
 
 def records(data: bytes | FileBytes, position: int = 0, end: int | None = None) -> Iterator[Place]:
