@@ -19,7 +19,7 @@ from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
 from lie_rigid_body.recording.chunk import ChunkBuilder, RawChunk, laid_out
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
-from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
+from lie_rigid_body.recording.mcap_file import McapFile, compressor
 from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
 from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
@@ -114,9 +114,7 @@ class BagWriter:
     ) -> None:
         self._stamped_twist, self._end = stamped_twist, end
         self._wait_for_disk = wait_for_disk
-        self._compressed, self._compressed_here = (
-            partial(compressed, compression=compression, compress=compressor(compression)) for _ in range(2)
-        )
+        self._compressed, self._compressed_here = compressor(compression), compressor(compression)
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
         sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
         self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
@@ -290,16 +288,14 @@ class BagWriter:
             raise
         except OSError as error:
             self._abandon()
-            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains(error)}") from None
+            rest = f"{remedy(error)}, and rescue it with {rescue()}"
+            if self._file.replaces:
+                rest = f"the older file of that name is kept: {remedy(error)} and record again"
+            raise BagError(f"{self.path} cannot be written: {reason(error)}; {rest}") from None
 
     def _abandon(self) -> None:
         self._open = False
         self._queue.end(self._file.abandon)
-
-    def _what_remains(self, error: OSError) -> str:
-        if self._file.replaces:
-            return f"the older file of that name is kept: {remedy(error)} and record again"
-        return f"{remedy(error)}, and rescue it with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self

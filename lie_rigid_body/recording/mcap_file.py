@@ -6,7 +6,7 @@ import struct
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, BinaryIO, Final
+from typing import BinaryIO, Final
 
 import zstandard
 from mcap.opcode import Opcode
@@ -21,47 +21,36 @@ _LENGTH: Final = struct.Struct("<Q")
 _FOOTER: Final = struct.Struct("<BQQQ")
 ZSTD_LEVEL: Final = -1
 """Level of zstd; level 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag 3 % smaller."""
-Compress = Callable[[Any], bytes]
 
 
-def compressor(compression: str) -> Compress:
-    """A function that compresses chunks, for one thread.
+def compressor(compression: str) -> Callable[[MessageTable], Chunk]:
+    """A function that makes chunks of records with one message at least, for one thread.
 
     Parameters
     ----------
     compression : str
         ``zstd``, ``lz4``, or nothing, as MCAP names them.
     """
+    compress: Callable[[bytes], bytes] = bytes
     if compression == "zstd":
-        return zstandard.ZstdCompressor(ZSTD_LEVEL).compress
-    if compression == "lz4":
-        from lz4.frame import compress
+        compress = zstandard.ZstdCompressor(ZSTD_LEVEL).compress
+    elif compression == "lz4":
+        import lz4.frame
 
-        function: Compress = compress
-        return function
-    return bytes
+        compress = lz4.frame.compress
 
+    def compressed(table: MessageTable) -> Chunk:
+        first_ns, last_ns = table.span_ns
+        return Chunk(
+            compression=compression,
+            data=compress(table.data),
+            message_start_time=first_ns,
+            message_end_time=last_ns,
+            uncompressed_crc=zlib.crc32(table.data),
+            uncompressed_size=len(table.data),
+        )
 
-def compressed(table: MessageTable, compression: str, compress: Compress) -> Chunk:
-    """A chunk as it is written.
-
-    Parameters
-    ----------
-    table : MessageTable
-        Its records, with one message at least.
-    compression : str
-    compress : callable
-        The `compressor` of that name.
-    """
-    first_ns, last_ns = table.span_ns
-    return Chunk(
-        compression=compression,
-        data=compress(table.data),
-        message_start_time=first_ns,
-        message_end_time=last_ns,
-        uncompressed_crc=zlib.crc32(table.data),
-        uncompressed_size=len(table.data),
-    )
+    return compressed
 
 
 class McapFile:

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, Footer, Header, McapRecord, Metadata, Schema
+from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated, inflated_unverified, most_records
@@ -181,11 +181,10 @@ class _FileReader:
     def __init__(self, file: FileBytes, contents: McapContents, wanted: Wanted) -> None:
         self._file, self._contents, self._wanted = file, contents, wanted
         self._records_left = most_records(len(self._file))
-        self._channels: dict[int, TrackKey] = {}
+        self._keys: dict[int, TrackKey] = {}
         self._outline = McapOutline(file.path, file.state())
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
-        self._before = contents.message_count
         self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary
         self._bare_chunks = 0
         self.at, self._end = 0, len(MAGIC)
@@ -253,40 +252,41 @@ class _FileReader:
     def _take_record(self, opcode: int, content: bytes) -> None:
         """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
         record = parsed(opcode, content)
-        if isinstance(record, Schema | Channel | Metadata | Attachment):
-            self._summary.add(record, self.at, RECORD_HEAD.size + len(content))
+        self._summary.add(record, self.at, RECORD_HEAD.size + len(content))
         match record:
             case Header():
                 is_known = record.profile in _PROFILES
                 require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
                 self._contents.library = self._contents.library or record.library
-            case Channel():
-                self._take_channel(record)
             case Metadata():
                 self._contents.metadata[record.name] = record.metadata
-            case Attachment():
-                self._contents.attachments += 1
             case Footer():
                 self._check.finish(record)
                 self._finish()
             case McapRecord():
                 self._check.said(opcode, record)
 
-    def _take_channel(self, channel: Channel) -> None:
-        schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
-        require(schema.id == channel.schema_id, f"the schema of topic {channel.topic} is not declared before it")
-        key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
-        track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
-        alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
-        require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
-        self._channels[channel.id] = key
-
     def _finish(self) -> None:
-        for number, key in self._channels.items():
-            self._outline.channels.setdefault(key, []).append(number)
-        found = self._summary
-        self._contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
-        self._contents.outlines.append(self._outline)
+        """Take the account of the whole file into that of the bag."""
+        found, contents = self._summary, self._contents
+        for channel in found.channels:
+            self._outline.channels.setdefault(self._key(channel), []).append(channel)
+            contents.tracks[self._key(channel)].count += found.counts[channel]
+        contents.attachments += len(found.attachments)
+        contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
+        contents.outlines.append(self._outline)
+
+    def _key(self, number: int) -> TrackKey:
+        """Track of a channel."""
+        if number not in self._keys:
+            channel = self._summary.channels[number]
+            schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
+            key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
+            track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
+            alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
+            require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
+            self._keys[number] = key
+        return self._keys[number]
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
@@ -294,12 +294,11 @@ class _FileReader:
         chunk, indexes, table = _messages_of(raw, most)
         for place in table.others:
             require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
-            self._take_record(place.opcode, table.data[place.begin : place.end])
         table.require_times()
         self._summary.add_messages(table)
         if chunk is not None:
             self._take_chunk(chunk, begin, indexes, raw, table)
-        return self._count(table, begin, begin + len(raw))
+        return self._wanted_of(table, begin, begin + len(raw))
 
     def _take_chunk(self, chunk: Chunk, begin: int, places: list[Place], raw: bytes, table: MessageTable) -> None:
         said = chunk.message_start_time, chunk.message_end_time
@@ -318,14 +317,11 @@ class _FileReader:
         behind = begin + (places[0].start if places else len(raw))
         self._summary.add_chunk(chunk, begin, indexes, behind, begin + len(raw))
 
-    def _count(self, table: MessageTable, begin: int, end: int) -> Found:
-        """Count the messages of a part that stands between two bytes; return those that are wanted."""
+    def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
+        """Messages that are wanted of a part that stands between two bytes, which is noted."""
         channels: dict[TrackKey, list[int]] = {}
-        for channel, rows in table.index.items():
-            is_known = channel in self._channels
-            require(is_known, f"it has a message of channel {channel}, which is not declared before it")
-            channels.setdefault(self._channels[channel], []).append(channel)
-            self._contents.tracks[self._channels[channel]].count += len(rows)
+        for channel in table.index:
+            channels.setdefault(self._key(channel), []).append(channel)
         self._outline.parts.append((begin, end, tuple(channels)))
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
         for key, own in channels.items() if len(otherwise) else ():
@@ -337,7 +333,7 @@ class _FileReader:
         opcode, ends_well = self._file[self._end : self._end + 1], self._file[-len(MAGIC) :] == MAGIC
         is_record = len(self._file) - self._end >= RECORD_HEAD.size and opcode != b"\0"
         require(not (is_record and ends_well), "a record is longer than the file")
-        count = self._contents.message_count - self._before
+        count = self._summary.counts.total()
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
         what = f"was cut off, or is still being written: it {holds}: rescue them with {rescue()}"
         return BagError(f"{self._file.path} {what}")

@@ -20,7 +20,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
-from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
+from lie_rigid_body.recording.mcap_file import McapFile, compressor
 from lie_rigid_body.recording.message_table import NO_HINTS, MessageTable, find_messages
 from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, FileBytes, Place, parsed, records, require
@@ -177,10 +177,8 @@ class _Salvage:
         """Write the messages that are in no chunk in one."""
         data, self._loose = bytes(self._loose), bytearray()
         if data:
-            self._add(find_messages(data, NO_HINTS, len(data)), "zstd")
-
-    def _add(self, table: MessageTable, compression: str) -> None:
-        self._file.add_chunk(compressed(table, compression, compressor(compression)), table)
+            table = find_messages(data, NO_HINTS, len(data))
+            self._file.add_chunk(compressor("zstd")(table), table)
 
     def _take_chunk(self, given: Chunk, at: int) -> None:
         chunk = given
@@ -201,17 +199,14 @@ class _Salvage:
         if raw[:1] == bytes([Opcode.CHUNK]):
             with suppress(*_DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw[RECORD_HEAD.size :])))  # which is not whole
-                self._add(self._whole_messages(salvaged(chunk)), chunk.compression)
+                table = self._whole_messages(salvaged(chunk))
+                self._file.add_chunk(compressor(chunk.compression)(table), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
         """Table of the messages in the whole records at the start of some data; at least one must be a message."""
-        table, summary = find_messages(data, NO_HINTS, self._records_left), self._file.summary
+        table = find_messages(data, NO_HINTS, self._records_left)
         self._records_left -= len(table.starts) + len(table.others)
-        for place in table.others:
-            if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                summary.add(parsed(place.opcode, data[place.begin : place.end]), place.start, 0)
         require(bool(table.index), "no message is whole")
-        require(table.index.keys() <= summary.channels.keys(), "a message is on no channel")
         return table
 
 

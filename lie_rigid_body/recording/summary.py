@@ -25,7 +25,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.recording.message_table import LAST_TIME, MessageTable
-from lie_rigid_body.recording.records import require
+from lie_rigid_body.recording.records import parsed, require
 
 _IN_DATA: Final = frozenset(
     {
@@ -69,6 +69,7 @@ class Summary:
     first_ns, last_ns : int
         The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages.
     chunks : list of ChunkIndex
+    attachments : list of AttachmentIndex
     """
 
     def __init__(self) -> None:
@@ -77,22 +78,22 @@ class Summary:
         self.counts: Counter[int] = Counter()
         self.first_ns, self.last_ns = LAST_TIME, 0
         self.chunks: list[ChunkIndex] = []
-        self._attachments: list[AttachmentIndex] = []
+        self.attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
 
-    def add(self, record: Schema | Channel | Metadata | Attachment, begin: int, length: int) -> None:
-        """Add a record that begins at a byte and has a size.
+    def add(self, record: McapRecord, begin: int, length: int) -> None:
+        """Add a record that begins at a byte and has a size, if it is of a kind of which a summary tells.
 
         Raises
         ------
         ContradictionError
-            If it is a schema or a channel that repeats another one, and is not the same.
+            If it is a schema or a channel that repeats another one, and is not the same, or a channel of no schema.
         """
         match record:
             case Metadata():
                 self._metadata.append(MetadataIndex(offset=begin, length=length, name=record.name))
             case Attachment():
-                self._attachments.append(
+                self.attachments.append(
                     AttachmentIndex(
                         offset=begin,
                         length=length,
@@ -103,15 +104,28 @@ class Summary:
                         media_type=record.media_type,
                     )
                 )
-            case _:
-                known: dict[int, Any] = self.schemas if isinstance(record, Schema) else self.channels
-                kind = type(record).__name__.lower()
-                require(
-                    known.setdefault(record.id, record) == record, f"it has two different records of {kind} {record.id}"
-                )
+            case Schema():
+                is_same = self.schemas.setdefault(record.id, record) == record
+                require(is_same, f"it has two different records of schema {record.id}")
+            case Channel():
+                is_same = self.channels.setdefault(record.id, record) == record
+                require(is_same, f"it has two different records of channel {record.id}")
+                is_known = record.schema_id in (0, *self.schemas)
+                require(is_known, f"the schema of topic {record.topic} is not declared before it")
 
     def add_messages(self, table: MessageTable) -> None:
-        """Add the messages of a chunk, or such as stand in none."""
+        """Add the messages of a chunk, with the schemas and channels in it, or messages that stand in none.
+
+        Raises
+        ------
+        ContradictionError
+            See `add`; or if a message is of a channel that is not declared.
+        """
+        for place in table.others:
+            if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
+        unknown = table.index.keys() - self.channels.keys()
+        require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
         self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
@@ -150,13 +164,13 @@ class Summary:
             Opcode.CHANNEL: [*self.channels.values()],
             Opcode.STATISTICS: [self._statistics()],
             Opcode.CHUNK_INDEX: [*self.chunks],
-            Opcode.ATTACHMENT_INDEX: [*self._attachments],
+            Opcode.ATTACHMENT_INDEX: [*self.attachments],
             Opcode.METADATA_INDEX: [*self._metadata],
         }
 
     def _statistics(self) -> Statistics:
         return Statistics(
-            attachment_count=len(self._attachments),
+            attachment_count=len(self.attachments),
             channel_count=len(self.channels),
             channel_message_counts=dict(self.counts),
             chunk_count=len(self.chunks),
