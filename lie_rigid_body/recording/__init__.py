@@ -2,16 +2,14 @@
 
 - `output_file`: a file that appears under its name when it is whole;
 - `records`, `message_table`: records, and where the messages among them stand, in a file, in a chunk, read or written;
-- `chunk`: messages laid out as arrays, many at once, in chunks;
 - `summary`: what a file says of itself at its end, made of its records, and held against what a file says;
-- `mcap_file`: chunks, with their indexes, and the summary into a file;
+- `mcap_file`: messages laid out as arrays, many at once, in chunks, with their indexes and the summary;
 - `disk_queue`: the thread that compresses and writes;
 - `bag_writer`: messages into an MCAP file, in batches or a whole run;
 - `inflation`: the records of a chunk, within bounds;
-- `folder_metadata`: the metadata.yaml of a folder, held against its files;
 - `recovery`: what is whole of a file, or of a folder of them, that was cut off;
 - `mcap_contents`, `mcap_reader`, `sqlite_reader`: a file as raw messages;
-- `bag_files`: the files of a bag, and the bags of a folder;
+- `bag_files`: the files of a bag, held against the metadata of their folder, and the bags of a folder;
 - `bodies`, `tracks`, `bag_reader`: the bodies of a bag, and each as arrays;
 - `segments`, `pairing`, `samples`: a bag as samples, segment by segment.
 """

@@ -17,10 +17,9 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
-from lie_rigid_body.recording.chunk import ChunkBuilder, RawChunk, laid_out
 from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
-from lie_rigid_body.recording.mcap_file import McapFile, compressor
-from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
+from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressor, laid_out
+from lie_rigid_body.recording.output_file import RESCUE, OutputFile, reason, remedy
 from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
@@ -288,7 +287,7 @@ class BagWriter:
             raise
         except OSError as error:
             self._abandon()
-            rest = f"{remedy(error)}, and rescue it with {rescue()}"
+            rest = f"{remedy(error)}, and rescue it with {RESCUE}"
             if self._file.replaces:
                 rest = f"the older file of that name is kept: {remedy(error)} and record again"
             raise BagError(f"{self.path} cannot be written: {reason(error)}; {rest}") from None

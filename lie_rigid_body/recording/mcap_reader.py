@@ -29,7 +29,7 @@ from lie_rigid_body.recording.mcap_contents import (
     Wanted,
 )
 from lie_rigid_body.recording.message_table import HEAD, NO_HINTS, MessageTable, Rows, find_messages
-from lie_rigid_body.recording.output_file import rescue
+from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
     MAGIC,
     RECORD_HEAD,
@@ -335,7 +335,7 @@ class _FileReader:
         require(not (is_record and ends_well), "a record is longer than the file")
         count = self._summary.counts.total()
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
-        what = f"was cut off, or is still being written: it {holds}: rescue them with {rescue()}"
+        what = f"was cut off, or is still being written: it {holds}: rescue them with {RESCUE}"
         return BagError(f"{self._file.path} {what}")
 
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """How the name of a file that is to replace an older one begins and ends until it is whole."""
+RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
+"""The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of writing to where there is no room left."""
 
@@ -225,11 +227,6 @@ def reason(error: Exception) -> str:
 def remedy(error: OSError) -> str:
     """What to do about an error of writing."""
     return "make room" if error.errno in NO_ROOM else "look after the disk"
-
-
-def rescue() -> str:
-    """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
-    return "'lie-rigid-body recover BROKEN -o FIXED'"
 
 
 class _GrowingFile(FileIO):
