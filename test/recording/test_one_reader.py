@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import struct
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bags import MakeBag
-from mcap.opcode import Opcode
+from forged import message, record
 from mcap.reader import make_reader
 from mcap.writer import IndexType
 from test_bag_reader import rewrite
@@ -25,14 +24,6 @@ from lie_rigid_body.recording.records import ContradictionError, ExcessError
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
-
-
-def record(opcode: int, content: bytes) -> bytes:
-    return bytes([opcode]) + len(content).to_bytes(8, "little") + content
-
-
-def message(channel: int, payload: bytes = b"payload", time: int = 7) -> bytes:
-    return record(5, struct.pack("<HIQQ", channel, 0, time, time) + payload)
 
 
 RECORDS = [message(1), record(4, b"a channel"), message(2, b""), message(1, b"longer payload", 9), record(3, b"schema")]
@@ -169,26 +160,3 @@ def test_a_message_that_is_no_pose_is_named(make_bag: MakeBag, tmp_path: Path) -
     )
     with pytest.raises(BagError, match=r"topic /pose: message 650 has \d+ bytes where"):
         list(bag.batches())
-
-
-INDEXES = {
-    "another time": (lambda content: content[:6] + b"\1" + content[7:], "is not that of its chunk's messages"),
-    "another place": (lambda content: content[:14] + bytes([content[14] ^ 1]) + content[15:], "is not that of"),
-    "another channel": (lambda content: b"\x63" + content[1:], "index of channel 99 is not that of"),
-    "too long": (lambda content: content[:2] + b"\xff\xff\xff" + content[5:], "is longer than its record"),
-}
-
-
-@pytest.mark.parametrize("case", INDEXES)
-def test_an_index_that_is_not_its_chunks_is_refused_at_its_byte(make_bag: MakeBag, tmp_path: Path, case: str) -> None:
-    change, said = INDEXES[case]
-    content, position = make_bag(count=30).read_bytes(), 8
-    while content[position] != Opcode.MESSAGE_INDEX:
-        position += 9 + int.from_bytes(content[position + 1 : position + 9], "little")
-    begin, end = position + 9, position + 9 + int.from_bytes(content[position + 1 : position + 9], "little")
-    forged = bytearray(content[:begin] + change(content[begin:end]) + content[end:])
-    at = forged.rindex(b"\x0f\x04\0\0\0\0\0\0\0") + 9
-    forged[at : at + 4] = bytes(4)  # the checksum of the data section: it is not declared
-    (tmp_path / "forged.mcap").write_bytes(forged)
-    with pytest.raises(BagError, match=f"damaged at byte {position}: .*{said}"):
-        Bag(tmp_path / "forged.mcap")
