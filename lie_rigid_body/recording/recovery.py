@@ -8,18 +8,18 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Final
 
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Chunk, Metadata
+from mcap.records import Chunk, Header, Metadata
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressor
 from lie_rigid_body.recording.message_table import NO_HINTS, MessageTable, find_messages
 from lie_rigid_body.recording.output_file import reason, require_other, written
@@ -28,6 +28,8 @@ from lie_rigid_body.wording import short_repr
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
+_LARGEST_PART: Final = LARGEST_CHUNK + 2**16
+"""Largest number of bytes of an unfinished chunk that are looked at."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
@@ -101,21 +103,26 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
         If it cannot be read, or the new one cannot be written.
     """
     with FileBytes(broken) as file:
-        first = next(records(file, len(MAGIC)), None) if file[: len(MAGIC)] == MAGIC else None
-        if first is None or first.opcode != Opcode.HEADER:
-            raise NothingWholeError(f"{broken} does not begin as an MCAP file: it holds nothing that can be recovered")
+        header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
-            return _Salvage(file, out, first).run()
+            return _Salvage(file, begin, McapFile(out, header)).run()
+
+
+def _header(file: FileBytes) -> tuple[Header, int]:
+    """Header of a file, and where it ends."""
+    first = next(records(file, len(MAGIC)), None)
+    if file[: len(MAGIC)] == MAGIC and first is not None and first.opcode == Opcode.HEADER:
+        with suppress(*_DAMAGE):
+            return parsed(first.opcode, file[first.begin : first.end]), first.end
+    raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
 class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
-    def __init__(self, given: FileBytes, out: BinaryIO, header: Place) -> None:
-        self._given = given
-        self._begin = header.end
-        self._file = McapFile(out, parsed(header.opcode, given[header.begin : header.end]))
+    def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
+        self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
         self._loose = bytearray()
         self._damaged: list[int] = []
@@ -127,7 +134,7 @@ class _Salvage:
         found = self._file.summary
         before = found.counts.total()
         if not is_whole:
-            self._take_part(self._given[end:])
+            self._take_part(end)
         if not found.counts:
             raise NothingWholeError(f"{self._given.path} holds no whole message: record it again")
         if not is_whole:
@@ -194,11 +201,12 @@ class _Salvage:
         if chunk is not given:
             self._rewritten.append(at)
 
-    def _take_part(self, raw: bytes) -> None:
-        """Take the whole messages of an unfinished chunk, as far as it can be inflated."""
-        if raw[:1] == bytes([Opcode.CHUNK]):
+    def _take_part(self, begin: int) -> None:
+        """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
+        if self._given[begin : begin + 1] == bytes([Opcode.CHUNK]):
+            raw = self._given[begin + RECORD_HEAD.size : begin + _LARGEST_PART]
             with suppress(*_DAMAGE):
-                chunk = Chunk.read(ReadDataStream(BytesIO(raw[RECORD_HEAD.size :])))  # which is not whole
+                chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 table = self._whole_messages(salvaged(chunk))
                 self._file.add_chunk(compressor(chunk.compression)(table), table)
 
