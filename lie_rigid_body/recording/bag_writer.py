@@ -17,7 +17,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
-from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
+from lie_rigid_body.recording.disk_queue import DiskQueue
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressor, laid_out
 from lie_rigid_body.recording.output_file import RESCUE, OutputFile, reason, remedy
 from lie_rigid_body.recording.records import record_bytes
@@ -112,8 +112,7 @@ class BagWriter:
         end: str | None = METADATA,
     ) -> None:
         self._stamped_twist, self._end = stamped_twist, end
-        self._wait_for_disk = wait_for_disk
-        self._compressed, self._compressed_here = compressor(compression), compressor(compression)
+        self._compressed = compressor(compression)
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
         sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
         self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
@@ -206,11 +205,7 @@ class BagWriter:
             self._counts[messages.topic] += len(messages.payloads)
 
     def _put(self, raw: RawChunk) -> None:
-        if self._wait_for_disk and self._queue.backlog > HELPFUL_BACKLOG:
-            chunk = self._compressed_here(raw.table)
-            self._queue.put(partial(self._mcap.add_chunk, chunk, raw.table), len(chunk.data))
-        else:
-            self._queue.put(partial(self._store, raw), len(raw))
+        self._queue.put(partial(self._store, raw), len(raw))
 
     def _store(self, raw: RawChunk) -> None:
         """Write a chunk; this is what the disk's own thread does, while the next one is laid out."""

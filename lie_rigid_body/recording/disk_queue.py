@@ -7,8 +7,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Final
 
-HELPFUL_BACKLOG: Final = 8 * 1024**2
-"""Bytes that wait for the disk's thread from which on its work is done here, if this thread may take its time."""
 LARGEST_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
@@ -38,17 +36,10 @@ class DiskQueue:
         TimeoutError
             If too much is in the queue.
         """
-        if self._waits:
-            self._forget(lambda done: self._waiting + size > LARGEST_BACKLOG)
-        elif self.backlog + size > LARGEST_BACKLOG:
+        self._forget(lambda done: done or (self._waits and self._waiting + size > LARGEST_BACKLOG))
+        if not self._waits and self._waiting + size > LARGEST_BACKLOG:
             raise TimeoutError(f"the disk does not keep up, {self._waiting} bytes wait for it")
         self._jobs.append((self._thread.submit(self._do, job), size))
-
-    @property
-    def backlog(self) -> int:
-        """Bytes of the jobs that are not done."""
-        self._forget(lambda done: done)
-        return self._waiting
 
     @property
     def _waiting(self) -> int:

@@ -264,7 +264,7 @@ class _FileReader:
                 self._check.finish(record)
                 self._finish()
             case McapRecord():
-                self._check.said(opcode, record)
+                self._check.said[opcode].append(record)
 
     def _finish(self) -> None:
         """Take the account of the whole file into that of the bag."""

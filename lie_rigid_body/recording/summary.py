@@ -189,12 +189,17 @@ class SummaryCheck:
     ----------
     found : Summary
         Made of the records of the file as they are read.
+
+    Attributes
+    ----------
+    said : dict of int to list
+        Records of the summary of the file, by their opcodes.
     """
 
     def __init__(self, found: Summary) -> None:
         self._found = found
         self._opcodes: set[int] = set()
-        self._said = defaultdict[int, list[Any]](list)
+        self.said = defaultdict[int, list[Any]](list)
         self._groups: dict[int, tuple[int, int]] = {}
         self._begin: int | None = None  # of the summary
         self._in_data = 0, 0  # schemas and channels
@@ -219,10 +224,6 @@ class SummaryCheck:
         elif opcode == Opcode.DATA_END:
             self._begin, self._in_data = end, (len(self._found.schemas), len(self._found.channels))
 
-    def said(self, opcode: int, record: McapRecord) -> None:
-        """Take a record of the summary of the file."""
-        self._said[opcode].append(record)
-
     def finish(self, footer: Footer) -> None:
         """Hold the whole summary of the file against the one that is made of it.
 
@@ -235,14 +236,14 @@ class SummaryCheck:
         found = self._found.groups()
         for opcode, what in _INDEXES.items():
             # an index may be left out as a whole: then readers scan
-            is_same = self._said[opcode] in ([], found[opcode])
+            is_same = self.said[opcode] in ([], found[opcode])
             require(is_same, f"the index of its {what} is not that of the {what} it has")
         self._hold_statistics(*found[Opcode.STATISTICS])
         self._hold_places(footer)
 
     def _hold_statistics(self, found: Any) -> None:
-        require(len(self._said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
-        for said in self._said[Opcode.STATISTICS]:
+        require(len(self.said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
+        for said in self.said[Opcode.STATISTICS]:
             # some writers leave out those that no message uses, which stand in the summary alone
             allowed = dict(zip(("schema_count", "channel_count"), self._in_data, strict=True))
             if not self._found.counts:
@@ -257,7 +258,7 @@ class SummaryCheck:
         groups = {opcode: (begin, end - begin) for opcode, (begin, end) in self._groups.items()}
         end, _ = groups.pop(Opcode.FOOTER)
         offsets, _ = groups.pop(Opcode.SUMMARY_OFFSET, (end, 0))
-        said = self._said[Opcode.SUMMARY_OFFSET]
+        said = self.said[Opcode.SUMMARY_OFFSET]
         told = {
             offset.group_opcode: (offset.group_start, offset.group_length) for offset in said if offset.group_length
         }
