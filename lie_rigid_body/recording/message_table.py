@@ -62,7 +62,7 @@ class MessageTable:
 
     @property
     def ends(self) -> Integers:
-        """Where the record of each message ends, shape (N,); what reaches beyond the data ends somewhere there."""
+        """Ends of the records of the messages, shape (N,); what reaches beyond the data ends somewhere there."""
         lengths: Integers = np.minimum(self.heads["length"], len(self.data)).astype(np.int64)
         return self.starts + RECORD_HEAD.size + lengths
 

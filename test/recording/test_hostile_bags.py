@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 import zstandard
 from bags import MakeBag
-from forged import MAGIC, chunk, framed
+from forged import chunk, framed
 from mcap.records import Chunk
+from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
 

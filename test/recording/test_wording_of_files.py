@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from contextlib import chdir
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,6 @@ import pytest
 import zstandard
 from forged import (
     CHANNELS,
-    MAGIC,
     Change,
     chunk,
     flipped,
@@ -30,6 +30,7 @@ from forged import (
     text,
 )
 from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -40,7 +41,7 @@ REMEDY = ": restore a copy, or record again"
 NOISE = np.random.default_rng(0).bytes(1000)
 SKIPPABLE = struct.pack("<II", 0x184D2A50, 4) + b"abcd"
 """A frame that decompressors leave out."""
-PACK = {
+PACK: dict[str, Callable[[bytes], bytes]] = {
     "zstd": zstandard.ZstdCompressor(write_checksum=True).compress,
     "lz4": partial(lz4.frame.compress, content_checksum=True),
 }
