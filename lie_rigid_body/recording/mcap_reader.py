@@ -194,7 +194,9 @@ class _FileReader:
         self._require_magic()
         opcode = 0
         for opcode, begin, end in self._parts():
-            yield end, self._take(opcode, begin, self._file[begin:end])
+            found = self._take(opcode, begin, self._file[begin:end])
+            if found is not None:
+                yield end, found
         if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
@@ -227,15 +229,15 @@ class _FileReader:
             last = part[0] if part[0].opcode == Opcode.CHUNK else part[-1]
             yield part[0].opcode, part[0].start, last.end
 
-    def _take(self, opcode: int, begin: int, raw: bytes) -> Found:
-        """Take a part; return the messages of it that are wanted."""
+    def _take(self, opcode: int, begin: int, raw: bytes) -> Found | None:
+        """Take a part; return the messages of it that are wanted, or None if it is no part with messages."""
         self.at = begin
         self._verify_section(opcode, raw)
         self._check.place(opcode, begin, begin + len(raw))
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             return self._take_messages(begin, raw)
         self._take_record(opcode, raw[RECORD_HEAD.size :])
-        return {}
+        return None
 
     def _verify_section(self, opcode: int, raw: bytes) -> None:
         """Compare the checksum of the section that ends here, if one does."""
