@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Final
 
@@ -95,12 +95,22 @@ def _from_zstd(data: bytes, most: int) -> tuple[bytes, int]:
     """Inflate zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
-    reader, pieces = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True), list[bytes]()
-    with suppress(zstandard.ZstdError):  # what came before is whole
+    try:
+        content = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True).read(most)
+    except zstandard.ZstdError:
+        content = b"".join(_zstd_pieces(data, most))
+    return content, _zstd_frame_size(data)
+
+
+def _zstd_pieces(data: bytes, most: int) -> Iterator[bytes]:
+    """Inflate what comes before damage, at most so many bytes."""
+    import zstandard
+
+    reader = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
+    with suppress(zstandard.ZstdError):
         while most > 0 and (piece := reader.read(min(most, _PIECE))):
             most -= len(piece)
-            pieces.append(piece)
-    return b"".join(pieces), _zstd_frame_size(data)
+            yield piece
 
 
 def _zstd_frame_size(data: bytes) -> int:

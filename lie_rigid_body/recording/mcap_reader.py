@@ -138,9 +138,15 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
         except (BagError, ModuleNotFoundError):
             raise
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
-            what = f"{type(error).__name__}: {error}".removesuffix(": ")
-            told = error if isinstance(error, ContradictionError) else ContradictionError(what)
-            raise BagError(f"{path} {told.sentence.format(at=reader.at, what=told)}") from None
+            raise BagError(f"{path} {_told(error, reader.at)}") from None
+
+
+def _told(error: Exception, at: int) -> str:
+    """Words for an error. No variable of a frame that it keeps may keep it, as both would stay, with all their data."""
+    if isinstance(error, ContradictionError):
+        return error.sentence.format(at=at, what=error)
+    what = f"{type(error).__name__}: {error}".removesuffix(": ")
+    return ContradictionError.sentence.format(at=at, what=what)
 
 
 def _messages_of(
