@@ -13,8 +13,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.bag_files import unheard
-from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
+from lie_rigid_body.recording.bag_files import missing_beside, unheard, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.recording.topic_messages import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
