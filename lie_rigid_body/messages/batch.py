@@ -175,8 +175,7 @@ class BatchEncoder:
     def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
         for name, samples in taken.sensors.items():
             for encoder in self._sensors[name] if len(samples) else ():
-                payloads = encoder.encode(samples.stamps_ns, samples.readings)
-                yield Messages(encoder.topic.name, samples.times_ns, payloads)
+                yield Messages(encoder.topic.name, samples.times_ns, encoder.encode(samples))
         if taken.faults:
             yield _told(taken.faults)
 

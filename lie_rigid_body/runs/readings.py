@@ -11,7 +11,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages import NOT_GIVEN
 from lie_rigid_body.messages.definitions import places
-from lie_rigid_body.sensors import Field, Readings, Sensor, Topic
+from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.wording import call_repr
 
@@ -80,7 +80,7 @@ class SensorArrays:
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
         """Make the arrays of the readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
-        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
+        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.arrays})
 
     @classmethod
     def of_messages(
@@ -128,7 +128,7 @@ class SensorArrays:
                     f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
                 )
-        readings = Readings({name: array for name, array in arrays.items() if array is not None})
+        readings = {name: array for name, array in arrays.items() if array is not None}
         lost = np.zeros(len(self.t_ns), dtype=np.bool_)
         return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
 

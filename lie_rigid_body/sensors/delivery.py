@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS, Value
-from lie_rigid_body.sensors.episodes import Episodes, Window, nanoseconds
-from lie_rigid_body.sensors.fault import Fault, stream
-from lie_rigid_body.sensors.noise import Draws
+from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.sensors.fault import Episodes, Fault, Faulty, nanoseconds
 
 
 @dataclass(frozen=True)
-class Delivery:
+class Delivery(Faulty):
     """Faults on the way of a sensor's readings to whoever listens.
 
     A reading measured at t arrives at the largest of t + latency + jitter · u so far, with u uniform between 0 and 1:
@@ -25,57 +22,44 @@ class Delivery:
 
     Parameters
     ----------
-    sensor : str
-        See `Fault`.
-    seed : int
-        Seed of the random numbers.
-    window : Window
-        Time in which readings are lost by dropouts.
+    sensor, seed, window
+        See `Faulty`.
     dropout_probability : float
         Probability that a reading is lost, independent of the others.
-    outages : Episodes or None
+    outage : Episodes or None
         Episodes in which every reading is lost.
-    latency_ns, jitter_ns : int
-        Constant and largest random part of the delay, ns.
-    clock_offset_ns : int
-        Lead of the sensor's clock at the epoch, ns.
+    latency, latency_jitter : float
+        Constant and largest random part of the delay, s.
+    clock_offset : float
+        Lead of the sensor's clock at the epoch, s.
     clock_skew : float
         Rate at which the clock gains, s/s.
     """
 
-    sensor: str
-    seed: int
-    window: Window
     dropout_probability: float
-    outages: Episodes | None
-    latency_ns: int
-    jitter_ns: int
-    clock_offset_ns: int
+    outage: Episodes | None
+    latency: float
+    latency_jitter: float
+    clock_offset: float
     clock_skew: float
 
-    @classmethod
-    def from_values(cls, sensor: str, values: Mapping[str, Value]) -> Delivery | None:
-        """Make the delivery of the parameters whose names begin with ``sensor``; None if it has no fault.
+    switches = ("dropout_probability", "outage_interval", "latency", "latency_jitter", "clock_offset", "clock_skew")
+    kinds_of_episodes = ("outage",)
 
-        Raises
-        ------
-        ParameterError
-        """
-        number = {key: cast(float, values[f"{sensor}_{key}"]) for key in _NUMBERS}
-        outages = Episodes.from_values(values, sensor, "outage")
-        if outages is None and not any(number.values()):
-            return None
-        return cls(
-            sensor,
-            cast(int, values["sensor_seed"]),
-            Window.from_values(values),
-            number["dropout_probability"],
-            outages,
-            nanoseconds(number["latency"]),
-            nanoseconds(number["latency_jitter"]),
-            nanoseconds(number["clock_offset"]),
-            number["clock_skew"],
-        )
+    @property
+    def latency_ns(self) -> int:
+        """Constant part of the delay, ns."""
+        return nanoseconds(self.latency)
+
+    @property
+    def jitter_ns(self) -> int:
+        """Largest random part of the delay, ns."""
+        return nanoseconds(self.latency_jitter)
+
+    @property
+    def clock_offset_ns(self) -> int:
+        """Lead of the sensor's clock at the epoch, ns."""
+        return nanoseconds(self.clock_offset)
 
     @property
     def is_off(self) -> bool:
@@ -93,17 +77,17 @@ class Delivery:
             Times of their measurement since the segment's start, ns.
         """
         lost = self._dropped(first, times_ns)
-        return lost if self.outages is None else lost | (self.outages.at(times_ns) >= 0)
+        return lost if self.outage is None else lost | (self.outage.at(times_ns) >= 0)
 
     def _dropped(self, first: int, times_ns: Integers) -> Booleans:
         if not self.dropout_probability:
             return np.zeros(len(times_ns), dtype=np.bool_)
-        drawn = Draws(self.seed, stream(self.sensor, "dropout")).following(first, len(times_ns))[:, 0]
+        drawn = self.draws("dropout").following(first, len(times_ns))[:, 0]
         return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
 
     def delays_ns(self, first: int, count: int) -> Integers:
         """Delays of some readings, ns: latency and jitter, by which alone one could overtake another."""
-        drawn = Draws(self.seed, stream(self.sensor, "latency_jitter")).following(first, count)[:, 0]
+        drawn = self.draws("latency_jitter").following(first, count)[:, 0]
         return self.latency_ns + (drawn * self.jitter_ns).astype(np.int64)
 
     def stamps_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
@@ -143,25 +127,18 @@ class Delivery:
         drift = np.rint(since * (self.clock_skew / (1.0 + self.clock_skew))).astype(np.int64)
         return np.asarray(epoch_ns + since - drift)
 
-    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
         """Faults of the delivery in a stretch of time; see `Faulty`."""
-        found = list(self._lasting()) if begin_ns <= 0 < end_ns else []
-        for time in times_ns[self._dropped(first, times_ns)].tolist():
-            found.append(Fault("dropout", self.sensor, "", time, time))
-        if self.outages is not None:
-            for _, begin, end in self.outages.between(begin_ns, end_ns):
-                found.append(Fault("outage", self.sensor, "", begin, end))
-        return found
-
-    def _lasting(self) -> Iterator[Fault]:
-        for kind, size in (
-            ("latency", self.latency_ns / 1e9),
-            ("latency_jitter", self.jitter_ns / 1e9),
-            ("clock_offset", self.clock_offset_ns / 1e9),
-            ("clock_skew", self.clock_skew),
-        ):
+        lasting = {
+            "latency": self.latency_ns / 1e9,
+            "latency_jitter": self.jitter_ns / 1e9,
+            "clock_offset": self.clock_offset_ns / 1e9,
+            "clock_skew": self.clock_skew,
+        }
+        for kind, size in lasting.items() if begin_ns <= 0 < end_ns else ():
             if size:
                 yield Fault(kind, self.sensor, "", 0, None, size)
-
-
-_NUMBERS = ("dropout_probability", "latency", "latency_jitter", "clock_offset", "clock_skew")
+        for time in times_ns[self._dropped(first, times_ns)].tolist():
+            yield Fault("dropout", self.sensor, "", time, time)
+        for _, begin, end in self.outage.between(begin_ns, end_ns) if self.outage else ():
+            yield Fault("outage", self.sensor, "", begin, end)

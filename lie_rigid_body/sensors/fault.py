@@ -1,13 +1,20 @@
-"""Faults of sensors as they happened, and their text."""
+"""Faults of sensors: what goes wrong and when, as it happened, and its text."""
 
 from __future__ import annotations
 
 import json
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import ClassVar, Final, Self
 
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.errors import InputError
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.sensors.noise import Draws
+from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.wording import short_repr, shown
 
 KINDS: Final = (
@@ -22,6 +29,10 @@ PARTS: Final[list[str]] = []
 order is part of the keys of the random numbers."""
 LONGEST_TEXT: Final = 192
 """Largest length of the text of a fault, characters."""
+SHORTEST_INTERVAL_S: Final = 1e-3
+"""Shortest interval from one episode to the next, s."""
+END_OF_TIME: Final = 2**62
+"""A time since a start that no run reaches, ns."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +66,8 @@ class Fault:
 
     def later(self, by_ns: int) -> Fault:
         """Move the fault to a later time, by so many ns."""
-        return replace(
-            self, begin_ns=self.begin_ns + by_ns, end_ns=None if self.end_ns is None else self.end_ns + by_ns
-        )
+        end_ns = None if self.end_ns is None else self.end_ns + by_ns
+        return replace(self, begin_ns=self.begin_ns + by_ns, end_ns=end_ns)
 
     def to_json(self) -> str:
         """The text of the fault, as the topic of faults has it."""
@@ -66,9 +76,8 @@ class Fault:
     def _is_one(self) -> bool:
         """Whether the fields have values that a fault can have."""
         times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
-        size = 0.0 if self.size is None else self.size
         names = self.kind in KINDS and self.sensor in PARTS and self.axis in (*AXES, "")
-        return names and all(type(time) is int for time in times) and type(size) in (int, float)
+        return names and all(type(time) is int for time in times) and type(self.size or 0.0) in (int, float)
 
     @classmethod
     def from_json(cls, text: str) -> Fault:
@@ -88,10 +97,167 @@ class Fault:
         raise InputError(f"{shown(text)} tells of no fault of lie_rigid_body: give the topic ~/faults")
 
 
-class Faulty(Protocol):
-    """A part of a sensor's model that can have faults, and tells them."""
+def stream(sensor: str, kind: str, part: int = 0) -> int:
+    """Source of the random numbers of one kind of fault; ``part`` is 1 for a second source of the kind."""
+    return 256 * (1 + PARTS.index(sensor)) + 2 * KINDS.index(kind) + part
 
-    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> list[Fault]:
+
+def nanoseconds(seconds: float) -> int:
+    """Convert a time in s to the nearest integer of ns."""
+    return round(seconds * NS)
+
+
+@dataclass(frozen=True)
+class Window:
+    """Time in which faults come and go, ns since the segment's start; the end is not part of it."""
+
+    begin_ns: int
+    end_ns: int
+
+    @classmethod
+    def from_values(cls, values: Values) -> Window:
+        """Make the window of the parameters ``fault_begin`` and ``fault_end``.
+
+        Raises
+        ------
+        ParameterError
+            If it ends before it begins.
+        """
+        begin, end = values["fault_begin"], values["fault_end"]
+        if 0.0 < end <= begin:
+            raise ParameterError("fault_end", f"{end:g} s is not after fault_begin, {begin:g} s: give more, or 0")
+        return cls(nanoseconds(begin), nanoseconds(end) if end else END_OF_TIME)
+
+    def holds(self, times_ns: Integers) -> Booleans:
+        """Tell of each time whether it is in the window, shape (N,)."""
+        return np.asarray((times_ns >= self.begin_ns) & (times_ns < self.end_ns))
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Episodes of one kind: one in each interval from the window's begin on, at a place in it that the seed decides.
+
+    A long time has as many episodes as intervals, and no episode meets the next, whatever the seed. Where the duration
+    is the interval, one begins as the other ends.
+
+    Parameters
+    ----------
+    seed : int
+    sensor, kind : str
+        See `Fault`.
+    window : Window
+    interval_ns, duration_ns : int
+    """
+
+    seed: int
+    sensor: str
+    kind: str
+    window: Window
+    interval_ns: int
+    duration_ns: int
+
+    @classmethod
+    def from_values(cls, values: Values, sensor: str, kind: str, name: str = "") -> Episodes | None:
+        """Make the episodes of the parameters that begin with ``sensor_kind``, or ``name``; None if the interval is 0.
+
+        Raises
+        ------
+        ParameterError
+            If the duration is longer than the interval, or the interval is too short.
+        """
+        name = name or f"{sensor}_{kind}"
+        interval, duration = values[f"{name}_interval"], values[f"{name}_duration"]
+        if not interval:
+            return None
+        if interval < SHORTEST_INTERVAL_S:
+            raise ParameterError(
+                f"{name}_interval", f"{interval:g} s is below {SHORTEST_INTERVAL_S:g} s: give more, or 0 for none"
+            )
+        if not 0 < nanoseconds(duration) <= nanoseconds(interval):
+            raise ParameterError(
+                f"{name}_duration",
+                f"{duration:g} s is not above 0 and at most {name}_interval, {interval:g} s: give a time between",
+            )
+        window = Window.from_values(values)
+        return cls(values["sensor_seed"], sensor, kind, window, nanoseconds(interval), nanoseconds(duration))
+
+    def draws(self, numbers: Integers) -> Array:
+        """Three uniform numbers for each episode, shape (N, 3), which decide everything but its time."""
+        return self._draws(numbers)[:, 1:]
+
+    def _draws(self, numbers: Integers) -> Array:
+        return Draws(self.seed, stream(self.sensor, self.kind)).of(numbers)
+
+    def begins_ns(self, numbers: Integers) -> Integers:
+        """Begin of each episode, ns since the segment's start, shape (N,)."""
+        spare = self._draws(numbers)[:, 0] * (self.interval_ns - self.duration_ns)
+        return self.window.begin_ns + numbers * self.interval_ns + spare.astype(np.int64)
+
+    def at(self, times_ns: Integers) -> Integers:
+        """Number of the episode at each time, shape (N,); -1: none."""
+        numbers = (times_ns - self.window.begin_ns) // self.interval_ns
+        found = np.full(len(times_ns), -1, dtype=np.int64)
+        inside = np.flatnonzero(self.window.holds(times_ns))
+        age = times_ns[inside] - self.begins_ns(numbers[inside])
+        inside = inside[(age >= 0) & (age < self.duration_ns)]
+        found[inside] = numbers[inside]
+        return found
+
+    def between(self, begin_ns: int, end_ns: int) -> Iterator[tuple[int, int, int]]:
+        """Number, begin and end of each episode that begins in a stretch of time without its end, ns."""
+        begin_ns, end_ns = max(begin_ns, self.window.begin_ns), min(end_ns, self.window.end_ns)
+        if begin_ns >= end_ns:
+            return
+        low, high = ((time - self.window.begin_ns) // self.interval_ns for time in (begin_ns, end_ns - 1))
+        numbers = np.arange(low, high + 1, dtype=np.int64)
+        for number, begin in zip(numbers.tolist(), self.begins_ns(numbers).tolist(), strict=True):
+            if begin_ns <= begin < end_ns:
+                yield number, begin, min(begin + self.duration_ns, self.window.end_ns)
+
+
+@dataclass(frozen=True)
+class Faulty(ABC):
+    """The faults of one part of a sensor. `from_values` makes them of parameters with the names of the fields.
+
+    Parameters
+    ----------
+    sensor : str
+        See `Fault`.
+    seed : int
+        Seed of the random numbers.
+    window : Window
+        Time in which faults come and go.
+    """
+
+    sensor: str
+    seed: int
+    window: Window
+
+    switches: ClassVar[tuple[str, ...]] = ()
+    """Ends of the names of the parameters any of which switches a fault on."""
+    kinds_of_episodes: ClassVar[tuple[str, ...]] = ()
+    """Fields that are `Episodes`, or None if their interval is 0."""
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values) -> Self | None:
+        """Make the faults of the parameters whose names begin with ``sensor``; None if there are none.
+
+        Raises
+        ------
+        ParameterError
+        """
+        window = Window.from_values(values)
+        if not any(values[f"{sensor}_{switch}"] for switch in cls.switches):
+            return None
+        episodes = {kind: Episodes.from_values(values, sensor, kind) for kind in cls.kinds_of_episodes}
+        return cls(sensor, values["sensor_seed"], window, **values_of(cls, sensor, values), **episodes)
+
+    def draws(self, kind: str) -> Draws:
+        """Random numbers of one kind of fault."""
+        return Draws(self.seed, stream(self.sensor, kind))
+
+    @abstractmethod
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
         """Faults that begin in a stretch of time since the segment's start.
 
         Parameters
@@ -103,9 +269,19 @@ class Faulty(Protocol):
         times_ns : ndarray of int64, shape (N,)
             Times of the readings in it, ns.
         """
-        ...
 
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Earlier readings that a reading repeats, in part: whoever begins there has to measure them.
 
-def stream(sensor: str, kind: str, part: int = 0) -> int:
-    """Source of the random numbers of one kind of fault; ``part`` is 1 for a second source of the kind."""
-    return 256 * (1 + PARTS.index(sensor)) + 2 * KINDS.index(kind) + part
+        Parameters
+        ----------
+        number : int
+            Number of the reading.
+        elapsed_ns : callable
+            Gives the time of a reading since the segment's start, ns.
+        number_before : callable
+            Gives the number of the last reading before a time since the segment's start, ns.
+        """
+        return iter(())

@@ -39,8 +39,9 @@ class SampleClock:
 
     def stamp_ns(self, number: int) -> int:
         """The stamp of one sample, ns; extrapolated for negative numbers."""
-        period = self.period_ns
-        return self.epoch_ns + _round_ratio(number * period.numerator, period.denominator)
+        n, d = self.period_ns.numerator, self.period_ns.denominator
+        quotient, remainder = divmod(2 * number * n + d, 2 * d)
+        return self.epoch_ns + quotient - (remainder == 0 and quotient % 2 == 1)  # ties to even
 
     def count_until(self, stamp_ns: int) -> int:
         """Number of samples from number 0 on whose stamps are at or before a time, ns; 0 or more."""
@@ -56,23 +57,22 @@ class SampleClock:
         -------
         ndarray of int64, shape (count,)
         """
-        n, d, epoch = self.period_ns.numerator, self.period_ns.denominator, self.epoch_ns
-        last = epoch + _round_ratio((first + count - 1) * n, d)
+        n, d, last = self.period_ns.numerator, self.period_ns.denominator, self.stamp_ns(first + count - 1)
         if count and last > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
                 f"sample {first + count - 1} would be stamped {last} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
                 "ns: start earlier, or sample for a shorter time",
             )
-        if not count or 2 * (d + count * n) > MAX_EPOCH_NS or epoch + _round_ratio(first * n, d) < 0:
-            return np.array([epoch + _round_ratio(k * n, d) for k in range(first, first + count)], dtype=np.int64)
-        # as `_round_ratio`, but for what comes before the first, which may be beyond int64
+        if not count or 2 * (d + count * n) > MAX_EPOCH_NS or self.stamp_ns(first) < 0:
+            return np.array([self.stamp_ns(k) for k in range(first, first + count)], dtype=np.int64)
+        # as `stamp_ns`, but for what comes before the first, which may be beyond int64
         before, rest = divmod(2 * first * n + d, 2 * d)
         halves = rest + 2 * n * np.arange(count, dtype=np.int64)
         quotients = halves // (2 * d)
         ties = halves == quotients * (2 * d)
-        quotients += epoch + before
-        quotients -= ties & (quotients - epoch & 1 == 1)
+        quotients += self.epoch_ns + before
+        quotients -= ties & (quotients - self.epoch_ns & 1 == 1)
         return quotients
 
     def count_before(self, duration: Fraction) -> int:
@@ -84,9 +84,3 @@ class SampleClock:
         count = self.count_before(duration)
         end = self.epoch_ns + math.ceil(duration * NS) - 1
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
-
-
-def _round_ratio(n: int, d: int) -> int:
-    """n/d rounded to the nearest integer, ties to even; d positive."""
-    quotient, remainder = divmod(2 * n + d, 2 * d)
-    return quotient - 1 if remainder == 0 and quotient % 2 else quotient

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.sensors import Readings
 from lie_rigid_body.wording import short_repr
 
 
@@ -58,13 +58,14 @@ class SensorSamples:
         Stamps of their headers, ns: what the sensor's own clock shows at the time of measurement.
     lost : ndarray of bool, shape (N,)
         Which of them never arrive.
-    readings : Readings, N of them
+    arrays : mapping of str to ndarray, shape (N, ...)
+        The readings, by the names of `Field.array`.
     """
 
     times_ns: Integers
     stamps_ns: Integers
     lost: Booleans
-    readings: Readings
+    arrays: Mapping[str, Array]
 
     __repr__ = short_repr
 
@@ -72,7 +73,8 @@ class SensorSamples:
         return len(self.times_ns)
 
     def __getitem__(self, rows: slice | Booleans) -> SensorSamples:
-        return SensorSamples(self.times_ns[rows], self.stamps_ns[rows], self.lost[rows], self.readings[rows])
+        arrays = {name: array[rows] for name, array in self.arrays.items()}
+        return SensorSamples(self.times_ns[rows], self.stamps_ns[rows], self.lost[rows], arrays)
 
     def joined(self, later: SensorSamples) -> SensorSamples:
         """Join these samples and later ones."""
@@ -80,7 +82,7 @@ class SensorSamples:
             np.concatenate([self.times_ns, later.times_ns]),
             np.concatenate([self.stamps_ns, later.stamps_ns]),
             np.concatenate([self.lost, later.lost]),
-            self.readings.joined(later.readings),
+            {name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()},
         )
 
     def received(self) -> SensorSamples:

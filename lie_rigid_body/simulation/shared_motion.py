@@ -38,24 +38,21 @@ class SharedMotion:
     """
 
     def __init__(self, motion: Motion, latest: Latest) -> None:
-        self._motion = copy.copy(motion)
-        self._latest = latest
-        self._calls = 0
-        self._in_step = True
+        self._motion, self._latest = copy.copy(motion), latest
+        self._calls, self._in_step = 0, True
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
         latest = self._latest
-        if self._in_step and self._calls < latest.number:
-            self._in_step = self._calls + 1 == latest.number and np.array_equal(latest.t_ns, t_ns)
-            if self._in_step:
-                self._calls += 1
-                self._motion = copy.copy(latest.motion)
-                kept: State = latest.states
-                return kept
+        self._calls += 1
+        is_known = self._calls == latest.number and np.array_equal(latest.t_ns, t_ns)
+        self._in_step &= is_known or self._calls == latest.number + 1
+        if is_known and self._in_step:
+            self._motion = copy.copy(latest.motion)
+            kept: State = latest.states
+            return kept
         states = self._motion.at(t_ns)
         if self._in_step:
-            self._calls += 1
             latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
             latest.motion = copy.copy(self._motion)
         return states

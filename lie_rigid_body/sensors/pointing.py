@@ -1,10 +1,9 @@
-"""Model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight."""
+"""Sensors that point: a star tracker, which reads the attitude, and a sun sensor, which reads a direction."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -12,18 +11,17 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.parameters import Value, Vector, vector
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import angle, not_negative, numbers
-from lie_rigid_body.sensors.sensor import AttitudeAid, Carrier, Field, Instrument, Sensor, SensorModel, Topic
+from lie_rigid_body.parameters import Vector
+from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
+from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.wording import short_repr
 
 
 @dataclass(frozen=True)
 class AttitudeSensorModel(SensorModel):
-    """The model of an attitude sensor.
+    """The model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight.
 
     ::
 
@@ -38,37 +36,25 @@ class AttitudeSensorModel(SensorModel):
         As of `SensorModel`.
     boresight : tuple of float, length 3
         b, a unit vector in the body frame.
-    cross_noise, roll_noise : float
+    cross_boresight_noise, roll_noise : float
         σ_c and σ_r, standard deviations, rad.
     """
 
     boresight: Vector
-    cross_noise: float
+    cross_boresight_noise: float
     roll_noise: float
 
     __repr__ = short_repr
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> AttitudeSensorModel:
-        """Make the model of the parameters' values, and validate it.
-
-        Raises
-        ------
-        ParameterError
-        """
-        return cls(
-            cast(float, values["attitude_sensor_rate"]),
-            cast(int, values["sensor_seed"]),
-            direction(values, "attitude_sensor_boresight"),
-            cast(float, values["attitude_sensor_cross_boresight_noise"]),
-            cast(float, values["attitude_sensor_roll_noise"]),
-            delivery=Delivery.from_values("attitude_sensor", values),
-        )
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        return super().from_values(sensor, values, boresight=direction(values, "attitude_sensor_boresight"))
 
     @property
     def aids(self) -> tuple[AttitudeAid, ...]:
         """The attitude, worst about the boresight."""
-        return (AttitudeAid(self.boresight, self.roll_noise, self.cross_noise),)
+        return (AttitudeAid(self.boresight, self.roll_noise, self.cross_boresight_noise),)
 
     def covariance(self, attitude_xyzw: Array) -> Array:
         """Covariance of small rotations about the fixed axes of the world, rad², shape (N, 3, 3).
@@ -81,12 +67,12 @@ class AttitudeSensorModel(SensorModel):
         attitude_xyzw : ndarray, shape (N, 4)
             Readings.
         """
-        across, along = self.cross_noise**2, self.roll_noise**2
+        across, along = self.cross_boresight_noise**2, self.roll_noise**2
         sight = quaternion.rotate(attitude_xyzw, np.array(self.boresight))
         return np.asarray(across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis]))
 
 
-def direction(values: Mapping[str, Value], name: str) -> Vector:
+def direction(values: Values, name: str) -> Vector:
     """Make a unit vector of the numbers of a parameter.
 
     Raises
@@ -94,15 +80,11 @@ def direction(values: Mapping[str, Value], name: str) -> Vector:
     ParameterError
         If the numbers are 0, or so large or small that they tell no direction.
     """
-    components = vector(values, name)
+    components = values[name]
     size = float(so3.norm(components))
     if not 1e-100 < size < 1e100:
         raise ParameterError(name, f"{list(components)} tells no direction: give for example [0.0, 0.0, 1.0]")
     return tuple(component / size for component in components)
-
-
-_OF_QUATERNION: Final = 0.5
-"""Change of a component of a quaternion per rad of a rotation, at most."""
 
 
 class AttitudeSensor(Instrument):
@@ -115,42 +97,82 @@ class AttitudeSensor(Instrument):
 
     def __init__(self, model: AttitudeSensorModel) -> None:
         self._model, self._boresight = model, np.array(model.boresight)
-        self._across, self._about = model.cross_noise, model.roll_noise - model.cross_noise
-        self._noise = BlockBuffer(WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0))
-        self._is_perfect = not (model.cross_noise or model.roll_noise)
+        self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
 
-    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
-        """The next readings; see `Instrument.measure`."""
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings; see `Instrument.measure`."""
         attitude, error = states.attitude_xyzw, np.zeros((len(times_ns), 3))
-        if not self._is_perfect:
-            error = self._error(len(times_ns))
+        across, about = self._model.cross_boresight_noise, self._model.roll_noise
+        if across or about:
+            drawn, b = self._noise.draw(first, len(times_ns)), self._boresight
+            roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
+            error = across * drawn + (about - across) * roll[:, np.newaxis] * b
             attitude = quaternion.multiply(attitude, quaternion.exp(error))
 
         def conditioning() -> Conditioning:
-            return Conditioning.of(1.0 + so3.norm(error), _OF_QUATERNION)
+            # half of an angle is what a component of a quaternion changes by at most
+            return Conditioning.of(1.0 + so3.norm(error), 0.5)
 
         def of_covariance() -> Conditioning:
             # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
-            changed = 4.0 * abs(self._model.roll_noise**2 - self._model.cross_noise**2)
-            turned, size = conditioning(), self._model.cross_noise**2 + self._model.roll_noise**2
-            return Conditioning(changed * turned.numbers + size * np.array([1.0, 0.0, 0.0])[:, np.newaxis, np.newaxis])
+            return conditioning().scaled(4.0 * abs(about**2 - across**2)).enlarged(across**2 + about**2)
 
         covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
         return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
 
-    def _error(self, count: int) -> Array:
-        """The small rotations of the next readings, in the body frame, rad, shape (N, 3)."""
-        drawn, b = self._noise.take(count), self._boresight
-        roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
-        return np.asarray(self._across * drawn + self._about * roll[:, np.newaxis] * b)
 
-    def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings; see `Instrument.skip`."""
-        self._noise.skip(count)
+@dataclass(frozen=True)
+class SunSensorModel(SensorModel):
+    """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
+
+    Nothing eclipses the sun, and the sensor sees all around.
+
+    Parameters
+    ----------
+    rate, seed, delivery
+        As of `SensorModel`.
+    sun : tuple of float, length 3
+        s, a unit vector in the world frame.
+    noise : float
+        σ, standard deviation of the small rotation about each axis, rad; a rotation about the sun does not show.
+    """
+
+    sun: Vector
+    noise: float
+
+    __repr__ = short_repr
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        return super().from_values(sensor, values, sun=direction(values, "sun_direction"))
+
+    @property
+    def aids(self) -> tuple[VectorAid, ...]:
+        """The direction of the sun."""
+        return (VectorAid(self.sun, self.noise),)
 
 
-def _made(model: AttitudeSensorModel, carrier: Carrier, before_ns: int) -> AttitudeSensor:
-    return AttitudeSensor(model)
+class SunSensor(Instrument):
+    """A sun sensor at work: unit vectors to the sun in the body frame.
+
+    Parameters
+    ----------
+    model : SunSensorModel
+    """
+
+    def __init__(self, model: SunSensorModel) -> None:
+        self._sun = np.array(model.sun)
+        self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
+
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings; see `Instrument.measure`."""
+        sun = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._sun)
+        if not self._noise.sigma:
+            return {"direction": Signal(sun)}
+        error = self._noise.draw(first, len(sun))
+        turned = quaternion.rotate(quaternion.exp(error), sun)
+        return {"direction": Signal(turned, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 1.0))}
 
 
 _ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))
@@ -159,7 +181,7 @@ ATTITUDE_SENSOR: Final = Sensor(
     "attitude_sensor",
     "attitude sensor",
     AttitudeSensorModel,
-    _made,
+    lambda model, *carrier: AttitudeSensor(model),
     (
         Topic(
             "attitude/pose",
@@ -199,3 +221,24 @@ ATTITUDE_SENSOR: Final = Sensor(
     ),
 )
 """The attitude sensor in the table of sensors."""
+SUN_SENSOR: Final = Sensor(
+    "sun_sensor",
+    "sun sensor",
+    SunSensorModel,
+    lambda model, *carrier: SunSensor(model),
+    (
+        Topic(
+            "sun/direction",
+            "geometry_msgs/msg/Vector3Stamped",
+            "sun sensor frame",
+            (Field("direction", "vector", "", "sun sensor"),),
+        ),
+    ),
+    parameters=(
+        not_negative("sun_sensor_rate", "Readings of the sun sensor per second, from 1e-6; 0: no such sensor."),
+        numbers("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
+        angle("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad."),
+    ),
+    attribute="sun",
+)
+"""The sun sensor in the table of sensors."""
