@@ -273,12 +273,12 @@ class Faulty(ABC):
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
     ) -> Iterator[int]:
-        """Earlier readings that a reading repeats, in part: whoever begins there has to measure them.
+        """Readings that those after one may repeat in part: whoever begins behind it has to measure them.
 
         Parameters
         ----------
         number : int
-            Number of the reading.
+            Number of that reading.
         elapsed_ns : callable
             Gives the time of a reading since the segment's start, ns.
         number_before : callable

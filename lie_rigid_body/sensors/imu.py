@@ -145,16 +145,10 @@ class Imu(Instrument):
     model : ImuModel
     body : RigidBody
         The body to which it is fixed.
-    before_ns : int
-        A time one interval before the first sample, ns; it may be negative.
-    state_at : callable
-        Gives the body's state at that time. Only an integrated rate looks at it.
     """
 
-    def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, state_at: Callable[[int], State]) -> None:
-        self._model, self._rate, self._orientation = model, None, model.orientation
-        if model.gyro_rate == "integrated":
-            self._rate = IntegratedRate(before_ns, state_at(before_ns))
+    def __init__(self, model: ImuModel, body: RigidBody) -> None:
+        self._model, self._integrates = model, model.gyro_rate == "integrated"
         self._force = SpecificForce(body, model.lever_arm, model.support)
         gyro = (NoiseSource.GYRO_TURN_ON, NoiseSource.GYRO_WALK, NoiseSource.GYRO_WHITE)
         self._gyro = Triad(model.gyro, model.rate, model.seed, *gyro)
@@ -167,9 +161,14 @@ class Imu(Instrument):
         self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
         self.walks = bool(model.gyro.bias_random_walk or model.accelerometer.bias_random_walk)
 
+    def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:
+        """Begin with the reading one interval after a time; see `Instrument.begin_after`."""
+        if self._integrates:
+            self._rate = IntegratedRate(before_ns, state())
+
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before their converters; see `Instrument.measure`."""
-        rates = states.body_rate if self._rate is None else self._rate.over(times_ns, states)
+        rates = self._rate.over(times_ns, states) if self._integrates else states.body_rate
         rate = Signal(rates, condition=lambda: self._rate_conditioning(states))
         gyro, gyro_bias = self._gyro.signals(first, times_ns, rate)
         force, force_bias = self._accelerometer.signals(first, times_ns, self._force.signal(states))
@@ -179,14 +178,14 @@ class Imu(Instrument):
             "gyro_bias": gyro_bias,
             "accelerometer_bias": force_bias,
         }
-        if self._orientation is not None:
-            signals["orientation_xyzw"] = self._oriented(self._orientation, states, first)
+        if self._model.orientation is not None:
+            signals["orientation_xyzw"] = self._oriented(self._model.orientation, states, first)
         return signals
 
     def _rate_conditioning(self, states: State) -> Conditioning:
         """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""
         speed, rate = so3.norm(states.body_rate), self._model.rate
-        if self._rate is None:
+        if not self._integrates:
             return Conditioning.of(speed, per_rate=1.0)
         return Conditioning.of(speed + rate, per_rate=1.0, span=1.0 / rate)
 

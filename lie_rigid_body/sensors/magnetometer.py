@@ -192,7 +192,7 @@ MAGNETOMETER: Final = Sensor(
     "magnetometer",
     "magnetometer",
     MagnetometerModel,
-    lambda model, *carrier: Magnetometer(model),
+    lambda model, body: Magnetometer(model),
     (
         Topic(
             "imu/mag",

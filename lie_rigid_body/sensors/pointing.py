@@ -181,7 +181,7 @@ ATTITUDE_SENSOR: Final = Sensor(
     "attitude_sensor",
     "attitude sensor",
     AttitudeSensorModel,
-    lambda model, *carrier: AttitudeSensor(model),
+    lambda model, body: AttitudeSensor(model),
     (
         Topic(
             "attitude/pose",
@@ -225,7 +225,7 @@ SUN_SENSOR: Final = Sensor(
     "sun_sensor",
     "sun sensor",
     SunSensorModel,
-    lambda model, *carrier: SunSensor(model),
+    lambda model, body: SunSensor(model),
     (
         Topic(
             "sun/direction",

@@ -40,11 +40,21 @@ class Instrument(ABC):
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before their converters, by the names of their arrays; see `measure`."""
 
+    def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:  # noqa: B027 (most have nothing to do)
+        """Begin with the reading one interval after a time, at the first one of a segment or behind some left out.
+
+        Of those left out `Faulty.repeated` have to be measured all the same.
+
+        Parameters
+        ----------
+        before_ns : int
+            That time since the segment's start, ns; it may be negative.
+        state : callable
+            Gives the exact state of the body then; most instruments do not look at it.
+        """
+
     def measure(self, times_ns: Integers, states: State, first: int = 0) -> dict[str, Array]:
         """Readings that follow each other, by the names of `Field.array`, one row of each array for each reading.
-
-        Readings may be left out before them. Those that an integrated rate or an axis that is stuck looks back at have
-        to be measured all the same: the last one before, and `Faulty.repeated`.
 
         Parameters
         ----------
@@ -270,9 +280,7 @@ class Sensor:
         Name of the sensor in tables and sentences.
     model : type of SensorModel
     make : callable
-        ``make(model, body, before_ns, state_at)`` gives the `Instrument` of a segment on a `RigidBody`. Its first
-        reading comes one interval after ``before_ns``, ns since the start, which may be negative; ``state_at(t_ns)``
-        is the exact state of the body at a time since the start, ns.
+        ``make(model, body)`` gives the `Instrument` of a segment on a `RigidBody`.
     topics : tuple of Topic
         Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
     parameters : tuple of Parameter
@@ -294,7 +302,7 @@ class Sensor:
     name: str
     title: str
     model: type[SensorModel]
-    make: Callable[[Any, RigidBody, int, Callable[[int], State]], Instrument]
+    make: Callable[[Any, RigidBody], Instrument]
     topics: tuple[Topic, ...]
     parameters: tuple[Parameter, ...] = ()
     told: tuple[Parameter, ...] = ()

@@ -109,8 +109,10 @@ class TriadFaults(Faulty):
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
     ) -> Iterator[int]:
-        """Readings that one repeats on an axis that is stuck; see `Faulty.repeated`."""
+        """Readings that those after one may repeat on an axis that is stuck; see `Faulty.repeated`."""
         axes: set[int] = set()
+        if self.stuck is not None:
+            yield number
         while self.stuck is not None and (time_ns := elapsed_ns(number)) >= 0:
             episode = self.stuck.at(np.array([time_ns]))
             axes.add(int(stuck_axes(self.stuck, episode)[0]))

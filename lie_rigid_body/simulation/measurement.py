@@ -97,13 +97,14 @@ class Measurement:
 
     def __init__(self, segment: Segment, name: str, motion: Motion) -> None:
         scenario, start_ns = segment.scenario, segment.start_ns
-        self._start_ns, self._motion, self.model = start_ns, motion, scenario.sensors.on[name]
+        self._scenario, self._start_ns, self._motion = scenario, start_ns, motion
+        self.model = scenario.sensors.on[name]
         self.clock = SampleClock(scenario.epoch_ns, self.model.rate)
-        self.first = self.next = self.clock.count_until(start_ns - 1)
+        self.first = self.clock.count_until(start_ns - 1)
         self.arrivals = Arrivals(self.clock, self.first, start_ns, self.model.delivery)
-        make, before_ns = SENSORS[name].make, self._elapsed_ns(self.first - 1)
-        self._instrument = make(self.model, scenario.body(), before_ns, lambda t_ns: scenario.exact_motion().at(t_ns))
+        self._instrument = SENSORS[name].make(self.model, scenario.body())
         self.walks = self._instrument.walks
+        self._skip_to(self.first)
 
     def samples(self, measured_ns: Integers) -> SensorSamples:
         """The next readings, which are measured at some times, ns."""
@@ -121,15 +122,18 @@ class Measurement:
         return self.arrivals.of(number, measured_ns)[0], times, signals
 
     def begin_at(self, number: int) -> None:
-        """Leave out the readings before one, but for those that the instrument looks back at."""
+        """Leave out the readings before one. What an axis that is stuck repeats in it is measured all the same."""
         if number > self.next:
-            before = number - 1
-            parts = [faulty.repeated(before, self._elapsed_ns, self._number_before) for faulty in self.model.faulty]
-            for earlier in sorted({before, *(max(self.first, other) for part in parts for other in part)}):
+            parts = [faulty.repeated(number - 1, self._elapsed_ns, self._number_before) for faulty in self.model.faulty]
+            for earlier in sorted({max(self.first, repeated) for part in parts for repeated in part}):
                 if earlier >= self.next:
-                    self.next = earlier
+                    self._skip_to(earlier)
                     self.replay(1)
-            self.next = number
+            self._skip_to(number)
+
+    def _skip_to(self, number: int) -> None:
+        self.next, before_ns = number, self._elapsed_ns(number - 1)
+        self._instrument.begin_after(before_ns, lambda: self._scenario.exact_motion().at(before_ns))
 
     def _elapsed_ns(self, number: int) -> int:
         return self.clock.stamp_ns(number) - self._start_ns

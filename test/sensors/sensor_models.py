@@ -51,9 +51,11 @@ def magnetometer_model(**given: object) -> MagnetometerModel:
     return model
 
 
-def imu(**given: object) -> Imu:
-    """An IMU on the body of this file, in motion since one step before time 0."""
-    return Imu(imu_model(**given), BODY, -STEP_NS, lambda t_ns: MOTION.at(np.array([0]))[0])
+def imu(before_ns: int = -STEP_NS, **given: object) -> Imu:
+    """An IMU on the body of this file, which is in motion; its first reading comes one step after a time."""
+    made = Imu(imu_model(**given), BODY)
+    made.begin_after(before_ns, lambda: MOTION.at(before_ns))
+    return made
 
 
 def magnetometer(**given: object) -> Magnetometer:
@@ -69,4 +71,4 @@ def readings_at_rest(count: int, **given: object) -> dict[str, np.ndarray]:
     model = imu_model(**given)
     period = round(1e9 / model.rate)
     still = at_rest(count)
-    return Imu(model, BODY, -period, lambda t_ns: still[0]).measure(np.arange(count, dtype=np.int64) * period, still)
+    return Imu(model, BODY).measure(np.arange(count, dtype=np.int64) * period, still)

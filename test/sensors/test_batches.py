@@ -98,7 +98,7 @@ def test_readings_behind_others_that_are_left_out_are_the_same(gyro_rate: str, p
             break
         if left_out:
             for one in (sensor, compass):
-                one.measure(T[at - 1 : at], STATES[at - 1 : at], at - 1)  # an integrated rate looks back at it
+                one.begin_after(int(T[at - 1]), lambda before=at - 1: STATES[before])  # type: ignore[misc]
         rows = slice(at, at + wanted)
         read = sensor.measure(T[rows], STATES[rows], at)
         for name in FIELDS:

@@ -42,7 +42,7 @@ def test_it_holds_for_every_kind_of_body(inertia: list[float]) -> None:
 
     body = RigidBody(inertia)
     motion = ClosedForm(body, START)
-    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), body, 0, START)
+    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), body)
     read = sensor.measure(AT, motion.at(AT))["specific_force"]
     assert np.abs(read - acceleration_by_differences(motion, LEVER_ARMS[-1])).max() < 1e-10
 
@@ -69,7 +69,7 @@ def test_a_steady_spin_reads_the_centripetal_acceleration() -> None:
         rate[0, axis], lever_arm[axis], lever_arm[other] = 3.0, 0.7, 0.5
 
         state = State([[0.0, 0.0, 0.0, 1.0]], rate)
-        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), RigidBody([1.0, 2.0, 2.5]), 0, state[0])
+        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), RigidBody([1.0, 2.0, 2.5]))
         force = sensor.measure(np.array([0]), state)["specific_force"][0]
         assert (force[axis], force[third]) == (0.0, 0.0)
         assert force[other] == pytest.approx(-9.0 * 0.5, rel=1e-15)

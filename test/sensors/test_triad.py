@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from reference_noise import normal, words
 from scipy import stats
 from scipy.spatial.transform import Rotation
-from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
+from sensor_models import BODY, at_rest, imu_model, readings_at_rest
 
 from lie_rigid_body import RigidBody, State
 from lie_rigid_body.sensors import Imu
@@ -28,7 +28,7 @@ def gyro_reads(rates: object, **given: object) -> np.ndarray:
     rate = np.array(rates, dtype=float)
     t = np.arange(len(rate), dtype=np.int64) * PERIOD_NS
     states = State(np.tile([0.0, 0.0, 0.0, 1.0], (len(rate), 1)), rate)
-    return Imu(imu_model(**given), BODY, -PERIOD_NS, lambda t_ns: states[0]).measure(t, states)["gyro"]
+    return Imu(imu_model(**given), BODY).measure(t, states)["gyro"]
 
 
 def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
@@ -37,7 +37,7 @@ def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
     tilt = Rotation.align_vectors([[0.0, 0.0, 1.0]], [up / np.linalg.norm(up)])[0].as_quat()
     states = State(tilt[np.newaxis], np.zeros((1, 3)))
     model = imu_model(accelerometer_mode="pivot_gravity", gravity=float(np.linalg.norm(up)), **given)
-    return Imu(model, BODY, -PERIOD_NS, lambda t_ns: states[0]).measure(np.array([0]), states)["specific_force"][0]
+    return Imu(model, BODY).measure(np.array([0]), states)["specific_force"][0]
 
 
 def reading(sensor: str, truth: list[float], **given: object) -> np.ndarray:
@@ -180,7 +180,7 @@ def test_the_variance_that_is_told_is_that_of_the_readings() -> None:
     still = at_rest(COUNT)
     turning = State(still.attitude_xyzw, np.linspace(0.0, 100.0, 3 * COUNT).reshape(-1, 3))
     t = np.arange(COUNT, dtype=np.int64) * PERIOD_NS
-    read = Imu(model, RigidBody([1.0, 1.0, 1.0]), -PERIOD_NS, lambda t_ns: START).measure(t, turning)
+    read = Imu(model, RigidBody([1.0, 1.0, 1.0])).measure(t, turning)
     errors = read["gyro"] - turning.body_rate
     assert np.abs(errors.var(axis=0) / model.gyro.variance(model.rate) - 1.0).max() < 2.0 * FIVE_SIGMA
     variances = read["specific_force"].var(axis=0)
