@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
-from sensor_models import MOTION, STEP_NS, times
+from sensor_models import MOTION, STEP_NS, imu, times
 
 from lie_rigid_body import State
 from lie_rigid_body.errors import InputError
