@@ -32,8 +32,8 @@ HEAD: Final = np.dtype(
     ]
 )
 """Fields before the payload of a message record."""
-_CHANNEL, _TIMES = 9, 15
-"""Bytes of a message record where the channel begins, and where the two times do."""
+_CHANNEL: Final = 9
+"""Byte of a message record where the channel begins; the sequence number and the two times follow it."""
 OPCODE_AND_LENGTH: Final = 9
 """Number of bytes of a record that its length does not count."""
 
@@ -153,7 +153,7 @@ def _record(channel: int, payload: Template) -> Template:
     """The records of a topic's messages."""
     size = HEAD.itemsize + payload.size
     head = np.array((Opcode.MESSAGE, size - OPCODE_AND_LENGTH, channel, 0, 0, 0), dtype=HEAD)
-    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
+    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 3)])
 
 
 def _record_words(channel: int, first: int, messages: Messages) -> Integers:
