@@ -106,7 +106,7 @@ def of_a_run(path: Path) -> list[Any]:
     simulation: Any = Simulation(Scenario.from_parameters(SENSORS))
     scenario, first = simulation.segment.scenario, simulation.segment
     models = scenario.sensors.on.values()
-    sensors = [queue._last._compute.__self__._instrument for queue in simulation._sensors.values()]
+    sensors = [queue._compute.__self__._instrument for queue in simulation._running[-1].sensors.values()]
     taken = simulation.take_until(2 * 10**9, 200)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(first)

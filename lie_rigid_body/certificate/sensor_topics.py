@@ -23,7 +23,7 @@ from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.simulation.measurement import Arrivals
+from lie_rigid_body.simulation.sample_clock import Arrivals
 
 MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
@@ -182,8 +182,9 @@ class SegmentSensor:
         """How many readings of the clock, from number 0 on, arrive at or before a time."""
         assert self.clock is not None
         assert self._model is not None
-        start_ns = self.found.segment.start_ns
-        return Arrivals(self.clock, self.first, start_ns, self._model.delivery).count_until(time_ns)
+        start_ns, delivery = self.found.segment.start_ns, self._model.delivery
+        sent = self.clock if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
+        return sent.count_until(time_ns)
 
     def lost(self, tally: StampTally, last: int) -> Lost:
         """The readings of the segment that never arrived, up to a number; none far behind all messages of a topic."""

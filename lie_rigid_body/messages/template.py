@@ -30,9 +30,8 @@ class Template:
         self._parts = [(at, 8 * count) for at, count in runs]
         # the words of a row as they follow each other, and as they lie in it
         names, kinds = [f"{at}" for at, _ in self._parts], [f"V{size}" for _, size in self._parts]
-        places = {"offsets": [at for at, _ in self._parts], "itemsize": len(data)}
-        self._packed = np.dtype({"names": names, "formats": kinds})
-        self._placed = np.dtype({"names": names, "formats": kinds, **places})
+        self._packed, offsets = np.dtype({"names": names, "formats": kinds}), [at for at, _ in self._parts]
+        self._placed = np.dtype({"names": names, "formats": kinds, "offsets": offsets, "itemsize": len(data)})
 
     @property
     def size(self) -> int:

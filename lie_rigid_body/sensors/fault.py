@@ -182,15 +182,12 @@ class Episodes:
         return cls(values["sensor_seed"], sensor, kind, window, nanoseconds(interval), nanoseconds(duration))
 
     def draws(self, numbers: Integers) -> Array:
-        """Three uniform numbers for each episode, shape (N, 3), which decide everything but its time."""
-        return self._draws(numbers)[:, 1:]
-
-    def _draws(self, numbers: Integers) -> Array:
+        """Four uniform numbers for each episode, shape (N, 4): the first decides its time, the others all else."""
         return Draws(self.seed, stream(self.sensor, self.kind)).of(numbers)
 
     def begins_ns(self, numbers: Integers) -> Integers:
         """Begin of each episode, ns since the segment's start, shape (N,)."""
-        spare = self._draws(numbers)[:, 0] * (self.interval_ns - self.duration_ns)
+        spare = self.draws(numbers)[:, 0] * (self.interval_ns - self.duration_ns)
         return self.window.begin_ns + numbers * self.interval_ns + spare.astype(np.int64)
 
     def at(self, times_ns: Integers) -> Integers:

@@ -61,7 +61,7 @@ class OrientationModel:
         return (inclination, 0.0, 0.0, 0.0, inclination, 0.0, 0.0, 0.0, heading)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ImuModel(SensorModel):
     """The model of an IMU. Its frame has the body's axes, but for the misalignments, at the end of the lever arm.
 
@@ -89,8 +89,6 @@ class ImuModel(SensorModel):
     gravity: float
     lever_arm: Vector
     orientation: OrientationModel | None = None
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:

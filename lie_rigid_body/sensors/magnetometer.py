@@ -25,7 +25,6 @@ from lie_rigid_body.sensors.parameters import (
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults
-from lie_rigid_body.wording import short_repr
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
@@ -77,7 +76,7 @@ class MagneticDisturbance(Faulty):
         from scipy.special import ndtri  # slow to import: not before there is a disturbance
 
         # the direction of three normal deviates is uniform on the sphere
-        x, y, z = ndtri(self.episodes.draws(numbers)).T
+        x, y, z = ndtri(self.episodes.draws(numbers)[:, 1:]).T
         return np.asarray(self.size * np.stack([x, y, z], axis=-1) / np.sqrt(x * x + y * y + z * z)[:, np.newaxis])
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
@@ -87,7 +86,7 @@ class MagneticDisturbance(Faulty):
                 yield Fault(_KIND, self.sensor, axis, begin, end, size)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MagnetometerModel(SensorModel):
     """The model of a magnetometer in the field B of the world, at the attitude A.
 
@@ -124,8 +123,6 @@ class MagnetometerModel(SensorModel):
     converter: Converter
     disturbance: MagneticDisturbance | None = None
     faults: TriadFaults | None = None
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:

@@ -16,10 +16,9 @@ from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
-from lie_rigid_body.wording import short_repr
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class AttitudeSensorModel(SensorModel):
     """The model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight.
 
@@ -43,8 +42,6 @@ class AttitudeSensorModel(SensorModel):
     boresight: Vector
     cross_boresight_noise: float
     roll_noise: float
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
@@ -121,7 +118,7 @@ class AttitudeSensor(Instrument):
         return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SunSensorModel(SensorModel):
     """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
 
@@ -139,8 +136,6 @@ class SunSensorModel(SensorModel):
 
     sun: Vector
     noise: float
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:

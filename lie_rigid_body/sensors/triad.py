@@ -129,7 +129,7 @@ def axis_of(drawn: Array) -> Integers:
 
 def stuck_axes(stuck: Episodes, numbers: Integers) -> Integers:
     """The axis, from 0 to 2, that is stuck in each of some episodes."""
-    return axis_of(stuck.draws(np.maximum(numbers, 0))[:, 0])
+    return axis_of(stuck.draws(np.maximum(numbers, 0))[:, 1])
 
 
 class FaultyTriad:

@@ -2,13 +2,11 @@
 
 Modules:
 
-- `sample_clock`: the stamps of samples, by their numbers;
-- `samples`: states and readings at their stamps;
+- `sample_clock`: the stamps of samples, by their numbers, and when readings arrive;
+- `samples`: states and readings at their stamps, and queues of them, computed ahead;
 - `segment`: a stretch of motion between two resets, and its JSON;
 - `measurement`: the readings of one sensor in one segment, which may arrive late or never;
-- `sample_queue`: samples of one clock, computed ahead and taken in order;
 - `fault_log`: the faults of the sensors as they begin;
-- `shared_motion`: one motion for all sensors of a rate, computed once;
 - `loop`: the truth and the sensors together, across resets.
 """
 

@@ -6,11 +6,13 @@ import copy
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Integers
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
@@ -18,10 +20,8 @@ from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.measurement import Measurement
 from lie_rigid_body.simulation.sample_clock import SampleClock
-from lie_rigid_body.simulation.sample_queue import SampleQueue
-from lie_rigid_body.simulation.samples import Samples, SensorSamples
+from lie_rigid_body.simulation.samples import SampleQueue, Samples, SensorSamples
 from lie_rigid_body.simulation.segment import Segment
-from lie_rigid_body.simulation.shared_motion import Latest, SharedMotion
 from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
@@ -226,6 +226,51 @@ class Simulation:
             first, epoch_ns = 0, int(self.clock.stamps_ns(first, 1)[0])
         self._begin(replace(scenario, epoch_ns=epoch_ns), first)
         return self.segment
+
+
+@dataclass
+class Latest:
+    """Latest call of the users in step: its number from 1 on, its times and states, and the motion after it."""
+
+    number: int = 0
+    t_ns: Any = None
+    states: Any = None
+    motion: Any = None
+
+
+class SharedMotion:
+    """A motion for one of several users, each of whom gets the bits of a motion of their own.
+
+    As long as they ask for the same times in the same order, each answer is computed for the first of them and kept
+    for the others until the next one. A user who asks for other times goes on alone.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion at the start, which is copied.
+    latest : Latest
+        What all users share.
+    """
+
+    def __init__(self, motion: Motion, latest: Latest) -> None:
+        self._motion, self._latest = copy.copy(motion), latest
+        self._calls, self._in_step = 0, True
+
+    def at(self, t_ns: ArrayLike) -> State:
+        """The states at the given times, ns."""
+        latest = self._latest
+        self._calls += 1
+        is_known = self._calls == latest.number and np.array_equal(latest.t_ns, t_ns)
+        self._in_step &= is_known or self._calls == latest.number + 1
+        if is_known and self._in_step:
+            self._motion = copy.copy(latest.motion)
+            kept: State = latest.states
+            return kept
+        states = self._motion.at(t_ns)
+        if self._in_step:
+            latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
+            latest.motion = copy.copy(self._motion)
+        return states
 
 
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:

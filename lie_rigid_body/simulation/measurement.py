@@ -6,70 +6,11 @@ import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.motion import Motion
-from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.sensors import SENSORS, Delivery
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.sensors.signal import Signal
-from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.sample_clock import Arrivals, SampleClock
 from lie_rigid_body.simulation.samples import SensorSamples
 from lie_rigid_body.simulation.segment import Segment
-
-
-class Arrivals:
-    """The times at which readings arrive, and their stamps. A lost reading has the time at which it would have arrived.
-
-    Parameters
-    ----------
-    clock : SampleClock
-        Clock of the measurements.
-    first : int
-        Number of the segment's first reading.
-    start_ns : int
-        The segment's start, ns.
-    delivery : Delivery or None
-        Faults on the way; None: every reading arrives at the time of its measurement, which is its stamp.
-    """
-
-    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery | None) -> None:
-        self._clock, self._first = clock, first
-        self._start_ns, self._delivery = start_ns, delivery
-
-    def stamp_ns(self, number: int) -> int:
-        """Time at which one reading arrives, ns."""
-        if self._delivery is None:
-            return self._clock.stamp_ns(number)
-        return int(self._latest(number, np.array([self._clock.stamp_ns(number)]))[0])
-
-    def count_until(self, stamp_ns: int) -> int:
-        """Number of readings of the clock, from number 0 on, that arrive at or before a time, ns."""
-        if self._delivery is None:
-            return self._clock.count_until(stamp_ns)
-        at_most = self._clock.count_until(stamp_ns - self._delivery.latency_ns)
-        at_least = self._clock.count_until(stamp_ns - self._delivery.latency_ns - self._delivery.jitter_ns)
-        at_least = max(at_least, min(self._first, at_most))
-        if at_least == at_most or stamp_ns > MAX_EPOCH_NS:
-            return at_most
-        between = self._latest(at_least, self._clock.stamps_ns(at_least, at_most - at_least))
-        return at_least + int(np.searchsorted(between, stamp_ns, side="right"))
-
-    def of(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
-        """Arrival times and stamps, ns, of the readings from one number on, and which of them are lost."""
-        delivery = self._delivery
-        if delivery is None or not len(measured_ns):
-            return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
-        stamps = delivery.stamps_ns(measured_ns, self._clock.epoch_ns)
-        lost = delivery.lost(number - self._first, measured_ns - self._start_ns)
-        return self._latest(number, measured_ns), stamps, lost
-
-    def _latest(self, number: int, measured_ns: Integers) -> Integers:
-        """Arrival times of the readings from one number on, ns: no reading overtakes an earlier one."""
-        assert self._delivery is not None
-        # of those measured more than the jitter ago none can be late enough to hold up another
-        since = int(measured_ns[0]) - self._delivery.jitter_ns if len(measured_ns) else 0
-        before = max(self._first, self._clock.count_until(since - 1)) if self._delivery.jitter_ns else number
-        before = min(before, number)
-        times = np.concatenate([self._clock.stamps_ns(before, number - before), measured_ns])
-        delays = self._delivery.delays_ns(before - self._first, len(times))
-        return np.maximum.accumulate(times + delays)[number - before :]
 
 
 class Measurement:
@@ -88,7 +29,8 @@ class Measurement:
     model : SensorModel
     clock : SampleClock
         Of the measurements.
-    arrivals : Arrivals
+    arrivals : Arrivals or None
+        None: every reading arrives at the time of its measurement, which is its stamp.
     walks : bool
         See `Instrument`.
     first, next : int
@@ -101,7 +43,8 @@ class Measurement:
         self.model = scenario.sensors.on[name]
         self.clock = SampleClock(scenario.epoch_ns, self.model.rate)
         self.first = self.clock.count_until(start_ns - 1)
-        self.arrivals = Arrivals(self.clock, self.first, start_ns, self.model.delivery)
+        delivery = self.model.delivery
+        self.arrivals = None if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
         self._instrument = SENSORS[name].make(self.model, scenario.body())
         self.walks = self._instrument.walks
         self._skip_to(self.first)
@@ -111,7 +54,7 @@ class Measurement:
         number, times = self.next, measured_ns - self._start_ns
         self.next += len(times)
         readings = self._instrument.measure(times, self._motion.at(times), number - self.first)
-        return SensorSamples(*self.arrivals.of(number, measured_ns), readings)
+        return SensorSamples(*self._arrived(number, measured_ns), readings)
 
     def replay(self, count: int) -> tuple[Integers, Integers, dict[str, Signal]]:
         """When the next readings arrive, ns, and are measured, ns since the start, and their signals by array."""
@@ -119,7 +62,13 @@ class Measurement:
         times = measured_ns - self._start_ns
         self.next += count
         signals = self._instrument.signals(times, self._motion.at(times), number - self.first)
-        return self.arrivals.of(number, measured_ns)[0], times, signals
+        return self._arrived(number, measured_ns)[0], times, signals
+
+    def _arrived(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
+        """Arrival times and stamps of readings, ns, and which of them are lost."""
+        if self.arrivals is None:
+            return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
+        return self.arrivals.of(number, measured_ns)
 
     def begin_at(self, number: int) -> None:
         """Leave out the readings before one. What an axis that is stuck repeats in it is measured all the same."""

@@ -1,4 +1,4 @@
-"""Exact conversion between sample numbers and stamps, integer ns."""
+"""Clocks of samples: exact conversion between numbers and stamps, integer ns, and when readings arrive."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.sensors import Delivery
 from lie_rigid_body.wording import short_repr
 
 
@@ -84,3 +85,54 @@ class SampleClock:
         count = self.count_before(duration)
         end = self.epoch_ns + math.ceil(duration * NS) - 1
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
+
+
+class Arrivals:
+    """The times at which readings arrive, and their stamps. A lost reading has the time at which it would have arrived.
+
+    Parameters
+    ----------
+    clock : SampleClock
+        Clock of the measurements.
+    first : int
+        Number of the segment's first reading.
+    start_ns : int
+        The segment's start, ns.
+    delivery : Delivery
+        Faults on the way.
+    """
+
+    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery) -> None:
+        self._clock, self._first = clock, first
+        self._start_ns, self._delivery = start_ns, delivery
+
+    def stamp_ns(self, number: int) -> int:
+        """Time at which one reading arrives, ns."""
+        return int(self._latest(number, np.array([self._clock.stamp_ns(number)]))[0])
+
+    def count_until(self, stamp_ns: int) -> int:
+        """Number of readings of the clock, from number 0 on, that arrive at or before a time, ns."""
+        at_most = self._clock.count_until(stamp_ns - self._delivery.latency_ns)
+        at_least = self._clock.count_until(stamp_ns - self._delivery.latency_ns - self._delivery.jitter_ns)
+        at_least = max(at_least, min(self._first, at_most))
+        if at_least == at_most or stamp_ns > MAX_EPOCH_NS:
+            return at_most
+        between = self._latest(at_least, self._clock.stamps_ns(at_least, at_most - at_least))
+        return at_least + int(np.searchsorted(between, stamp_ns, side="right"))
+
+    def of(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
+        """Arrival times and stamps, ns, of the readings from one number on, and which of them are lost."""
+        stamps = self._delivery.stamps_ns(measured_ns, self._clock.epoch_ns)
+        lost = self._delivery.lost(number - self._first, measured_ns - self._start_ns)
+        return self._latest(number, measured_ns), stamps, lost
+
+    def _latest(self, number: int, measured_ns: Integers) -> Integers:
+        """Arrival times of the readings from one number on, ns: no reading overtakes an earlier one."""
+        before = number
+        if self._delivery.jitter_ns and len(measured_ns):
+            # of those measured more than the jitter ago none can be late enough to hold up another
+            since = self._clock.count_until(int(measured_ns[0]) - self._delivery.jitter_ns - 1)
+            before = min(max(self._first, since), number)
+        times = np.concatenate([self._clock.stamps_ns(before, number - before), measured_ns])
+        delays = self._delivery.delays_ns(before - self._first, len(times))
+        return np.maximum.accumulate(times + delays)[number - before :]
