@@ -119,11 +119,11 @@ def of_a_run(path: Path) -> list[Any]:
     ]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
-    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.sensors["imu"].readings, *sensors]
+    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
     return [
         *readings,
-        *(campaign, scenario, scenario.sensors, *models, scenario.sensors.imu.delivery),
+        *(campaign, scenario, scenario.sensors, table.SensorModel(1.0, 7), *models, scenario.sensors.imu.delivery),
         *(first, simulation.clock, simulation),
         *laws,
         *encoders,

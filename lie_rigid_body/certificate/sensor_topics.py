@@ -23,7 +23,7 @@ from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.simulation.sample_clock import Arrivals
+from lie_rigid_body.simulation.segment import Arrivals
 
 MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""

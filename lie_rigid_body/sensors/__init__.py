@@ -8,14 +8,13 @@ In the order of a measurement:
 - `grades`: the errors of real sensors, from data sheets;
 - `noise`: random numbers from the seed alone, the same in batches of any size;
 - `signal`: what an instrument measures, and the converter that makes readings of it;
-- `fault`, `delivery`: what goes wrong and when, and on the way of a sensor's readings;
+- `fault`: what goes wrong and when, also on the way of a sensor's readings;
 - `triad`: the errors and the faults of three axes;
 - `inertial`: the true quantities that gyro and accelerometer measure;
 - `imu`, `magnetometer`, `pointing`: the sensors.
 """
 
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Fault
+from lie_rigid_body.sensors.fault import Delivery, Fault
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel

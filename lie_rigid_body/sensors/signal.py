@@ -78,15 +78,12 @@ class Converter:
 
     def limited(self, values: Array, limit: float) -> Array:
         """Values that saturate at the largest reading within a limit."""
-        largest = self.largest_within(limit)
+        largest = limit
+        if self.resolution:
+            # the last multiple of the resolution
+            steps = float(np.floor(limit / self.resolution * (1.0 + _ROUND_OFF)))
+            largest = min(steps * self.resolution, limit)
         return np.asarray(np.clip(values, -largest, largest))
-
-    def largest_within(self, limit: float) -> float:
-        """The largest reading within a limit: the last multiple of the resolution."""
-        if not self.resolution:
-            return limit
-        steps = float(np.floor(limit / self.resolution * (1.0 + _ROUND_OFF)))
-        return min(steps * self.resolution, limit)
 
     @property
     def variance(self) -> float:

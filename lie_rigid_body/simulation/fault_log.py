@@ -9,8 +9,7 @@ from typing import Final
 
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.sensors import Fault, SensorModel
-from lie_rigid_body.simulation.sample_clock import SampleClock
-from lie_rigid_body.simulation.segment import Segment
+from lie_rigid_body.simulation.segment import SampleClock, Segment
 
 _READINGS_AHEAD: Final = 64
 """Readings of the fastest sensor whose faults are sought at once, within a second: to seek for one takes as long."""

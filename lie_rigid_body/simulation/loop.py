@@ -19,9 +19,8 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.measurement import Measurement
-from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.samples import SampleQueue, Samples, SensorSamples
-from lie_rigid_body.simulation.segment import Segment
+from lie_rigid_body.simulation.segment import SampleClock, Segment
 from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]

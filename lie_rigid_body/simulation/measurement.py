@@ -8,9 +8,8 @@ from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.sensors.signal import Signal
-from lie_rigid_body.simulation.sample_clock import Arrivals, SampleClock
 from lie_rigid_body.simulation.samples import SensorSamples
-from lie_rigid_body.simulation.segment import Segment
+from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 
 class Measurement:

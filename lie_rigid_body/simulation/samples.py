@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.simulation.sample_clock import Arrivals, SampleClock
+from lie_rigid_body.simulation.segment import Arrivals, SampleClock
 from lie_rigid_body.wording import short_repr
 
 

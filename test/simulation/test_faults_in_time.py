@@ -19,7 +19,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Delivery, Fault
 from lie_rigid_body.sensors.fault import END_OF_TIME, Window
 from lie_rigid_body.simulation import SampleClock, Simulation, Taken
-from lie_rigid_body.simulation.sample_clock import Arrivals
+from lie_rigid_body.simulation.segment import Arrivals
 
 NS = 1_000_000_000
 EPOCH = 1_234_567_890_123_456_789
