@@ -73,12 +73,6 @@ class Fault:
         """The text of the fault, as the topic of faults has it."""
         return json.dumps(vars(self))
 
-    def _is_one(self) -> bool:
-        """Whether the fields have values that a fault can have."""
-        times = (self.begin_ns, 0 if self.end_ns is None else self.end_ns)
-        names = self.kind in KINDS and self.sensor in PARTS and self.axis in (*AXES, "")
-        return names and all(type(time) is int for time in times) and type(self.size or 0.0) in (int, float)
-
     @classmethod
     def from_json(cls, text: str) -> Fault:
         """The fault that a text tells.
@@ -90,7 +84,10 @@ class Fault:
         """
         try:
             fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
-            if fault._is_one():
+            times = (fault.begin_ns, 0 if fault.end_ns is None else fault.end_ns)
+            size = 0.0 if fault.size is None else fault.size
+            names = fault.kind in KINDS and fault.sensor in PARTS and fault.axis in (*AXES, "")
+            if names and all(type(time) is int for time in times) and type(size) in (int, float):
                 return fault
         except (ValueError, TypeError, RecursionError):
             pass

@@ -22,10 +22,6 @@ _LARGEST_OFFSET_S: Final = 2.2e9
 """Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
 _LARGEST_SKEW: Final = 0.01
 """Largest skew of a sensor's clock, s/s."""
-_HALF_TURN: Final = math.pi
-"""Largest angle of a parameter, rad."""
-_ONES: Final = (1.0, 1.0, 1.0)
-_ZEROS: Final = (0.0, 0.0, 0.0)
 
 
 def values_of(kind: type, name: str, values: Values) -> dict[str, Any]:
@@ -41,7 +37,7 @@ def not_negative(name: str, description: str, default: float = 0.0, maximum: flo
 
 def angle(name: str, description: str) -> Parameter:
     """A parameter that is an angle from 0 to π, rad."""
-    return not_negative(name, description, maximum=_HALF_TURN)
+    return not_negative(name, description, maximum=math.pi)
 
 
 def numbers(name: str, default: tuple[float, ...], description: str) -> Parameter:
@@ -59,10 +55,10 @@ def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
             f"{sensor}_turn_on_bias",
             f"{name}: standard deviation of the bias at the start on each axis, drawn from the seed, {unit}; 0: none.",
         ),
-        numbers(f"{sensor}_scale_factor", _ONES, f"{name}: factor on each of its axes."),
+        numbers(f"{sensor}_scale_factor", (1.0, 1.0, 1.0), f"{name}: factor on each of its axes."),
         numbers(
             f"{sensor}_misalignment",
-            _ZEROS,
+            (0.0, 0.0, 0.0),
             f"{name}: rotation vector from the body's axes to its own, rad, of norm at most π.",
         ),
         not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),

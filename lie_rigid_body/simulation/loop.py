@@ -116,8 +116,7 @@ class Simulation:
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken."""
-        scenario, self._running, self._faults = self.segment.scenario, [], FaultLog()
-        self._begin(replace(scenario, epoch_ns=epoch_ns), 0)
+        vars(self).update(vars(Simulation(self.segment.scenario, epoch_ns, self._motions)))
 
     def _begin(self, scenario: Scenario, first: int) -> None:
         start_ns = int(SampleClock(scenario.epoch_ns, scenario.rate).stamps_ns(first, 1)[0])
@@ -151,8 +150,7 @@ class Simulation:
     @property
     def next_stamp_ns(self) -> int:
         """Time at which the next sample is due, ns; a reading, also a lost one, is due when it arrives."""
-        running = self._oldest()
-        return min(queue.stamp_ns(0) for queue in running.queues)
+        return min(queue.stamp_ns(0) for queue in self._oldest().queues)
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
