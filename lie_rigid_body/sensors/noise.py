@@ -141,9 +141,11 @@ class RandomWalk:
 
         Where values are left out, their steps are drawn all the same, unless all of them are 0.
         """
-        while self._number < first and self._steps.sigma:
-            self._following(min(first - self._number, _SKIPPED_AT_ONCE))
-        self._number = first
+        at_once = _SKIPPED_AT_ONCE if self._steps.sigma else _FEW
+        while self._number < first:
+            self._following(min(first - self._number, at_once))
+            if not self._steps.sigma:
+                self._number = first  # after so many zeros of either sign, their sum is +0
         return self._following(count)
 
     def _following(self, count: int) -> Signal:
