@@ -95,7 +95,7 @@ def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
     """float64 numbers of a topic's messages, 0 in the fields that differ from reading to reading."""
     places = definitions.places(topic.message_type)
     numbers = [0.0] * len(places[""])
-    for name, values in topic.fixed(model).items():
+    for name, values in (topic.fixed(model) if topic.fixed else {}).items():
         numbers[places[name].start : places[name].stop] = values
     return numbers
 

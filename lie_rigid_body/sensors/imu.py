@@ -208,6 +208,10 @@ def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
     }
 
 
+def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
+    return _UNORIENTED
+
+
 _UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
     "orientation": (0.0, 0.0, 0.0, 1.0),
     "orientation_covariance": (-1.0, *[0.0] * 8),
@@ -241,7 +245,7 @@ IMU: Final = Sensor(
                 Field("accelerometer_bias", "linear_acceleration", "m/s²", "accelerometer bias"),
             ),
             "imu_frame",
-            lambda model: _UNORIENTED,
+            _fixed_of_bias,
         ),
     ),
     told=(

@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Vector, require_at_most
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
@@ -157,9 +157,11 @@ class Magnetometer(Instrument):
     Parameters
     ----------
     model : MagnetometerModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: MagnetometerModel) -> None:
+    def __init__(self, model: MagnetometerModel, body: RigidBody | None = None) -> None:
         self._model, self._soft_iron = model, np.array(model.soft_iron).reshape(3, 3)
         sigma = model.noise_density * math.sqrt(model.rate)
         self._noise = WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, sigma)
@@ -189,7 +191,7 @@ MAGNETOMETER: Final = Sensor(
     "magnetometer",
     "magnetometer",
     MagnetometerModel,
-    lambda model, body: Magnetometer(model),
+    Magnetometer,
     (
         Topic(
             "imu/mag",

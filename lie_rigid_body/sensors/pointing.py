@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Vector
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
@@ -90,9 +90,11 @@ class AttitudeSensor(Instrument):
     Parameters
     ----------
     model : AttitudeSensorModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: AttitudeSensorModel) -> None:
+    def __init__(self, model: AttitudeSensorModel, body: RigidBody | None = None) -> None:
         self._model, self._boresight = model, np.array(model.boresight)
         self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
 
@@ -154,9 +156,11 @@ class SunSensor(Instrument):
     Parameters
     ----------
     model : SunSensorModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: SunSensorModel) -> None:
+    def __init__(self, model: SunSensorModel, body: RigidBody | None = None) -> None:
         self._sun = np.array(model.sun)
         self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
 
@@ -176,7 +180,7 @@ ATTITUDE_SENSOR: Final = Sensor(
     "attitude_sensor",
     "attitude sensor",
     AttitudeSensorModel,
-    lambda model, body: AttitudeSensor(model),
+    AttitudeSensor,
     (
         Topic(
             "attitude/pose",
@@ -220,7 +224,7 @@ SUN_SENSOR: Final = Sensor(
     "sun_sensor",
     "sun sensor",
     SunSensorModel,
-    lambda model, body: SunSensor(model),
+    SunSensor,
     (
         Topic(
             "sun/direction",

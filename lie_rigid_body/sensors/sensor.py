@@ -253,8 +253,9 @@ class Topic:
         Fields that differ from message to message.
     frame : str
         Name of the parameter whose value is the frame of the headers.
-    fixed : callable
-        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names.
+    fixed : callable or None
+        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names. None:
+        there are none.
     """
 
     name: str
@@ -262,7 +263,7 @@ class Topic:
     title: str
     fields: tuple[Field, ...]
     frame: str = "body_frame"
-    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] = lambda model: {}
+    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] | None = None
 
     __repr__ = short_repr
 
