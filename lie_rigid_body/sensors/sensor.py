@@ -205,7 +205,7 @@ class Field:
     Parameters
     ----------
     array : str
-        Name of the array with its values, in `Readings` and in `Run`.
+        Name of the array with its values, in `SensorSamples` and in `Run`.
     place : str
         Name of the field in the message, with dots between its parts, such as ``pose.pose.orientation``.
     unit : str
@@ -254,8 +254,8 @@ class Topic:
     frame : str
         Name of the parameter whose value is the frame of the headers.
     fixed : callable or None
-        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names. None:
-        there are none.
+        ``fixed(model)`` gives the fields that are the same in every message and not 0, their numbers by their names;
+        None: there are none.
     """
 
     name: str
