@@ -51,7 +51,7 @@ def magnetometer_model(**given: object) -> MagnetometerModel:
     return model
 
 
-def imu(before_ns: int = -STEP_NS, **given: object) -> Imu:
+def imu(before_ns: int = -STEP_NS, /, **given: object) -> Imu:
     """An IMU on the body of this file, which is in motion; its first reading comes one step after a time."""
     made = Imu(imu_model(**given), BODY)
     made.begin_after(before_ns, lambda: MOTION.at(before_ns))
