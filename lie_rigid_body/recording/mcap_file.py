@@ -33,8 +33,8 @@ from lie_rigid_body.recording.message_table import HEAD, MessageTable
 from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, record_bytes
 from lie_rigid_body.recording.summary import Summary
 
-_CHANNEL, _TIMES = 9, 15
-"""Bytes of a message record where the channel begins, and where the two times do."""
+_CHANNEL: Final = 9
+"""Byte of a message record where the channel begins; the sequence number and the two times follow it."""
 _MESSAGE_INDEX: Final = struct.Struct("<BQHI")
 _LENGTH: Final = struct.Struct("<Q")
 _FOOTER: Final = struct.Struct("<BQQQ")
@@ -86,7 +86,7 @@ def _record(channel: int, payload: Template) -> Template:
     """The records of a topic's messages."""
     size = HEAD.itemsize + payload.size
     head = np.array((Opcode.MESSAGE, size - RECORD_HEAD.size, channel, 0, 0, 0), dtype=HEAD)
-    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 1), (_TIMES, 2)])
+    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 3)])
 
 
 def _record_words(channel: int, first: int, messages: Messages) -> Integers:

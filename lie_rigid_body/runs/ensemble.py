@@ -26,7 +26,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Simulation, motions_of
-from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.segment import SampleClock
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300

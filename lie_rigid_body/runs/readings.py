@@ -15,7 +15,7 @@ from lie_rigid_body.messages.encoding import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
 from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
-from lie_rigid_body.sensors import Field, Readings, Sensor, Topic
+from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.simulation import Segment, SensorSamples
 from lie_rigid_body.wording import call_repr
 
@@ -73,7 +73,7 @@ class SensorArrays:
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
         """Make the arrays of the readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
-        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
+        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.arrays})
 
     @classmethod
     def of_recording(cls, sensor: Sensor, recording: Recording, segments: Sequence[Segment]) -> SensorArrays | None:
@@ -131,7 +131,7 @@ class SensorArrays:
                     f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
                 )
-        readings = Readings({name: array for name, array in arrays.items() if array is not None})
+        readings = {name: array for name, array in arrays.items() if array is not None}
         lost = np.zeros(len(self.t_ns), dtype=np.bool_)
         return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
 

@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation.unavoidable import (
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.segment import SampleClock
 
 THINNED: Final = 40_000
 """Readings of the IMU at which the bound is computed for a score, in a few seconds at most.
