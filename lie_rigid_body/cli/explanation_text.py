@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, cast
 
 from lie_rigid_body.mechanics.top import SpinStability, SymmetricTop
 from lie_rigid_body.motion.description import Circulation, Description, Flips
@@ -253,7 +253,7 @@ def _sensor_rows(scenario: Scenario) -> Iterator[Row]:
     off = {name for sensor in SENSORS.values() if sensor.name not in scenario.sensors.on for name in sensor.names}
     for name, value in scenario.sensor_parameters:
         if name != GRADE and value != SENSORS.parameters[name].default and name not in off:
-            yield name, _vector(value) if isinstance(value, tuple) else _text(value)
+            yield name, _vector(cast(Sequence[float], value)) if isinstance(value, tuple) else _text(value)
 
 
 def _text(value: float | str) -> str:

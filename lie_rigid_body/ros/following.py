@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterator
 from importlib import import_module
 from typing import Final
 
+from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
@@ -32,7 +33,7 @@ class Following:
     Parameters
     ----------
     node : Node
-        It must not be spun: messages are taken by `take`, in bulk, which costs a fraction of a callback each.
+        Messages are taken by `take`, in bulk.
     begin : callable
         ``begin(topic, message_type)`` is called once the topic of the estimate is there.
 
@@ -82,7 +83,7 @@ class Following:
         if self.live is None:
             return
         for topic, subscription in self._subscriptions.items():
-            payloads = _taken(subscription)
+            payloads = taken(subscription)
             if topic == self.estimate:
                 self.live.hear_estimates(payloads)
             elif self._types[topic] == STRING:
@@ -149,36 +150,62 @@ class Following:
         return usable[0]
 
     def _subscribe(self, topic: str, kind: str) -> None:
-        package, _, name = kind.split("/")
-        try:
-            message = getattr(import_module(f"{package}.msg"), name)
-        except ImportError:
-            raise InputError(
-                f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
-                f"ros-jazzy-{package.replace('_', '-')}"
-            ) from None
         self._types[topic] = kind
-        with translated_errors(f"to listen to {topic}"):
-            self._subscriptions[topic] = self._node.create_subscription(
-                message, topic, lambda payload: None, self._quality(topic), raw=True
-            )
+        self._subscriptions[topic] = subscribe(self._node, topic, kind)
 
-    def _quality(self, topic: str) -> QoSProfile:
-        """The quality of service that every publisher of a topic offers: a wish for more would not be served."""
-        offered = [info.qos_profile for info in self._node.get_publishers_info_by_topic(topic)]
-        reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
-        latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
-        return QoSProfile(
-            depth=MESSAGES_KEPT,
-            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+
+class Unspun(CallbackGroup):
+    """A group whose callbacks no executor carries out: `taken` takes its messages, in a fraction of the time."""
+
+    def can_execute(self, entity: object) -> bool:
+        """Tell the executor of the node that there is nothing to do."""
+        return False
+
+
+def subscribe(node: Node, topic: str, kind: str) -> Subscription:
+    """Subscribe to a topic, whose messages `taken` takes as bytes.
+
+    Parameters
+    ----------
+    node : Node
+    topic, kind : str
+        Name and message type of the topic.
+
+    Raises
+    ------
+    InputError
+        If the package of the message is not installed.
+    """
+    package, _, name = kind.split("/")
+    try:
+        message = getattr(import_module(f"{package}.msg"), name)
+    except ImportError:
+        raise InputError(
+            f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
+            f"ros-jazzy-{package.replace('_', '-')}"
+        ) from None
+    with translated_errors(f"to listen to {topic}"):
+        return node.create_subscription(
+            message, topic, lambda payload: None, _quality(node, topic), raw=True, callback_group=Unspun()
         )
 
 
-def _taken(subscription: Subscription) -> list[bytes]:
+def _quality(node: Node, topic: str) -> QoSProfile:
+    """The quality of service that every publisher of a topic offers: a wish for more would not be served."""
+    offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
+    reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
+    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+    return QoSProfile(
+        depth=MESSAGES_KEPT,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def taken(subscription: Subscription) -> list[bytes]:
     """The bytes of the messages that have come, as rclpy.wait_for_message takes one."""
     found = []
     with subscription.handle:
-        while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
-            found.append(taken[0])
+        while (message := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+            found.append(message[0])
     return found

@@ -13,6 +13,7 @@ from rclpy.parameter import Parameter
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
+from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.control import standard_services
 from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
@@ -57,6 +58,8 @@ class SimulatorNode(Node):
     publisher : SamplePublisher
     sinks : list of Sink
         The publisher, and what publishes what is made of the samples.
+    answers : Answers or None
+        The answers of a filter in lock-step.
 
     Raises
     ------
@@ -79,13 +82,16 @@ class SimulatorNode(Node):
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
+        topic = values["lockstep_topic"]
         self.publisher = SamplePublisher(
             self,
             stamped_twist=scenario.stamped_twist,
             sensors=scenario.sensors,
-            clock=values["publish_clock"],
-            keep_all=values["real_time_factor"] == 0.0,
+            clock=values["publish_clock"] or bool(topic),
+            keep_all=values["real_time_factor"] == 0.0 or bool(topic),
+            imu_last=bool(topic),
         )
+        self.answers = Answers(self, self.publisher, topic, values["lockstep_nodes"]) if topic else None
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]
