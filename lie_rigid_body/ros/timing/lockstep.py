@@ -100,11 +100,11 @@ class Lockstep:
             self._others, self._other_ns = self._others + 1, stamp_ns
 
     def _silence(self) -> str:
-        came = "nothing came"
-        if self._others:
-            came = f"{counted(self._others, 'other estimate')} came, the last stamped {self._other_ns} ns"
+        came = (
+            f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns" if self._others else "none came"
+        )
+        missed = f"no answer to stamp {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
         return (
-            f"{self._topic}: no answer to the reading stamped {min(self._awaited)} ns in {self._timeout_ns / NS:g} s; "
-            f"{came}: lock-step needs an estimate with the stamp of each reading, so that a filter which publishes on "
-            "a timer cannot be used so; for a slow one give a longer lockstep_timeout"
+            f"{self._topic}: {missed}; {came}: lock-step needs an estimate with the stamp of each reading, which a "
+            "filter on a timer cannot give"
         )
