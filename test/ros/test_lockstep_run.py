@@ -105,7 +105,7 @@ def test_a_slower_magnetometer_and_faults_stop_nobody_and_the_bag_is_certified(d
         "magnetometer_latency_jitter": 0.03,
     }
     found = score(domain, "SingleThreadedExecutor", 0, "10", record_path=bag, lockstep_timeout=5.0, **faults)
-    assert certify(bag).passed
+    assert certify(Bag(bag)).passed
     run = Run.from_bag(bag)
     assert run.imu is not None
     assert run.magnetometer is not None
@@ -132,8 +132,8 @@ def test_a_filter_on_a_timer_ends_it_with_status_2_the_stamp_and_what_came(domai
         assert sim.wait() == 2
         assert len(timed.readings) == 1
     [line] = [line for line in sim.complained if "error" in line]
-    assert re.search(r"/imu/data: no answer to stamp 1000000000 ns in 1 s; \d+ others came, the last of 0 ns", line)
-    assert certify(bag).passed  # it was finished
+    assert re.search(r"/imu/data: no answer to 1000000000 ns in 1 s; \d+ others came, the last of 0 ns", line)
+    assert certify(Bag(bag)).passed  # it was finished
 
 
 def test_a_topic_of_another_type_is_told_in_one_line(domain: int) -> None:
@@ -182,7 +182,7 @@ def test_who_only_listens_is_no_filter_and_who_is_awaited_is_named(domain: int) 
 
 
 def test_pause_step_and_reset_work_as_without_and_the_clock_goes_with_it(domain: int) -> None:
-    with simulator(domain, lockstep_timeout=1.0) as sim, Peer("operator", domain) as peer:
+    with simulator(domain, rate=100.0, lockstep_timeout=1.0) as sim, Peer("operator", domain) as peer:
         readings = peer.listen(Imu, "/imu/data_raw", 10_000)
         clock = peer.listen(Clock, "/clock", 10_000)
         with example(domain):
@@ -197,7 +197,7 @@ def test_pause_step_and_reset_work_as_without_and_the_clock_goes_with_it(domain:
             seen = len(readings)
             peer.spin_until(lambda: len(readings) > seen + 100, "readings after a reset")
         assert sim.wait() == 2  # its filter is gone
-    assert "/imu/data: no answer to stamp" in sim.complained[-1]
+    assert "/imu/data: no answer to " in sim.complained[-1]
     times = [t.clock.sec * 10**9 + t.clock.nanosec for t in clock]
     assert times == sorted(set(times))
 

@@ -100,11 +100,8 @@ class Lockstep:
             self._others, self._other_ns = self._others + 1, stamp_ns
 
     def _silence(self) -> str:
+        missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
         came = (
             f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns" if self._others else "none came"
         )
-        missed = f"no answer to stamp {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
-        return (
-            f"{self._topic}: {missed}; {came}: lock-step needs an estimate with the stamp of each reading, which a "
-            "filter on a timer cannot give"
-        )
+        return f"{self._topic}: {missed}; {came}: a filter on a timer cannot be used in lock-step"
