@@ -21,6 +21,7 @@ from test_live_evaluate import Process, evaluator
 
 from lie_rigid_body import Run
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.recording.bag_reader import Bag
 from ros_domains import own_domain
 
 if find_spec("rclpy"):
@@ -75,11 +76,12 @@ def score(domain: int, executor: str, loops: int, duration: str = "5", **given: 
     """The score of the filter of the examples, less what is not of the estimate."""
     with (
         busy(loops),
-        simulator(domain, lockstep_nodes="[/judge]", **given),
+        simulator(domain, lockstep_nodes="[/judge]", **given) as sim,
         example(domain, executor),
         evaluator(domain, "judge", "--json", "--series", "--duration", duration, estimate="/imu/data") as judge,
     ):
         assert judge.wait() == 0, judge.complained
+        assert sim.end(signal.SIGINT) == 0
     found: dict[str, Any] = json.loads("\n".join(judge.said))
     return found
 
@@ -110,8 +112,8 @@ def test_a_slower_magnetometer_and_faults_stop_nobody_and_the_bag_is_certified(d
     assert run.imu is not None
     assert run.magnetometer is not None
     paired = set(run.imu.t_ns.tolist()) & set(run.magnetometer.t_ns.tolist())
-    first, last = found["series"]["t_ns"][0], found["series"]["t_ns"][-1]
-    assert found["series"]["t_ns"] == sorted(t for t in paired if first <= t <= last)
+    first, last = found["series"]["stamps_ns"][0], found["series"]["stamps_ns"][-1]
+    assert found["series"]["stamps_ns"] == sorted(t for t in paired if first <= t <= last)
     assert first == min(paired)
 
 
