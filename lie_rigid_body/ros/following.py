@@ -11,13 +11,15 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, attitudes_of, wrong_type
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
-from lie_rigid_body.wording import listed
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"
 """Relative name of the estimate's topic, to be remapped."""
@@ -51,6 +53,7 @@ class Following:
         self._subscriptions: dict[str, Subscription] = {}
         self._types: dict[str, str] = {}
         self._crowd: dict[str, int] = {}
+        self._unreadable: dict[str, tuple[int, str]] = {}
 
     def look(self) -> None:
         """Subscribe to what has appeared.
@@ -73,7 +76,9 @@ class Following:
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
 
     def notes(self) -> Iterator[str]:
-        """Sentences about the topics of the truth that a reader of the score should know."""
+        """Sentences about the topics that a reader of the score should know."""
+        for topic, (count, reason) in self._unreadable.items():
+            yield f"{counted(count, 'message')} of {topic} could not be read, and count for nothing: {reason}."
         for topic, count in self._crowd.items():
             if count > 1:
                 yield f"{count} nodes published the truth on {topic} at a time: a score needs one, or one's namespace."
@@ -83,7 +88,7 @@ class Following:
         if self.live is None:
             return
         for topic, subscription in self._subscriptions.items():
-            payloads = taken(subscription)
+            payloads = self._readable(topic, taken(subscription))
             if topic == self.estimate:
                 self.live.hear_estimates(payloads)
             elif self._types[topic] == STRING:
@@ -91,6 +96,25 @@ class Following:
                     self.live.truth.hear_scenario(payload)
             else:
                 self.live.truth.hear_poses(topic, self._types[topic], payloads)
+
+    def _readable(self, topic: str, payloads: list[bytes]) -> list[bytes]:
+        """The messages that can be read; one that cannot costs itself, and the first of a topic is logged."""
+        try:
+            if self._types[topic] == STRING:
+                for payload in payloads:
+                    Segment.from_json(decode_string(payload))
+            elif payloads:
+                attitudes_of(topic, self._types[topic], payloads)
+        except LieRigidBodyError as error:
+            if len(payloads) > 1:
+                half = len(payloads) // 2
+                return self._readable(topic, payloads[:half]) + self._readable(topic, payloads[half:])
+            count, reason = self._unreadable.get(topic, (0, str(error)))
+            self._unreadable[topic] = count + 1, reason
+            if not count:
+                self._node.get_logger().warning(f"a message of {topic} is left out: {reason}")
+            return []
+        return payloads
 
     def published(self) -> dict[str, list[str]]:
         """The topics that have a publisher, with their types."""
