@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
@@ -13,7 +13,6 @@ from rclpy.parameter import Parameter
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
-from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.control import standard_services
 from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
@@ -28,6 +27,9 @@ from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
+
+if TYPE_CHECKING:
+    from lie_rigid_body.ros.answers import Answers
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
@@ -91,7 +93,11 @@ class SimulatorNode(Node):
             keep_all=values["real_time_factor"] == 0.0 or bool(topic),
             imu_last=bool(topic),
         )
-        self.answers = Answers(self, self.publisher, topic, values["lockstep_nodes"]) if topic else None
+        self.answers: Answers | None = None
+        if topic:
+            from lie_rigid_body.ros.answers import Answers  # which needs what reads bags
+
+            self.answers = Answers(self, self.publisher, topic, values["lockstep_nodes"])
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]

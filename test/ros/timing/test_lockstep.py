@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from operator import itemgetter
+from typing import Any
 
 import pytest
 from fake_time import NS, FakeTime, KeepingSink
@@ -162,7 +163,7 @@ def test_nothing_is_sent_until_all_are_there_however_long_it_takes() -> None:
     ],
 )
 def test_a_filter_that_pairs_its_sensors_never_waits_for_the_run_that_waits_for_it(
-    parameters: dict[str, float], share: float
+    parameters: dict[str, Any], share: float
 ) -> None:
     run = Run(enough=400, delay_ns=1_000_000, timeout_ns=NS // 10, **parameters)
     run.live.run()
@@ -193,7 +194,7 @@ def test_a_filter_that_gives_no_answer_ends_the_run_with_the_stamp_and_what_came
 def test_paused_time_is_left_out_of_the_timeout() -> None:
     run = Run(timeout_ns=2 * NS)
     run.filter.silent_from = 7
-    pauses = [Call(run.live.pause), Call(run.live.resume)]
+    pauses: list[Call[object]] = [Call(run.live.pause), Call(run.live.resume)]
     run.time.calls = {17: pauses[0]}
     waited = run.time.wait
 
