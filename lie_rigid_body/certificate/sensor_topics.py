@@ -16,8 +16,8 @@ from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.recording.sensor_clocks import PlacedMessages
-from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
+from lie_rigid_body.recording.segments import PlacedMessages
+from lie_rigid_body.recording.topic_messages import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -34,7 +34,7 @@ class _Told(NamedTuple):
     ----------
     frame : str
     rest : bytes
-        The numbers that `SensorMessages` keeps as kinds.
+        The numbers that `TopicMessages` keeps as kinds.
     values : ndarray
         The numbers that it keeps for each message.
     fixed : ndarray of bool

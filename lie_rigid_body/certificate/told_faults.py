@@ -19,7 +19,7 @@ from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.recording.sensor_reader import FaultMessages
+from lie_rigid_body.recording.topic_messages import FaultMessages
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.fault_log import FaultLog

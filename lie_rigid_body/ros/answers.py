@@ -18,7 +18,7 @@ from lie_rigid_body.errors import BagError, ParameterError
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.following import subscribe, taken
 from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC, SamplePublisher
 from lie_rigid_body.ros.session import translated_errors
