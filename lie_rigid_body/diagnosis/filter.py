@@ -1,32 +1,30 @@
-"""The filter under diagnosis: where it is found, and what it makes of readings."""
+"""The filter under diagnosis: where it is found, and what it answers to readings."""
 
 from __future__ import annotations
 
 import sys
 import traceback
 import warnings
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.diagnosis.course import Course
 from lie_rigid_body.diagnosis.repairs import Repair
-from lie_rigid_body.diagnosis.trial import Trial
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.causes import Track
+from lie_rigid_body.errors import InputError, said
+from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimators import Estimator, estimator, returned
 from lie_rigid_body.wording import short_repr, shown
 
-_LIBRARIES: Final = ("site-packages", "dist-packages")
-_SMALLEST_NORM: Final = 1e-12
+_LIBRARIES: Final = ("site-packages", "dist-packages", str(Path(traceback.__file__).parent))
+"""Parts of the paths of files that are not the user's."""
 
 
 class FilterError(InputError):
@@ -80,106 +78,77 @@ class NamedFunction:
         return None
 
 
+class Job(NamedTuple):
+    """One run of the filter: a course whose readings are repaired."""
+
+    course: Course
+    repairs: tuple[Repair, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a filter made of a trial.
+    """What a filter made of a course.
 
     Attributes
     ----------
-    track : Track
+    stamps_ns : ndarray of int64, shape (N,)
+    attitude_xyzw : ndarray, shape (N, 4)
         Its attitudes, divided by their norms; the identity where one is not finite or zero.
-    broken : int
-        Number of the first sample that is not finite or zero, or -1.
-    largest_norm_error : float
+    broken : ndarray of int64
+        Numbers of the samples that are not finite or zero.
+    norm_error : float
         Largest | |q|² − 1 |.
     covariance : object
         As it was returned, or None.
     covariance_axes : str
     """
 
-    track: Track
-    broken: int
-    largest_norm_error: float
+    stamps_ns: Integers
+    attitude_xyzw: Array
+    broken: Integers
+    norm_error: float
     covariance: Any
     covariance_axes: str
 
     __repr__ = short_repr
 
-    def between(self, begin: float, end: float) -> Track:
-        """The track between two shares of its time."""
-        stamps = self.track.stamps_ns
-        share = (stamps - stamps[0]) / max(1, int(stamps[-1] - stamps[0]))
-        return self.track.part(np.flatnonzero((share >= begin) & (share <= end)))
 
-    def settled(self) -> Track:
-        """The last two thirds."""
-        return self.between(1.0 / 3.0, 1.0)
+def answer(estimate: Estimator, job: Job) -> Answer:
+    """Run a filter.
 
-
-class Filter:
-    """A filter that is run.
-
-    Parameters
-    ----------
-    estimate : callable
-    begun : callable
-        Called before each run.
+    Raises
+    ------
+    FilterError
+        With the line in the user's file, or with the shape.
     """
-
-    def __init__(self, estimate: Estimator, begun: Callable[[], object]) -> None:
-        self._estimate, self._begun = estimate, begun
-        self._kept = lru_cache(maxsize=32)(self._run)
-
-    def answer(self, trial: Trial, repairs: tuple[Repair, ...] = (), *, again: bool = False) -> Answer:
-        """The filter's answer to a trial whose readings are repaired; without `again` one that was given is kept.
-
-        Raises
-        ------
-        FilterError
-            With the line in the user's file, or with the shape.
-        """
-        return (self._run if again or repairs else self._kept)(trial, repairs)
-
-    def _run(self, trial: Trial, repairs: tuple[Repair, ...]) -> Answer:
-        readings = trial.readings()
-        for repair in repairs:
-            readings = repair.change(readings)
-        run = readings.run()
-        self._begun()
-        try:
-            with warnings.catch_warnings(), np.errstate(all="ignore"):
-                warnings.simplefilter("ignore")
-                result = self._estimate(run)
-        except (Exception, SystemExit) as error:
-            raise FilterError(_told(error)) from None
-        assert run.imu is not None
-        try:
-            found = returned(result)
-            stamps = run.imu.t_ns if found.t_ns is None else read_stamps("estimate", found.t_ns)
-        except InputError as error:
-            raise FilterError(str(error)) from None
-        if len(stamps) != len(found.attitude_xyzw):
-            raise FilterError(
-                f"the filter returned attitudes of shape {found.attitude_xyzw.shape} for {len(stamps)} stamps: "
-                "return a row for each reading of the IMU, or stamps and attitudes"
-            )
-        attitude, norms = _real(found.attitude_xyzw), quaternion.norm(_real(found.attitude_xyzw))
-        bad = np.flatnonzero(~(np.isfinite(norms) & (norms > _SMALLEST_NORM)))
-        attitude[bad], norms[bad] = (0.0, 0.0, 0.0, 1.0), 1.0
-        return Answer(
-            Track(stamps, attitude / norms[:, np.newaxis], readings.truth),
-            int(bad[0]) if bad.size else -1,
-            float(np.abs(norms**2 - 1.0).max(initial=0.0)),
-            found.covariance,
-            found.covariance_axes,
-        )
-
-
-def _real(attitude_xyzw: Any) -> Array:
+    readings = job.course.readings()
+    for repair in job.repairs:
+        readings = repair.change(readings)
+    run = readings.run()
     try:
-        return np.array(attitude_xyzw, dtype=np.float64)
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            result = estimate(run)
+    except (Exception, SystemExit) as error:
+        raise FilterError(_told(error)) from None
+    assert run.imu is not None
+    try:
+        found = returned(result)
+        stamps = run.imu.t_ns if found.t_ns is None else read_stamps("estimate", found.t_ns)
+        attitude = np.array(found.attitude_xyzw, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise FilterError(f"the filter returned no numbers ({error}): return attitudes (N, 4)") from None
+        raise FilterError(said(error)) from None
+    if len(stamps) != len(attitude):
+        raise FilterError(
+            f"the filter returned attitudes of shape {attitude.shape} for {len(stamps)} stamps: "
+            "return a row for each reading of the IMU, or stamps and attitudes"
+        )
+    norms = quaternion.norm(attitude)
+    broken = np.flatnonzero(~(np.isfinite(norms) & (norms > SMALLEST_NORM)))
+    attitude[broken], norms[broken] = (0.0, 0.0, 0.0, 1.0), 1.0
+    norm_error = float(np.abs(norms**2 - 1.0).max(initial=0.0))
+    unit = attitude / norms[:, np.newaxis]
+    return Answer(stamps, unit, broken, norm_error, found.covariance, found.covariance_axes)
 
 
 def _told(error: BaseException) -> str:

@@ -79,11 +79,22 @@ class Note:
 
 @dataclass(frozen=True)
 class ErrorOverTime:
-    """The total error in the first trial, without repairs or with some: label, times in s, degrees."""
+    """The total error in the first course, after a repair and those before it.
 
-    label: str
+    Attributes
+    ----------
+    code : str
+        The mistake that is repaired last, or nothing.
+    t_s, error_deg : ndarray, shape (N,)
+        Times in s, errors in degrees.
+    rms_deg : float
+        RMS over the last two thirds of all courses, degrees.
+    """
+
+    code: str
     t_s: Array
     error_deg: Array
+    rms_deg: float
 
     __repr__ = short_repr
 

@@ -6,42 +6,37 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
 from threading import Event, Timer, get_ident
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from lie_rigid_body.diagnosis.filter import Filter, FilterError, Source
+from lie_rigid_body.diagnosis.filter import Answer, FilterError, Job, Source, answer
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.estimators import Estimator
 
-T = TypeVar("T")
-Job = Callable[[Filter], T]
-
-_BEGUN: Final = "begun"
-_HUNG: Final = "look for an endless loop, or give more --timeout"
+STARTING_S: Final = 20.0
+"""Least time that a process has to start and to import the filter, s."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.diagnosis.workers import serve; serve()"
 
 
 class Alone:
-    """Jobs done in this process, one after the other.
+    """Runs in this process, one after the other.
 
     Parameters
     ----------
     estimate : callable
-    begun : callable
-        Called before each run of the filter.
     """
 
-    def __init__(self, estimate: Estimator, begun: Callable[[], object]) -> None:
-        self._filter = Filter(estimate, begun)
+    def __init__(self, estimate: Estimator) -> None:
+        self._estimate = estimate
 
-    def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
-        """The results of jobs in their order, of one that fails the error."""
+    def each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+        """The answers to jobs in their order, to one that fails the error."""
         for job in jobs:
             try:
-                yield job(self._filter)
+                yield answer(self._estimate, job)
             except FilterError as error:
                 yield error
 
@@ -50,7 +45,7 @@ class Alone:
 
 
 class Workers:
-    """Jobs done by processes; one that hangs or dies is ended, and another takes its place.
+    """Runs in processes; one that hangs or dies is ended, and another takes its place.
 
     They are new interpreters, no copies of this one: nothing of the user's main module is run again, on any platform.
 
@@ -62,19 +57,17 @@ class Workers:
         Number of processes.
     timeout_s : float
         Longest time of one run of the filter, s.
-    begun : callable
-        Called before each run of the filter, by threads.
     """
 
-    def __init__(self, source: Source, count: int, timeout_s: float, begun: Callable[[], object]) -> None:
-        self._source, self._timeout_s, self._begun = source, timeout_s, begun
+    def __init__(self, source: Source, count: int, timeout_s: float) -> None:
+        self._source, self._timeout_s = source, timeout_s
         self._threads = ThreadPoolExecutor(count)
         self._of_thread: dict[int, subprocess.Popen[bytes]] = {}
         self._closed = False
 
-    def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
-        """The results of jobs in their order, of one that fails the error."""
-        futures: list[Future[T | FilterError]] = [self._threads.submit(self._do, job) for job in jobs]
+    def each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+        """The answers to jobs in their order, to one that fails the error."""
+        futures: list[Future[Answer | FilterError]] = [self._threads.submit(self._answer, job) for job in jobs]
         try:
             for future in futures:
                 yield future.result()
@@ -91,52 +84,51 @@ class Workers:
         for process in self._of_thread.values():
             _end(process)
 
-    def _do(self, job: Job[Any]) -> Any:
-        """The result of a job by the process of this thread; an error that is not the filter's is raised."""
-        late = Event()
-        process = self._of_thread.get(get_ident()) or self._started()
-        try:
-            _send(process.stdin, job)
-            while (answer := self._answer(process, late)) == _BEGUN:
-                self._begun()
-        except (EOFError, OSError, pickle.UnpicklingError):
-            self._of_thread.pop(get_ident(), None)
-            _end(process)
-            if late.is_set():
-                return FilterError(f"the filter did not return within {self._timeout_s:g} s: {_HUNG}")
-            return FilterError(f"the filter ended its process, status {process.returncode}: run it alone to see why")
-        if isinstance(answer, BaseException) and not isinstance(answer, FilterError):
-            raise answer
-        return answer
+    def _answer(self, job: Job) -> Answer | FilterError:
+        if get_ident() not in self._of_thread:
+            self._start()
+            refused = self._asked(self._source, max(STARTING_S, self._timeout_s))
+            if refused is not None:
+                return refused
+        found = self._asked(job, self._timeout_s)
+        assert found is not None
+        return found
 
-    def _started(self) -> subprocess.Popen[bytes]:
+    def _asked(self, item: Source | Job, limit_s: float) -> Answer | FilterError | None:
+        """What the process of this thread replies; an error that is not the filter's is raised."""
+        process, late = self._of_thread[get_ident()], Event()
+
+        def end() -> None:
+            late.set()
+            process.kill()
+
+        timer = Timer(limit_s, end)
+        timer.start()
+        try:
+            _send(process.stdin, item)
+            reply: Answer | Exception | None = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
+        except (EOFError, OSError, pickle.UnpicklingError):
+            _end(self._of_thread.pop(get_ident()))
+            if late.is_set():
+                remedy = "look for an endless loop, or give more --timeout"
+                return FilterError(f"the filter did not return within {limit_s:g} s: {remedy}")
+            return FilterError(f"the filter ended its process, status {process.returncode}: run it alone to see why")
+        finally:
+            timer.cancel()
+        if isinstance(reply, Answer | FilterError) or reply is None:
+            return reply
+        raise reply
+
+    def _start(self) -> None:
         if self._closed:
             raise CancelledError
-        process = subprocess.Popen(
+        self._of_thread[get_ident()] = subprocess.Popen(
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends its processes
         )
-        self._of_thread[get_ident()] = process
-        _send(process.stdin, self._source)
-        return process
-
-    def _answer(self, process: subprocess.Popen[bytes], late: Event) -> Any:
-        """The next answer of a process, which is ended if none comes in time."""
-
-        def end() -> None:
-            late.set()
-            process.kill()
-
-        timer = Timer(self._timeout_s, end)
-        timer.daemon = True
-        timer.start()
-        try:
-            return pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
-        finally:
-            timer.cancel()
 
 
 def _send(stream: Any, item: object) -> None:
@@ -152,19 +144,21 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def serve() -> None:
-    """Do the jobs that come on standard input until it ends; what the filter prints goes nowhere."""
-    jobs, results = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    """Load the filter and run it as asked on standard input until that ends; what it prints goes nowhere."""
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):
         os.dup2(nowhere, stream)
-
+    estimate: Estimator | None = None
     with suppress(EOFError):
-        source: Source = pickle.load(jobs)
-        loaded: Filter | None = None
         while True:
-            job: Job[Any] = pickle.load(jobs)
+            asked: Any = pickle.load(requests)
+            reply: Answer | Exception | None = None
             try:
-                loaded = loaded or Filter(source.load(), lambda: _send(results, _BEGUN))
-                _send(results, job(loaded))
+                if estimate is None:
+                    estimate = asked.load()
+                else:
+                    reply = answer(estimate, asked)
             except Exception as error:
-                _send(results, error if isinstance(error, InputError) else RuntimeError(repr(error)))
+                reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
+            _send(replies, reply)

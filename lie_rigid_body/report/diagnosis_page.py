@@ -71,7 +71,12 @@ def _svg(found: FilterDiagnosis) -> str:
         axes = figure.subplots()
         for number, each in enumerate(found.errors):
             errors = np.maximum(each.error_deg, _SMALLEST_DEG)
-            axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=each.label)
+            axes.plot(
+                each.t_s,
+                errors,
+                color=_COLOURS[number % len(_COLOURS)],
+                label=f"{each.code} repaired" if each.code else "as it is",
+            )
         axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
         axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
         axes.grid(alpha=0.3)

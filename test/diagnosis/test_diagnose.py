@@ -115,7 +115,8 @@ def test_run_of_a_diagnosis_tells_no_truth() -> None:
 def test_nan_fails_the_probe_with_the_first_sample() -> None:
     found = diagnose(textbook.not_a_number, max_runs=1)
     finite = next(probe for probe in found.probes if probe.code == "finite")
-    assert (finite.passed, finite.value) == (False, 7.0)
+    assert (finite.passed, finite.value) == (False, 2.0 * 1293)
+    assert "sample 7" in finite.message
 
 
 @pytest.mark.parametrize(
