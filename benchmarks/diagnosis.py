@@ -27,14 +27,12 @@ from league.readings import UP, Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
-from lie_rigid_body.diagnosis.filter import Answer, FilterError, Job
-from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Repair, exact_repairs
-from lie_rigid_body.diagnosis.search import Search
-from lie_rigid_body.diagnosis.trial import FLOOR, plain
-from lie_rigid_body.diagnosis.workers import Alone
+from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Answer, Job, Repair, exact_repairs
+from lie_rigid_body.diagnosis.search import FLOOR, Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.workers import Alone, FilterError
 
 Array = np.ndarray[Any, Any]
 Estimate = Callable[[Any], tuple[Array, Array]]

@@ -24,8 +24,6 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
 from lie_rigid_body.wording import listed
 
-Vector = tuple[float, float, float]
-
 KINDS: Final = ("integrated", "instantaneous")
 """Kinds of gyro: values of the parameter ``gyro_rate``."""
 
@@ -64,10 +62,15 @@ _OWN: Final = frozenset(
 ) | {"sensor_seed", "sensor_grade", "gyro_rate", "accelerometer_mode"}
 """Parameters of a given scenario that change no course."""
 
+NOISE: Final = {
+    "gyro_noise_density": "imu_rate",
+    "accelerometer_noise_density": "imu_rate",
+    "magnetometer_noise_density": "magnetometer_rate",
+}
+"""Parameters of the noise of the three sensors, and of their rates."""
 EVEN: Final = "even"
 ALTERNATING: Final = "alternating"
 WALK: Final = "walk"
-_NONE: Final = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -85,12 +88,10 @@ class Course:
         from 2/3 to 4/3.
     gaps_s : tuple of float
         Times at which readings are lost for a second, s.
-    offsets : tuple of tuple of float
-        Constant errors of gyro, accelerometer and magnetometer, rad/s, m/s² and T.
-    noise : tuple of float
-        Standard deviations of white noise of the three sensors in these units.
+    off : tuple of str and tuple of float, or None
+        A sensor, by the name of its readings, and its constant error, rad/s, m/s² or T.
     seed : int
-        Number from which the noise follows.
+        Number from which the white noise follows whose densities the scenario tells.
     """
 
     scenario: Scenario
@@ -98,8 +99,7 @@ class Course:
     rest_s: float = REST
     grid: str = EVEN
     gaps_s: tuple[float, ...] = ()
-    offsets: tuple[Vector, Vector, Vector] = (_NONE, _NONE, _NONE)
-    noise: Vector = _NONE
+    off: tuple[str, tuple[float, ...]] | None = None
     seed: int = 0
 
     def of_scenario(self, **parameters: object) -> Course:
@@ -214,15 +214,17 @@ def _readings(course: Course) -> Readings:
         before = np.concatenate([[2 * t_ns[0] - t_ns[1]], t_ns[:-1]])
         rate = turns(truth.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
     up = np.array([0.0, 0.0, course.number("gravity")])
-    exact = {
+    read = {
         "gyro": rate,
         "specific_force": quaternion.rotate(quaternion.conjugate(attitude), up),
         "field": quaternion.rotate(quaternion.conjugate(truth.at(field_t_ns)), course.field),
     }
-    read = {
-        name: vectors + offset + deviation * draw.standard_normal(vectors.shape)
-        for (name, vectors), offset, deviation in zip(exact.items(), course.offsets, course.noise, strict=True)
-    }
+    for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):
+        deviation = course.number(density) * course.number(its_rate) ** 0.5
+        read[name] = vectors + deviation * draw.standard_normal(vectors.shape)
+    if course.off:
+        name, error = course.off
+        read[name] = read[name] + error
     return Readings(course, t_ns, field_t_ns, read)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -11,21 +10,19 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of, of_kind
-from lie_rigid_body.diagnosis.filter import Answer, FilterError, Job, NamedFunction
 from lie_rigid_body.diagnosis.probes import Setup, probed, with_unit
-from lie_rigid_body.diagnosis.repairs import JOINT
+from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
-from lie_rigid_body.diagnosis.search import Search, settled, track
-from lie_rigid_body.diagnosis.trial import BY_CODE, FLOOR, Choice, Trial, plain, undo
-from lie_rigid_body.diagnosis.workers import Alone, Workers
+from lie_rigid_body.diagnosis.search import BY_CODE, FLOOR, Choice, Search, Trial, plain, settled, track, undo
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, evaluate
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
+from lie_rigid_body.runs.workers import Alone, FilterError, NamedFunction, Workers
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
 MOST_RUNS: Final = 2000
@@ -96,16 +93,12 @@ def diagnose(
     source = NamedFunction(estimate) if isinstance(estimate, str) else NamedFunction.of(estimate)
     crew: Alone | Workers
     if source is not None:
-        crew = Workers(source, workers or _cores(), timeout)
+        crew = Workers(source, workers or cores(), timeout)
     else:
         assert not isinstance(estimate, str)
         crew = Alone(estimate)
     with closing(crew):
         return Examination(crew, courses, max_runs, progress or (lambda runs: None)).run(*(() if source else (_ALONE,)))
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Examination:
@@ -146,8 +139,8 @@ class Examination:
             chosen = self._chosen
             errors += self._over_time()
             probes.append(self._follows())
-            courses = of_kind(self._courses, chosen.kind)
-            for found in probed(self._ask, Setup(courses, chosen.repairs, chosen.outputs, self._floor, chosen.error)):
+            course = of_kind(self._courses, chosen.kind)[0]
+            for found in probed(self._ask, Setup(course, chosen, self._floor)):
                 if isinstance(found, Probe):
                     probes.append(found)
                 else:
@@ -235,7 +228,8 @@ def _mistake(choice: Choice, code: str, before: float, after: float) -> Mistake:
     outputs = dict(choice.named.outputs)
     if code in outputs:
         cause, constants = BY_CODE[code], np.array(outputs[code])
-        fact, deed, repair = cause.fact(constants), cause.deed(constants), _shortly(code, constants)
+        fact, deed = cause.fact(constants), cause.deed(constants)
+        repair = " ".join(f"{constant:.5g}" for constant in outputs[code]) if cause.price else "undone"
     else:
         (found,) = (each for each in choice.named.inputs if each.code == code)
         fact, deed, repair = found.fact, found.deed, found.text
@@ -244,15 +238,6 @@ def _mistake(choice: Choice, code: str, before: float, after: float) -> Mistake:
     verb = "leaves" if code in outputs and not deed.endswith("they") else "leave"
     message = f"{fact}. {deed} {verb} {degrees(after)} instead of {degrees(before)}.{doubt}"
     return Mistake(code, message, repair, before, after, or_else)
-
-
-def _shortly(code: str, constants: Array) -> str:
-    """A repair of the output in a few characters."""
-    if code in ("heading_offset", "world_turned", "body_mounting"):
-        return " ".join(f"{-value:+.4g}" for value in np.degrees(constants)) + "°"
-    if code in ("lagging", "leading"):
-        return f"{-constants[0]:+.4g} s"
-    return f"× {constants[0]:.5g}" if code == "clock_rate" else "undone"
 
 
 def _command(course: Course, errors: ErrorOverTime) -> str:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import ALTERNATING, REST, WALK, Course, Vector
-from lie_rigid_body.diagnosis.filter import Answer, FilterError, Job
-from lie_rigid_body.diagnosis.repairs import Repair
+from lie_rigid_body.diagnosis.course import ALTERNATING, NOISE, REST, WALK, Course
+from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Note, Probe
-from lie_rigid_body.diagnosis.search import Ask, track
-from lie_rigid_body.diagnosis.trial import Outputs, undo
+from lie_rigid_body.diagnosis.search import Ask, Trial, track, undo
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import UnavoidableError, attitude_nees
 from lie_rigid_body.evaluation.attitudes import angles_between
@@ -24,6 +22,7 @@ from lie_rigid_body.evaluation.estimate import NOT_UNIT
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
+from lie_rigid_body.runs.workers import FilterError
 from lie_rigid_body.sensors import GRADES
 
 GYRO_BIAS: Final = float(np.radians(1.0))
@@ -46,45 +45,35 @@ SEEDS: Final = 24
 """Runs with noise by which a covariance is judged."""
 
 
-@dataclass(frozen=True)
-class Setup:
+class Setup(NamedTuple):
     """How a filter is probed: with its mistakes repaired.
 
     Attributes
     ----------
-    courses : tuple of Course
-        The ordinary ones, with the kind of gyro that it expects.
-    repairs : tuple of Repair
-    outputs : tuple of (str, tuple of float)
-        Repairs of the output.
-    floor, error : float
-        The error below which all are equal, and that of the ordinary courses, rad.
+    course : Course
+        The first ordinary one, with the kind of gyro that it expects.
+    chosen : Trial
+        The repairs, and the error with them.
+    floor : float
+        The error below which all are equal, rad.
     """
 
-    courses: tuple[Course, ...]
-    repairs: tuple[Repair, ...]
-    outputs: Outputs
+    course: Course
+    chosen: Trial
     floor: float
-    error: float
-
-    @property
-    def course(self) -> Course:
-        """The first ordinary one."""
-        return self.courses[0]
 
     @property
     def limit(self) -> float:
         """The error up to which a probe with something in the way is passed, rad."""
-        return max(self.floor, WORSE * self.error)
+        return max(self.floor, WORSE * self.chosen.error)
 
     @property
     def uneven(self) -> float:
         """The error up to which steps of unequal length are heeded, rad: a third of the turn between two readings."""
-        return max(self.course.turn / 3.0, WORSE * self.error)
+        return max(self.course.turn / 3.0, WORSE * self.chosen.error)
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
+class Outcome(NamedTuple):
     """An answer of the filter, and its track with the mistakes of the output undone."""
 
     answer: Answer
@@ -123,7 +112,7 @@ class Row(NamedTuple):
         for course, answer in zip(courses, answers, strict=True):
             if isinstance(answer, FilterError):
                 return Probe(self.code, passed=False, message=str(answer))
-            outcomes.append(Outcome(answer, undo(track(course, answer), setup.outputs)))
+            outcomes.append(Outcome(answer, undo(track(course, answer), setup.chosen.outputs)))
         try:
             value, most, beside, least = self.judge(setup, outcomes)
         except InputError as error:
@@ -162,9 +151,8 @@ def _from(setup: Setup, attitude_xyzw: Array) -> Course:
 
 
 def _biased(setup: Setup) -> list[Course]:
-    x, y, z = (GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist()
-    offsets = ((x, y, z), *setup.course.offsets[1:])
-    return [replace(setup.course, moving_s=60.0 - REST, offsets=offsets)]
+    bias = tuple((GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist())
+    return [replace(setup.course, moving_s=60.0 - REST, off=("gyro", bias))]
 
 
 def _bias_judged(setup: Setup, outcomes: Outcomes) -> Judged:
@@ -180,15 +168,10 @@ def _level(setup: Setup) -> float:
     return float(np.hypot(field[0], field[1]) / np.linalg.norm(field))
 
 
-def _off(setup: Setup, sensor: int) -> list[Course]:
-    """A constant error of a vector along each axis; without a level field no attitude is told."""
-    size = VECTOR_ERROR * (setup.course.number("gravity") if sensor == 1 else np.linalg.norm(setup.course.field))
-    found = []
-    for x, y, z in (size * np.eye(3)).tolist() if _level(setup) > VECTOR_ERROR else ():
-        offsets: list[Vector] = list(setup.course.offsets)
-        offsets[sensor] = (x, y, z)
-        found.append(replace(setup.course, offsets=(offsets[0], offsets[1], offsets[2])))
-    return found
+def _off(setup: Setup, name: str) -> list[Course]:
+    """A constant error of a vector along each axis; of a field without a level part nothing is asked."""
+    errors = VECTOR_ERROR * np.eye(3) * np.linalg.norm(setup.course.readings().vectors[name][0])
+    return [replace(setup.course, off=(name, tuple(each))) for each in errors.tolist() if _level(setup) > VECTOR_ERROR]
 
 
 def _off_judged(setup: Setup, outcomes: Outcomes) -> Judged:
@@ -197,13 +180,7 @@ def _off_judged(setup: Setup, outcomes: Outcomes) -> Judged:
 
 def _noisy(setup: Setup, seed: int = 1) -> Course:
     """The ordinary course with the white noise of tactical sensors, which its scenario tells."""
-    names = {"gyro": "imu_rate", "accelerometer": "imu_rate", "magnetometer": "magnetometer_rate"}
-    densities = {f"{name}_noise_density": float(str(GRADES["tactical"][f"{name}_noise_density"])) for name in names}
-    told = setup.course.of_scenario(**densities)
-    gyro, force, field = (
-        density * told.number(rate) ** 0.5 for density, rate in zip(densities.values(), names.values(), strict=True)
-    )
-    return replace(told, noise=(gyro, force, field), seed=seed)
+    return replace(setup.course.of_scenario(**{name: GRADES["tactical"][name] for name in NOISE}), seed=seed)
 
 
 def _noise_judged(setup: Setup, outcomes: Outcomes) -> Judged:
@@ -244,10 +221,6 @@ def _gaps_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     return Judged(rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max()) if finite else -1.0)
 
 
-def _rests(setup: Setup) -> list[Course]:
-    return [replace(setup.course, rest_s=rest_s) for rest_s in (0.0, REST, 3.0 * REST)]
-
-
 def _rests_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     without, plain, longer = (outcome.error() for outcome in outcomes)
     beside = f"; after {3.0 * REST:g} s it is {with_unit(float(np.degrees(longer)))}"
@@ -270,9 +243,9 @@ def _broken(setup: Setup, outcomes: Outcomes) -> Judged:
 def _covariance_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     last = [(each.track.attitude_xyzw[-1], each.track.truth.at(each.track.stamps_ns[-1:])[0]) for each in outcomes]
     estimates, truths = map(np.array, zip(*last, strict=True))
-    given = [np.asarray(outcome.answer.covariance, dtype=np.float64) for outcome in outcomes]
+    given = [np.asarray(outcome.answer.given.covariance, dtype=np.float64) for outcome in outcomes]
     told = np.array([each[-1] if each.ndim == 3 else each for each in given])
-    found = attitude_nees(estimates, truths, told, axes=outcomes[0].answer.covariance_axes)
+    found = attitude_nees(estimates, truths, told, axes=outcomes[0].answer.given.covariance_axes)
     return Judged(found.mean, found.mean_bounds[1], f"; it is {found.verdict}", found.mean_bounds[0])
 
 
@@ -298,13 +271,13 @@ PROBES: Final = (
     Row("gyro_bias", _biased, _bias_judged, "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by"),
     Row(
         "accelerometer_bias",
-        lambda s: _off(s, 1),
+        lambda s: _off(s, "specific_force"),
         _off_judged,
         f"with an accelerometer off by {VECTOR_ERROR:.0%} along one axis it errs by",
     ),
     Row(
         "hard_iron",
-        lambda s: _off(s, 2),
+        lambda s: _off(s, "field"),
         _off_judged,
         f"with a magnetometer off by {VECTOR_ERROR:.0%} along one axis it errs by",
     ),
@@ -325,12 +298,12 @@ PROBES: Final = (
     ),
     Row(
         "norm",
-        lambda s: s.courses,
+        lambda s: [s.course],
         lambda s, o: Judged(max(each.answer.norm_error for each in o), NOT_UNIT),
         "the square of the quaternions' norm is off 1 by",
         "",
     ),
-    Row("finite", lambda s: s.courses, _broken, "attitudes that are NaN, infinite or zero:", ""),
+    Row("finite", lambda s: [s.course], _broken, "attitudes that are NaN, infinite or zero:", ""),
     Row(
         "covariance",
         lambda s: [_noisy(s, seed) for seed in range(SEEDS)],
@@ -338,7 +311,12 @@ PROBES: Final = (
         f"mean NEES of {SEEDS} runs with noise:",
         "",
     ),
-    Row("needs_rest", _rests, _rests_judged, f"without a rest before the motion, or after {REST:g} s, it errs by"),
+    Row(
+        "needs_rest",
+        lambda s: [replace(s.course, rest_s=rest_s) for rest_s in (0.0, REST, 3.0 * REST)],
+        _rests_judged,
+        f"without a rest before the motion, or after {REST:g} s, it errs by",
+    ),
 )
 """The probes in the order in which they are told."""
 NOTES: Final = (
@@ -361,11 +339,11 @@ NOTES: Final = (
 
 def probed(ask: Ask, setup: Setup) -> Iterator[Probe | Note]:
     """The probes, and the notes of those that are no matter of right and wrong."""
-    (plain,) = ask([Job(setup.course, setup.repairs)])
-    without = isinstance(plain, FilterError) or plain.covariance is None
+    (plain,) = ask([Job(setup.course, setup.chosen.repairs)])
+    without = isinstance(plain, FilterError) or plain.given.covariance is None
     rows = [row for row in (*PROBES, *NOTES) if not (without and row.code == "covariance")]
     asked = [(row, list(row.courses(setup))) for row in rows]
-    answers = ask([Job(course, setup.repairs) for _, courses in asked for course in courses])
+    answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:
         if not courses:
             continue

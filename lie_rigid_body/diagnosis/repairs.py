@@ -1,4 +1,4 @@
-"""Repairs of the input: changes of the readings that undo what a filter does wrong with them."""
+"""Repairs of the input, changes of the readings that undo what a filter does wrong with them; and runs with them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import MARGIN, Readings
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings
+from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.estimators import Estimator, Returned
+from lie_rigid_body.runs.workers import called
 from lie_rigid_body.wording import short_repr
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
@@ -209,3 +212,55 @@ ORDER: Final = (
     "body_mounting",
 )
 """Mistakes in the order in which they are named where several do as well and cost as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a filter made of a course.
+
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+    attitude_xyzw : ndarray, shape (N, 4)
+        Its attitudes, divided by their norms; the identity where one is not finite or zero.
+    broken : ndarray of int64
+        Numbers of the samples that are not finite or zero.
+    norm_error : float
+        Largest | |q|² − 1 |.
+    given : Returned
+        As it was returned.
+    """
+
+    stamps_ns: Integers
+    attitude_xyzw: Array
+    broken: Integers
+    norm_error: float
+    given: Returned
+
+    __repr__ = short_repr
+
+
+class Job(NamedTuple):
+    """One run of the filter: a course whose readings are repaired."""
+
+    course: Course
+    repairs: tuple[Repair, ...] = ()
+
+    def __call__(self, estimate: Estimator) -> Answer:
+        """What the filter makes of it.
+
+        Raises
+        ------
+        FilterError
+            With the line in the user's file, or with the shape.
+        """
+        readings = self.course.readings()
+        for repair in self.repairs:
+            readings = repair.change(readings)
+        found = called(estimate, readings.run())
+        attitude = np.array(found.attitude_xyzw)
+        norms = quaternion.norm(attitude)
+        broken = np.flatnonzero(~(np.isfinite(norms) & (norms > SMALLEST_NORM)))
+        attitude[broken], norms[broken] = (0.0, 0.0, 0.0, 1.0), 1.0
+        norm_error = float(np.abs(norms**2 - 1.0).max(initial=0.0))
+        return Answer(found.t_ns, attitude / norms[:, np.newaxis], broken, norm_error, found)

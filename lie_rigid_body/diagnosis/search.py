@@ -1,19 +1,31 @@
-"""The search for repairs: those of the output, single ones of the input, then pairs, within a budget of filter runs."""
+"""The search for repairs, and the one rule by which of all that were tried those are chosen that name the mistakes.
+
+Those of the output are tried first, then single ones of the input, then pairs, within a budget of filter runs.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, Course, of_kind
-from lie_rigid_body.diagnosis.filter import Answer, FilterError, Job
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, Repair, exact_repairs
-from lie_rigid_body.diagnosis.trial import Choice, Outputs, Trial, choose
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs
 from lie_rigid_body.evaluation.causes import CAUSES, Cause, Track, Tracks, error_of
+from lie_rigid_body.runs.workers import FilterError
+from lie_rigid_body.wording import short_repr
+
+FLOOR: Final = 0.1
+"""Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
+MENDED: Final = 0.1
+"""Share of the error that a repair may leave."""
+HALVED: Final = 0.5
+"""Share of the error that a repair may leave which brings it below the floor."""
+NEAR: Final = 2.0
+"""Factor within which errors above the floor count as equal."""
 
 SCREENED_S: Final = 4.0
 """Length of the motion on which repairs are compared at first, s."""
@@ -33,7 +45,120 @@ _OF_TIME: Final = ("lagging", "leading", "clock_rate")
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in _OF_TIME)
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
+BY_CODE: Final = {cause.code: cause for cause in CAUSES}
+
 Repairs = tuple[Repair, ...]
+Outputs = tuple[tuple[str, tuple[float, ...]], ...]
+"""Repairs of the output: codes with their constants, in the order in which they are applied."""
+
+
+def undo(track: Track, outputs: Outputs) -> Track:
+    """A track with the causes of errors in the output undone."""
+    for code, constants in outputs:
+        track = BY_CODE[code].undo(track, np.array(constants))
+    return track
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Runs with one kind of gyro and with repairs, and the error that they leave.
+
+    Attributes
+    ----------
+    repairs : tuple of Repair
+        Repairs of the input, with `JOINT` last where it is applied.
+    outputs : tuple of (str, tuple of float)
+        Repairs of the output.
+    kind : str
+        The kind of gyro.
+    error : float
+        RMS of the total error over the last two thirds of all runs, rad.
+    parts : tuple of float
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known. One repair of two may take
+        away one of these alone.
+    """
+
+    repairs: tuple[Repair, ...]
+    outputs: Outputs
+    kind: str
+    error: float
+    parts: tuple[float, ...] = ()
+
+    __repr__ = short_repr
+
+    @property
+    def joint(self) -> bool:
+        """Whether accelerometer and magnetometer come one sample later."""
+        return JOINT in self.repairs
+
+    @property
+    def inputs(self) -> tuple[Repair, ...]:
+        """The repairs of the input that are of mistakes."""
+        return tuple(repair for repair in self.repairs if repair != JOINT)
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """The mistakes."""
+        return (*(repair.code for repair in self.inputs), *(code for code, _ in self.outputs))
+
+    @property
+    def rank(self) -> tuple[int, int, list[int]]:
+        """Number of repairs, price, and places in the table: the least is named."""
+        price = sum(repair.price for repair in self.inputs) + sum(BY_CODE[code].price for code, _ in self.outputs)
+        return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
+
+    @property
+    def steps(self) -> list[tuple[tuple[Repair, ...], Outputs]]:
+        """The repairs one after the other: the first, the first two, and so on, each with `JOINT` as it is here."""
+        joint = (JOINT,) * self.joint
+        inputs = [((*self.inputs[:count], *joint), ()) for count in range(1, len(self.inputs) + 1)]
+        return inputs + [(self.repairs, self.outputs[:count]) for count in range(1, len(self.outputs) + 1)]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The trial that names the mistakes, and those that do as well with as many repairs."""
+
+    named: Trial
+    others: tuple[Trial, ...]
+
+    __repr__ = short_repr
+
+    def or_else(self, code: str) -> tuple[str, ...]:
+        """Codes that stand in the place of one of the named ones where the others stay."""
+        rest = set(self.named.codes) - {code}
+        found = [set(other.codes) - rest for other in self.others if rest <= set(other.codes)]
+        return tuple(sorted(set().union(*found) - set(self.named.codes), key=ORDER.index))
+
+
+def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
+    """The filter without a repair, with the kind of gyro that it expects; `JOINT` is none."""
+    return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
+
+
+def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
+    """The repairs that are named, if any mend the error.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        At least those without a repair.
+    floor : float
+        The error below which all count as equal, rad.
+    """
+    before = plain(trials).error
+    if before <= floor:
+        return None
+    limit = max(MENDED * before, min(floor, HALVED * before))
+    mending = [t for t in trials if t.codes and t.error <= limit]
+    if not mending:
+        return None
+    best = min(t.error for t in mending)
+    as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
+    named = min(as_good, key=lambda t: (t.rank, t.error))
+    return Choice(named, tuple(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes))
+
+
 Ask = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
 """Runs the filter, as many times as there are jobs."""
 
@@ -165,20 +290,20 @@ class Search:
         """
         answers = self._ask([Job(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
-            tracks, right, kind = [], True, courses[0].kind
-            for course in courses:
-                answer = next(answers)
-                if isinstance(answer, FilterError) and not repairs:
-                    raise answer
-                right = right and isinstance(answer, Answer) and not answer.broken.size
-                tracks += [settled(track(course, answer))] if isinstance(answer, Answer) else []
-            if not right:
+            given, kind = [next(answers) for _ in courses], courses[0].kind
+            failed = [answer for answer in given if isinstance(answer, FilterError)]
+            if failed and not repairs:
+                raise failed[0]
+            right = [answer for answer in given if isinstance(answer, Answer) and not answer.broken.size]
+            if len(right) < len(courses):
                 yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
                 continue
-            parts, few = tracks[0].partial_errors(), [each.few(SCREENED) for each in tracks]
-            compared = few if courses == self._short else tracks
-            undone = _undone(compared, causes, pairs=pairs)
-            alone = Trial(repairs, (), kind, error_of(compared), parts)
+            tracks = [settled(track(*each)) for each in zip(courses, right, strict=True)]
+            parts = tracks[0].partial_errors()
+            if courses == self._short:
+                tracks = [each.few(SCREENED) for each in tracks]
+            undone = _undone(tracks, causes, pairs=pairs)
+            alone = Trial(repairs, (), kind, error_of(tracks), parts)
             yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in undone)]
 
 

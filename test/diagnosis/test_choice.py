@@ -10,7 +10,7 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
-from lie_rigid_body.diagnosis.trial import Trial, choose
+from lie_rigid_body.diagnosis.search import Trial, choose
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Track
 from lie_rigid_body.lie import quaternion
