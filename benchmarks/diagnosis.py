@@ -11,10 +11,12 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Final
 
@@ -23,7 +25,7 @@ from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
 from league.contender import Filter, filters
-from league.readings import UP, Readings
+from league.readings import Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
@@ -33,6 +35,9 @@ from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.workers import Alone, FilterError
+
+sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
+import textbook
 
 Array = np.ndarray[Any, Any]
 Estimate = Callable[[Any], tuple[Array, Array]]
@@ -152,24 +157,17 @@ def _mistakes() -> Iterator[Put]:
 MISTAKES: Final = tuple(_mistakes())
 
 
-def right_mahony(given: Readings) -> Rotation:
-    """Mahony's filter with the gyro's step first, which no library has."""
-    world = (UP, given.field / np.linalg.norm(given.field))
-    attitude, bias, out = given.first_attitude.as_quat(), np.zeros(3), []
-    for gyro, *vectors in zip(given.gyro, given.acc, given.mag, strict=True):
-        attitude = quaternion.multiply(attitude, quaternion.exp((gyro - bias) * given.dt))
-        back = quaternion.conjugate(attitude)
-        pairs = zip(vectors, world, strict=True)
-        error = sum(np.cross(v / np.linalg.norm(v), quaternion.rotate(back, w)) for v, w in pairs)
-        bias = bias - 0.2 * error * given.dt
-        attitude = quaternion.normalize(quaternion.multiply(attitude, quaternion.exp(2.0 * error * given.dt)))
-        out.append(attitude)
-    return Rotation.from_quat(np.array(out))
+def of_textbook(given: Readings) -> Rotation:
+    """Mahony's filter with the gyro's step first, as the tests have it."""
+    imu = SimpleNamespace(t_ns=given.t_ns, gyro=given.gyro, specific_force=given.acc)
+    scenario = SimpleNamespace(parameters=lambda: {"magnetic_field": given.field})
+    run = SimpleNamespace(imu=imu, magnetometer=SimpleNamespace(field=given.mag), scenario=scenario)
+    return Rotation.from_quat(textbook.mahony(run))
 
 
 def contenders() -> tuple[Filter, ...]:
     """The filters of the league, and one of a textbook."""
-    return (*filters(), Filter("textbook", "Mahony", right_mahony))
+    return (*filters(), Filter("textbook", "Mahony", of_textbook))
 
 
 def estimator(number: int) -> Estimate:

@@ -123,7 +123,7 @@ class Course:
     @property
     def truth(self) -> PathTruth:
         """The true attitude."""
-        return PathTruth(self.scenario, self.rest_s)
+        return _truth(self.scenario, self.rest_s)
 
     @property
     def turn(self) -> float:
@@ -154,6 +154,7 @@ class PathTruth(Truth):
     def __init__(self, scenario: Scenario, rest_s: float) -> None:
         self.first_ns, self.last_ns = -(2**62), 2**62
         self._motion, self._rest_s = scenario.exact_motion(), rest_s
+        self._kept = lru_cache(maxsize=32)(self._states)  # fits ask again and again at the same stamps
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes world-from-body, shape (..., 4)."""
@@ -161,13 +162,17 @@ class PathTruth(Truth):
 
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
-        since = np.asarray(stamps_ns) / 1e9 - self._rest_s
+        stamps = np.asarray(stamps_ns, dtype=np.int64)
+        attitude, rate = self._kept(stamps.tobytes())
+        return attitude.reshape(*stamps.shape, 4), rate.reshape(*stamps.shape, 3)
+
+    def _states(self, stamps_ns: bytes) -> tuple[Array, Array]:
+        since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - self._rest_s
         u = np.clip(since / RAMP, 0.0, 1.0)
         passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
         speed = u * u * (3.0 - 2.0 * u)
-        states = self._motion.at(np.round(passed * 1e9).astype(np.int64).ravel())
-        rate = states.body_rate.reshape(*since.shape, 3) * speed[..., np.newaxis]
-        return states.attitude_xyzw.reshape(*since.shape, 4), rate
+        states = self._motion.at(np.round(passed * 1e9).astype(np.int64))
+        return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +208,11 @@ class Readings:
         for gap_s in self.course.gaps_s:
             inside &= (stamps_ns < round(gap_s * 1e9)) | (stamps_ns >= round((gap_s + 1.0) * 1e9))
         return np.asarray(inside)
+
+
+@lru_cache(maxsize=16)
+def _truth(scenario: Scenario, rest_s: float) -> PathTruth:
+    return PathTruth(scenario, rest_s)
 
 
 @lru_cache(maxsize=16)
