@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -134,7 +135,7 @@ class Examination:
         errors: list[ErrorOverTime] = []
         search.fully([()])
         try:
-            if self._floor < plain(search.trials).error < np.pi and not self._is_right_after_a_rest():
+            if not search.is_broken and plain(search.trials).error > self._floor and not self._is_right_after_a_rest():
                 search.run()
             chosen = self._chosen
             errors += self._over_time()
@@ -244,10 +245,8 @@ def _command(course: Course, errors: ErrorOverTime) -> str:
     """The shortest run on which the filter errs most."""
     late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
     default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
-    given = [
-        f"-p {name}:={str(list(value) if isinstance(value, tuple) else value).replace(' ', '')}"
-        for name, value in course.scenario.parameters().items()
-        if value != default[name]
-    ]
-    length = float(np.ceil(max(1.0, late - REST)))
-    return f"It errs most in: lie-rigid-body record errs.mcap --duration {length:g} {' '.join(given)}"
+    words = ["lie-rigid-body", "record", "errs.mcap", "--duration", f"{np.ceil(max(1.0, late - REST)):g}"]
+    for name, value in course.scenario.parameters().items():
+        if value != default[name]:
+            words += ["-p", f"{name}:={list(value) if isinstance(value, tuple) else value}".replace(" ", "")]
+    return f"It errs most in: {shlex.join(words)}"

@@ -125,7 +125,8 @@ class Row(NamedTuple):
 
 def with_unit(value: float, unit: str = "°") -> str:
     """A number with two digits and its unit; degrees below a thousandth are 0."""
-    return f"{value if unit != '°' or value >= 1e-3 else 0:.2g}{unit}"
+    told = 0.0 if unit == "°" and value < 1e-3 else value
+    return f"{told:.0f}{unit}" if told >= 100.0 else f"{told:.2g}{unit}"
 
 
 def worst(outcomes: Outcomes, begin: float = 1.0 / 3.0) -> float:
@@ -217,8 +218,8 @@ def _gaps(setup: Setup) -> list[Course]:
 
 def _gaps_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     errors, t_s = outcomes[0].track.errors(), outcomes[0].track.stamps_ns / 1e9
-    finite = not outcomes[0].answer.broken.size
-    return Judged(rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max()) if finite else -1.0)
+    last, most = rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max())
+    return Judged(last, -1.0, ": attitudes are not finite") if outcomes[0].answer.broken.size else Judged(last, most)
 
 
 def _rests_judged(setup: Setup, outcomes: Outcomes) -> Judged:

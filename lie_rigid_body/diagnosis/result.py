@@ -140,9 +140,11 @@ class FilterDiagnosis:
     @property
     def sentences(self) -> list[str]:
         """What a person needs to know first."""
-        failed = [probe.code for probe in self.probes if not probe.passed]
+        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
+        if "finite" in failed:
+            return [f"Mend first {failed['finite']}; other failed probes: {', '.join(failed)}."]
         if self.rms_deg <= self.floor_deg:
             found = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
             return [found + (f"; it fails the probes {', '.join(failed)}." if failed else ".")]

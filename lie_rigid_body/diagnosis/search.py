@@ -182,6 +182,8 @@ class Search:
         Those on all courses.
     is_cut : bool
         Whether pairs were left untried for want of runs.
+    is_broken : bool
+        Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
 
     Parameters
     ----------
@@ -199,7 +201,7 @@ class Search:
         self._short = (replace(courses[0], moving_s=SCREENED_S),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
-        self.is_cut = False
+        self.is_cut = self.is_broken = False
 
     def choice(self) -> Choice | None:
         """What is named so far."""
@@ -294,7 +296,8 @@ class Search:
             failed = [answer for answer in given if isinstance(answer, FilterError)]
             if failed and not repairs:
                 raise failed[0]
-            right = [answer for answer in given if isinstance(answer, Answer) and not answer.broken.size]
+            right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
+            self.is_broken |= any(answer.broken.size > 0 for answer in right)
             if len(right) < len(courses):
                 yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
                 continue

@@ -19,7 +19,7 @@ from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.errors import InputError, said
+from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.runs.estimators import Estimator, Returned, estimator, returned
 from lie_rigid_body.runs.run import Run
@@ -122,7 +122,8 @@ def told(error: BaseException) -> str:
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
     own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
     line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in (own or frames)[-1:])
-    return f"the filter failed, {line}{type(error).__name__}: {error}: mend that first"
+    remedy = "" if isinstance(error, LieRigidBodyError) else ": mend that first"
+    return f"the filter failed, {line}{said(error)}{remedy}"
 
 
 class Alone:
