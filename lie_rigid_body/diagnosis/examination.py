@@ -119,7 +119,10 @@ class Examination:
     ) -> None:
         self._crew, self._courses, self._most_runs, self._tell, self._runs = crew, courses, most_runs, tell, 0
         self._floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self._search = Search(self._ask, courses, self._floor, lambda: self._runs < most_runs)
+        self._search = self._begun()
+
+    def _begun(self) -> Search:
+        return Search(self._ask, self._courses, self._floor, lambda: self._runs < self._most_runs)
 
     def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         for answer in self._crew.each(jobs):
@@ -129,14 +132,13 @@ class Examination:
 
     def run(self, *remarks: str) -> FilterDiagnosis:
         """Search, name and probe; when interrupted, tell what was found so far."""
-        search, interrupted = self._search, False
+        interrupted = False
         probes: list[Probe] = []
         told: list[Note] = []
         errors: list[ErrorOverTime] = []
-        search.fully([()])
+        self._search.fully([()])
         try:
-            if not search.is_broken and plain(search.trials).error > self._floor and not self._is_right_after_a_rest():
-                search.run()
+            self._look()
             chosen = self._chosen
             errors += self._over_time()
             probes.append(self._follows())
@@ -149,8 +151,8 @@ class Examination:
         except KeyboardInterrupt:
             interrupted = True
         mistakes, notes = tuple(self._mistakes(errors)), (*self._notes(), *told)
-        unrepaired = plain(search.trials)
-        if search.is_cut and not interrupted:
+        unrepaired = plain(self._search.trials)
+        if self._search.is_cut and not interrupted:
             remarks += (f"No more pairs of repairs were begun after {self._most_runs} runs: --max-runs allows more.",)
         if errors and not mistakes and unrepaired.error > self._floor:
             remarks += (_command(of_kind(self._courses, unrepaired.kind)[0], errors[0]),)
@@ -159,11 +161,17 @@ class Examination:
             mistakes, tuple(probes), notes, self._runs, left, floor, remarks, tuple(errors), interrupted
         )
 
-    def _is_right_after_a_rest(self) -> bool:
-        """Whether the filter is wrong, but right after a longer rest: then no mistake of another kind is looked for."""
-        courses = of_kind(self._courses, plain(self._search.trials).kind)
-        rested = tuple(replace(course, rest_s=3.0 * REST) for course in courses)
-        return any(found[0].error <= self._floor for found in self._search.tried([((), rested), ((JOINT,), rested)]))
+    def _look(self) -> None:
+        """Look for repairs of a filter that is wrong; of one that is right after a longer rest it goes on with that."""
+        wrong, courses = self._search, self._courses
+        if wrong.is_broken or plain(wrong.trials).error <= self._floor:
+            return
+        self._courses = tuple(replace(course, rest_s=3.0 * REST) for course in courses)
+        self._search = self._begun()
+        self._search.fully([()])
+        if plain(self._search.trials).error > self._floor:
+            self._courses, self._search = courses, wrong
+            wrong.run()
 
     @property
     def _chosen(self) -> Trial:

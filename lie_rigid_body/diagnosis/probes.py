@@ -136,7 +136,7 @@ def worst(outcomes: Outcomes, begin: float = 1.0 / 3.0) -> float:
 
 def _half_turns(setup: Setup) -> list[Course]:
     """Motions that are half a turn about an axis of the world away from no turn, in their midst."""
-    start, midst = setup.course.truth.at(np.array([0, round(5e8 * (REST + setup.course.moving_s))]))
+    start, midst = setup.course.truth.at(np.array([0, round(5e8 * (setup.course.rest_s + setup.course.moving_s))]))
     passed = quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst))
     return [_from(setup, quaternion.multiply(each, start)) for each in passed]
 
@@ -194,7 +194,7 @@ def _noise_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
     body = _axes(run.imu.specific_force, run.magnetometer.field[held])
     single = Track(run.imu.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course.truth)
-    bound = simulate(course.scenario, duration=REST + course.moving_s).unavoidable_error()
+    bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), outcomes[0].error()
     beside = (
