@@ -197,9 +197,7 @@ def _noise_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), outcomes[0].error()
-    beside = (
-        f"; {with_unit(float(np.degrees(least)))} are the least that such noise leaves, {error / least:.2g} times less"
-    )
+    beside = f"; such noise leaves {with_unit(float(np.degrees(least)))} at least, {error / least:.2g} times less"
     return Judged(error, NOISIER * rms(single.errors()[begin:]), beside)
 
 
@@ -218,7 +216,7 @@ def _gaps(setup: Setup) -> list[Course]:
 
 def _gaps_judged(setup: Setup, outcomes: Outcomes) -> Judged:
     errors, t_s = outcomes[0].track.errors(), outcomes[0].track.stamps_ns / 1e9
-    last, most = rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max())
+    last, most = rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     return Judged(last, -1.0, ": attitudes are not finite") if outcomes[0].answer.broken.size else Judged(last, most)
 
 

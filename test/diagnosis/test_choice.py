@@ -10,7 +10,7 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
-from lie_rigid_body.diagnosis.search import Trial, choose
+from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Track
 from lie_rigid_body.lie import quaternion
@@ -162,3 +162,13 @@ def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> N
     fitted, left = cause.fitted([Track(stamps, put, truth)])
     assert left < 1e-7
     assert fitted == pytest.approx(constants, abs=1e-7)
+
+
+def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared() -> None:
+    truth, stamps = courses_of({})[0].truth, np.arange(1300) * 10_000_000
+    whole = Track(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
+    (clock,) = (cause for cause in CAUSES if cause.code == "clock_rate")
+    constants, left = clock.fitted([settled(whole)])
+    assert left < 1e-7
+    assert constants == pytest.approx([1.0 / 1.03], abs=1e-7)
+    assert clock.undo(whole, constants).errors().max() < 1e-7

@@ -142,3 +142,19 @@ def dies(run: Any) -> Array:
     import os
 
     os._exit(3)
+
+
+def peeks(run: Any) -> Array:
+    return run.attitude().at(run.imu.t_ns)
+
+
+def stuck(run: Any) -> Array:
+    attitude = triad(run)
+    attitude[:] = attitude[0]
+    return attitude
+
+
+def averages_the_gyro(run: Any) -> Array:
+    """Mahony's filter that takes the mean of the gyro's first two seconds for its bias."""
+    first = run.imu.gyro[run.imu.t_ns < 2_000_000_000]
+    return mahony(changed(run, gyro=lambda v: v - first.mean(axis=0)), ki=0.0)
