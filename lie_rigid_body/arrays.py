@@ -25,6 +25,11 @@ def plain(value: object) -> object:
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
+def same_bits(one: Array, other: Array) -> bool:
+    """Whether two arrays have one shape and the same bits, where 0 is not −0 and NaN may be NaN."""
+    return np.array_equal(one.view(np.int64), other.view(np.int64))
+
+
 def windows(data: bytes | memoryview, size: int) -> NDArray[np.uint8]:
     """Every so many bytes of some data that follow each other, shape (len(data) − size + 1, size), not copied.
 

@@ -13,8 +13,8 @@ from tqdm import tqdm
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.certificate.certification import passes
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
-from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
 from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError

@@ -7,8 +7,8 @@ from html import escape
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
-from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report import body_figure, certificate_text, html_page, motion_figures, residual_figures
 from lie_rigid_body.report.html_page import figure, grid

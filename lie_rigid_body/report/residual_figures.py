@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.certificate.residuals_over_time import LawOverTime, ResidualsOverTime
+from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
 from lie_rigid_body.report.html_page import figure
 from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic, mark, over_time
 from lie_rigid_body.report.recorded_motion import COLOURS, GREY, RED
