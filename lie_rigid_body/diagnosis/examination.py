@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation import ExactTruth, evaluate
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
-from lie_rigid_body.runs.workers import Alone, FilterError, NamedFunction, Workers
+from lie_rigid_body.runs.workers import Alone, Crew, FilterError, NamedFunction, Workers
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
@@ -92,7 +92,7 @@ def diagnose(
     if not timeout > 0.0:
         raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
     source = NamedFunction(estimate) if isinstance(estimate, str) else NamedFunction.of(estimate)
-    crew: Alone | Workers
+    crew: Crew
     if source is not None:
         crew = Workers(source, workers or cores(), timeout)
     else:
@@ -107,16 +107,14 @@ class Examination:
 
     Parameters
     ----------
-    crew : Alone or Workers
+    crew : Crew
     courses : tuple of Course
     most_runs : int
     tell : callable
         Told the number of runs of the filter after each.
     """
 
-    def __init__(
-        self, crew: Alone | Workers, courses: tuple[Course, ...], most_runs: int, tell: Callable[[int], object]
-    ) -> None:
+    def __init__(self, crew: Crew, courses: tuple[Course, ...], most_runs: int, tell: Callable[[int], object]) -> None:
         self._crew, self._courses, self._most_runs, self._tell, self._runs = crew, courses, most_runs, tell, 0
         self._floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self._search = self._begun()
@@ -125,7 +123,8 @@ class Examination:
         return Search(self._ask, self._courses, self._floor, lambda: self._runs < self._most_runs)
 
     def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
-        for answer in self._crew.each(jobs):
+        calls: Sequence[Callable[[Estimator], Answer]] = jobs
+        for answer in self._crew.each(calls):
             self._runs += 1
             self._tell(self._runs)
             yield answer

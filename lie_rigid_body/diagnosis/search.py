@@ -31,12 +31,12 @@ SCREENED_S: Final = 4.0
 """Length of the motion on which repairs are compared at first, s."""
 SCREENED: Final = 100
 """Samples of it at which repairs of the output are compared."""
-FINALISTS: Final = 6
+FINALISTS: Final = 4
 """Number of repairs that are then tried on all courses, of those that are best alone, and with one of the output."""
 FAR: Final = 10.0
 """Factor of the least error, or of the floor, above which a repair is not tried further."""
 BEAM: Final = 8
-"""Largest number of repairs of which each is tried together with every other one."""
+"""Largest number of repairs each of which is tried together with every other one, the most promising first."""
 UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair is none."""
 FINEST_FACTOR: Final = 1e-6
@@ -74,8 +74,8 @@ class Trial:
     error : float
         RMS of the total error over the last two thirds of all runs, rad.
     parts : tuple of float
-        RMS of the error of the vertical, and of that of the turns, rad, where it is known. One repair of two may take
-        away one of these alone.
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known; in the choice of pairs after
+        the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
     """
 
     repairs: tuple[Repair, ...]
@@ -212,37 +212,36 @@ class Search:
         self.fully([()], CAUSES, pairs=True)
         if self._is_mended(1, 0):
             return
-        ((plain, *_),) = self.tried([((), self._short)])
-        singles = self._with_every_other(())
-        changing = {trial.inputs[0] for trial in singles if abs(trial.error - plain.error) > UNCHANGED}
+        ((unrepaired,),) = self.tried([((), self._short)])
+        singles = self._screened([(repair,) for repair in self._exact])
+        if not self._is_mended(1, 0):
+            singles += self._fitted_beside(())
+        changing = {trial.inputs[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
         self._exact = tuple(repair for repair in self._exact if repair in changing)
-        for first in sorted(singles, key=lambda trial: self._cost(trial, plain))[:BEAM]:
-            if self._is_mended(2, 0):
-                return
-            self.is_cut = not self._has_room()
-            if self.is_cut:
-                return
-            self._with_every_other(first.inputs)
+        firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
+        for pairs_with in (self._exact_beside, self._fitted_beside):
+            for first in firsts:
+                if self._is_mended(2, 0):
+                    return
+                self.is_cut = not self._has_room()
+                if self.is_cut:
+                    return
+                pairs_with(first)
 
     def _is_mended(self, count: int, price: int) -> bool:
         """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
         choice = self.choice()
         return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
 
-    def _cost(self, trial: Trial, plain: Trial) -> float:
-        """Least share that a repair leaves of an error: of the whole, the vertical's, or the turns'."""
-        pairs = zip((trial.error, *trial.parts), (plain.error, *plain.parts), strict=True)
-        return min((left + self._floor) / (before + self._floor) for left, before in pairs)
+    def _exact_beside(self, first: Repairs) -> list[Trial]:
+        """Try each repair of the input without a constant beside another."""
+        return self._screened([(*first, repair) for repair in self._exact if repair.code != first[0].code])
 
-    def _with_every_other(self, first: Repairs) -> list[Trial]:
-        """Try each repair of the input beside others; those with a constant where none without mends the error."""
-        known = [repair.code for repair in first]
-        found = self._screened([(*first, repair) for repair in self._exact if repair.code not in known])
-        if not self._is_mended(len(first) + 1, 0):
-            codes = [code for code in FITTED if code not in known]
-            rests = [(*first, *joint) for joint in ((), (JOINT,))]
-            found += self._screened([(self._fitted(code, rest), *rest) for code in codes for rest in rests])
-        return found
+    def _fitted_beside(self, first: Repairs) -> list[Trial]:
+        """Try those with a constant, alone or beside another."""
+        codes = [code for code in FITTED if code not in [repair.code for repair in first]]
+        rests = [(*first, *joint) for joint in ((), (JOINT,))]
+        return self._screened([(self._fitted(code, rest), *rest) for code in codes for rest in rests])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
         """Try repairs shortly, a single one also with each of the output's, and the best of them on all courses."""
@@ -254,7 +253,7 @@ class Search:
         far = FAR * max(self._floor, least[best[0]])
         finals = dict.fromkeys(trial.inputs for trial in (*alone, *best) if least[trial] <= far)
         self.fully(finals, CAUSES if single else ())
-        return list(least)
+        return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
     def fully(self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, pairs: bool = False) -> None:
         """Try repairs on all courses, with both kinds of gyro, with and without `JOINT`."""
@@ -273,12 +272,16 @@ class Search:
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
-            options = {"xatol": FINEST_FACTOR, "maxiter": 40}
-            best = minimize_scalar(lambda x: left([x])[0] ** 2, bounds=(low, high), method="bounded", options=options).x
+            best: float = minimize_scalar(
+                lambda value: left([value])[0] ** 2,
+                bounds=(low, high),
+                method="bounded",
+                options={"xatol": FINEST_FACTOR, "maxiter": 40},
+            ).x
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
-            best = between[int(np.argmin(left(between)))]
-        return of(float(best))
+            best = float(between[int(np.argmin(left(between)))])
+        return of(best)
 
     def tried(
         self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = (), *, pairs: bool = False
@@ -308,6 +311,13 @@ class Search:
             undone = _undone(tracks, causes, pairs=pairs)
             alone = Trial(repairs, (), kind, error_of(tracks), parts)
             yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in undone)]
+
+
+def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
+    """Those first that leave the least of the error, with one of the output's, of the vertical's or of the turns'."""
+    errors = np.array([trial.parts for trial in trials])
+    places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
+    return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
 def _undone(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:

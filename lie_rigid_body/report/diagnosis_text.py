@@ -35,6 +35,5 @@ def _lines(found: FilterDiagnosis) -> Iterator[str]:
     yield ""
     for note in found.notes:
         yield from wrapped(note.message, f"note: {note.code}: ")
-    for remark in found.remarks:
-        yield remark  # on one line, as it may be a command
+    yield from found.remarks  # each on one line, as it may be a command
     yield f"{counted(found.filter_runs, 'run')} of the filter."

@@ -126,6 +126,18 @@ def told(error: BaseException) -> str:
     return f"the filter failed, {line}{said(error)}{remedy}"
 
 
+class Crew(Protocol):
+    """Those who do jobs: `Alone` or `Workers`."""
+
+    def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
+        """The results of jobs in their order, of one that fails the error."""
+        ...
+
+    def close(self) -> None:
+        """End what was begun."""
+        ...
+
+
 class Alone:
     """Jobs done in this process, one after the other.
 
