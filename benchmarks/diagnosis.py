@@ -193,7 +193,7 @@ class Watched:
 
     def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
-        for answer in self._crew.each([Job(course, (*repairs, *last)) for course, repairs in jobs]):
+        for answer in self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs]):
             self.runs += 1
             yield answer
 

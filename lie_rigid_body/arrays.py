@@ -1,7 +1,4 @@
-"""The three array types: float64, int64, bool.
-
-And what any room does with such.
-"""
+"""Types of arrays, of float64, int64 and bool, and small functions of arrays that several rooms call."""
 
 from __future__ import annotations
 

@@ -20,8 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
 
-    from lie_rigid_body.recording.folder_recovery import recover_folder
-    from lie_rigid_body.recording.recovery import Recovery, recover
+    from lie_rigid_body.recording.recovery import Recovery, recover, recover_folder
 
     broken, out = Path(given.broken), Path(given.out)
     if broken.is_dir():
@@ -45,25 +44,27 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("recover", "Write every whole message of a bag that was cut off into a new one.")
-    parser.add_argument(
-        "broken",
-        metavar="BROKEN",
-        type=console.path,
-        help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
+    return console.Parser(
+        "recover",
+        "Write every whole message of a bag that was cut off into a new one.",
+        console.argument(
+            "broken",
+            metavar="BROKEN",
+            type=console.path,
+            help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
+        ),
+        console.argument(
+            "-o",
+            "--out",
+            metavar="FIXED",
+            type=console.path,
+            required=True,
+            help="the file to write, or the folder to make",
+        ),
+        console.argument(
+            "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
+        ),
     )
-    parser.add_argument(
-        "-o",
-        "--out",
-        metavar="FIXED",
-        type=console.path,
-        required=True,
-        help="the file to write, or the folder to make",
-    )
-    parser.add_argument(
-        "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
-    )
-    return parser
 
 
 def _how_much(out: str, parts: Sequence[Recovery]) -> str:
@@ -97,7 +98,7 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
 
 
 def _what_next(given: argparse.Namespace) -> list[str]:
-    from lie_rigid_body.recording.bag_folders import whole_of
+    from lie_rigid_body.recording.bag_files import whole_of
 
     if os.path.isdir(given.broken):
         return [

@@ -123,8 +123,7 @@ class Examination:
         return Search(self._ask, self._courses, self._floor, lambda: self._runs < self._most_runs)
 
     def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
-        calls: Sequence[Callable[[Estimator], Answer]] = jobs
-        for answer in self._crew.each(calls):
+        for answer in self._crew.each(jobs):
             self._runs += 1
             self._tell(self._runs)
             yield answer

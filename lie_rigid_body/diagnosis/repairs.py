@@ -240,7 +240,8 @@ class Answer:
     __repr__ = short_repr
 
 
-class Job(NamedTuple):
+@dataclass(frozen=True)
+class Job:
     """One run of the filter: a course whose readings are repaired."""
 
     course: Course

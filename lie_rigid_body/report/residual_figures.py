@@ -107,11 +107,8 @@ def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: 
         residuals, limits = np.array(pairs, dtype=np.float64).T
         shown = np.isfinite(residuals) & (residuals > 0.0)
         if shown.any() and limits.max() > 0.0:
-            content, caption = (
-                _distribution(residuals[shown], limits[shown], limits, whose),
-                _left_out(residuals, whose),
-            )
-            yield figure(name, content, caption)
+            content = _distribution(residuals[shown], limits[shown], limits, whose)
+            yield figure(name, content, _left_out(residuals, whose))
 
 
 def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
