@@ -46,7 +46,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
-    "diagnosis": SCENARIO | {"evaluation", "runs"},
+    "diagnosis": SCENARIO | {"evaluation", "runs", "system"},
     "campaign": BAG | {"certificate", "interruption", "runs", "system"},
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),

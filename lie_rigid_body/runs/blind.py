@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any, Final, NoReturn
 
 from lie_rigid_body.arrays import Array, Integers
@@ -32,6 +33,7 @@ class BlindScenario(Scenario):
     """A scenario without its start and its seed."""
 
     @classmethod
+    @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
     def of(cls, scenario: Scenario) -> BlindScenario:
         """What a filter may know of a scenario."""
         told = {name: value for name, value in scenario.parameters().items() if name not in WITHHELD}
