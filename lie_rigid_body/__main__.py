@@ -35,6 +35,7 @@ VERBS = {
     "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
     "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
     "diagnose": Verb("lie_rigid_body.cli.diagnose", "say what is wrong with an attitude filter, by repairing it"),
+    "league": Verb("lie_rigid_body.cli.league", "rank an attitude filter among known ones, over the same cases"),
 }
 LIVE_EVALUATE = "lie_rigid_body.ros.evaluate"
 

@@ -127,7 +127,7 @@ class Filter:
     """
 
     def __init__(self, estimate: Estimator, begun: Callable[[], object]) -> None:
-        self._estimate, self._begun = estimate, begun
+        self.estimate, self._begun = estimate, begun
         self._kept = lru_cache(maxsize=32)(self._run)
 
     def answer(self, trial: Trial, repairs: tuple[Repair, ...] = (), *, again: bool = False) -> Answer:
@@ -149,9 +149,9 @@ class Filter:
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
-                result = self._estimate(run)
+                result = self.estimate(run)
         except (Exception, SystemExit) as error:
-            raise FilterError(_told(error)) from None
+            raise FilterError(told(error)) from None
         assert run.imu is not None
         try:
             found = returned(result)
@@ -182,8 +182,8 @@ def _real(attitude_xyzw: Any) -> Array:
         raise FilterError(f"the filter returned no numbers ({error}): return attitudes (N, 4)") from None
 
 
-def _told(error: BaseException) -> str:
-    """An exception with the last line of the user's own that it came through."""
+def told(error: BaseException) -> str:
+    """Say an exception of a filter with the last line of the user's own that it came through."""
     package = str(Path(__file__).resolve().parent.parent)
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
     own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
