@@ -11,6 +11,7 @@
 - `inventory`, `folder_metadata`: what a file or a folder says of itself, held against what it holds;
 - `mcap_contents`, `mcap_reader`, `sqlite_reader`: a file as raw messages;
 - `bag_files`, `bag_folders`: the files of a bag, and the bags of a folder;
-- `bodies`, `tracks`, `bag_reader`: the bodies of a bag, and each as arrays;
-- `segments`, `pairing`, `samples`: a bag as samples, segment by segment.
+- `topic_messages`: raw messages of a topic as arrays;
+- `bodies`, `bag_reader`: the bodies of a bag, and each as arrays;
+- `segments`, `samples`: a bag as samples, segment by segment, and the readings of its sensors by their clocks.
 """
