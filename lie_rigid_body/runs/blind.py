@@ -70,6 +70,17 @@ class BlindRun(Run):
     known: BlindScenario | None = None
 
     @classmethod
+    def without_truth(cls, run: Run) -> BlindRun:
+        """The readings of a run, without its truth, its faults and the true biases."""
+        told = {"gyro_bias": None, "accelerometer_bias": None}
+        sensors = {
+            key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**_arrays(arrays), **(told if key == "imu" else {})})
+            for key, arrays in run.sensors.items()
+        }
+        none: Any = None
+        return cls(run.t_ns, none, sensors, (), known=BlindScenario.of(run.scenario))
+
+    @classmethod
     def of_readings(
         cls, scenario: Scenario, t_ns: Integers, vectors: Mapping[str, Array], field_t_ns: Integers | None
     ) -> BlindRun:
@@ -122,3 +133,7 @@ class BlindRun(Run):
     def gyro_bias_at(self, t_ns: Any) -> NoReturn:
         """Refused: it is the true bias."""
         _refuse("run.gyro_bias_at()")
+
+
+def _arrays(sensor: SensorArrays) -> dict[str, Array | None]:
+    return {name: array for name, array in vars(sensor).items() if name not in ("t_ns", "arrival_ns")}
