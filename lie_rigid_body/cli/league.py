@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
 
 
 @console.run
@@ -20,21 +21,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.recording.output_file import require_room
     from lie_rigid_body.report.drawing import answer
     from lie_rigid_body.report.league import as_text, page
-    from lie_rigid_body.runs.workers import NamedFunction
+    from lie_rigid_body.runs.workers import source_of
     from lie_rigid_body.system import cores
 
     if given.report is not None:
         require_room(given.report, given.others, overwrite=given.force)
     own = [row for path in given.others for row in rows_of(path)]
-    if given.estimator is not None:
-        source = NamedFunction(given.estimator)
+    estimate = given_estimator(given)
+    if estimate is not None:
+        source = source_of(estimate)
+        assert source is not None  # it is no function
         source.load()
-        workers = given.workers or cores()
+        workers, name = given.workers or cores(), given.command or given.estimator
         with console.progress(total=len(CASES), desc="league", unit=" cases") as bar:
-            row = play(given.estimator, source, workers=workers, timeout_s=given.timeout, progress=bar.update)
+            row = play(name, source, workers=workers, timeout_s=given.timeout, progress=bar.update)
         own.insert(0, row)
     table = reference().with_rows(own)
-    rows = [row.to_json() for row in (own[:1] if given.estimator else table.rows)]
+    rows = [row.to_json() for row in (own[:1] if estimate else table.rows)]
     json_text = json.dumps({"edition": EDITION, "rows": rows}, indent=2, ensure_ascii=False)
     files = {} if given.report is None else {given.report: page(table, own)}
     answer(json_text if given.json else as_text(table, own), files, overwrite=given.force, named=not given.json)
@@ -47,12 +50,7 @@ def _parser() -> console.Parser:
     return console.Parser(
         "league",
         "Run an attitude filter over the cases of the league, or print its table.",
-        console.argument(
-            "estimator",
-            metavar="ESTIMATOR",
-            nargs="?",
-            help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
-        ),
+        *ESTIMATOR,
         console.argument(
             "--with",
             metavar="ROWS.json",

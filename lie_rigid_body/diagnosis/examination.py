@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation import ExactTruth, evaluate
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
-from lie_rigid_body.runs.workers import Alone, Crew, FilterError, NamedFunction, Workers
+from lie_rigid_body.runs.workers import Alone, Crew, FilterError, Workers, source_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
@@ -60,8 +60,9 @@ def diagnose(
     Parameters
     ----------
     estimate : callable or str
-        A function of a `Run` whose ``truth`` is None, or ``"module:function"``. It returns attitudes (N, 4), scalar
-        last, at the stamps of the IMU, or stamps and attitudes.
+        A function of a `Run` whose ``truth`` is None, ``"module:function"``, or what
+        `lie_rigid_body.testing.command_estimator` makes of a program. It returns attitudes (N, 4), scalar last, at the
+        stamps of the IMU, or stamps and attitudes.
     scenario : str, Path or Scenario, optional
         The motion, rates and fields instead of those chosen here.
     workers : int, optional
@@ -91,7 +92,7 @@ def diagnose(
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
     if not timeout > 0.0:
         raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
-    source = NamedFunction(estimate) if isinstance(estimate, str) else NamedFunction.of(estimate)
+    source = source_of(estimate)
     crew: Crew
     if source is not None:
         crew = Workers(source, workers or cores(), timeout)

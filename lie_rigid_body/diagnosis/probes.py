@@ -97,7 +97,7 @@ class Judged(NamedTuple):
     least: float = 0.0
 
 
-class Row(NamedTuple):
+class ProbeRow(NamedTuple):
     """A probe: its code, the courses that are run, what is judged, and the sentence; without courses it is not told."""
 
     code: str
@@ -249,68 +249,68 @@ def _covariance_judged(setup: Setup, outcomes: Outcomes) -> Judged:
 
 
 PROBES: Final = (
-    Row(
+    ProbeRow(
         "half_turn",
         _half_turns,
         lambda s, o: Judged(worst(o), s.limit),
         "through half turns from the world's axes it errs by",
     ),
-    Row(
+    ProbeRow(
         "irregular_steps",
         lambda s: [replace(s.course, grid=ALTERNATING)],
         lambda s, o: Judged(worst(o), s.uneven),
         "with steps of 2/3 and 4/3 of a period in turn it errs by",
     ),
-    Row(
+    ProbeRow(
         "converges",
         _starts,
         lambda s, o: Judged(worst(o[1:], 2.0 / 3.0), max(s.floor, WORSE * o[0].error(2.0 / 3.0))),
         "from the worst of 24 first attitudes it keeps at the end",
     ),
-    Row("gyro_bias", _biased, _bias_judged, "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by"),
-    Row(
+    ProbeRow("gyro_bias", _biased, _bias_judged, "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by"),
+    ProbeRow(
         "accelerometer_bias",
         lambda s: _off(s, "specific_force"),
         _off_judged,
         f"with an accelerometer off by {VECTOR_ERROR:.0%} along one axis it errs by",
     ),
-    Row(
+    ProbeRow(
         "hard_iron",
         lambda s: _off(s, "field"),
         _off_judged,
         f"with a magnetometer off by {VECTOR_ERROR:.0%} along one axis it errs by",
     ),
-    Row("noise", lambda s: [_noisy(s)], _noise_judged, "with the noise of tactical sensors it errs by"),
-    Row("dropouts", _gaps, _gaps_judged, "after gaps of a second in a slow motion it keeps at the end"),
-    Row(
+    ProbeRow("noise", lambda s: [_noisy(s)], _noise_judged, "with the noise of tactical sensors it errs by"),
+    ProbeRow("dropouts", _gaps, _gaps_judged, "after gaps of a second in a slow motion it keeps at the end"),
+    ProbeRow(
         "long_run",
         lambda s: [replace(s.course, moving_s=10.0 * s.course.moving_s)],
         lambda s, o: Judged(o[0].error(0.9), max(s.floor, WORSE * o[0].error(0.1, 0.2))),
         "in the last tenth of a run ten times as long it errs by",
     ),
-    Row(
+    ProbeRow(
         "repeatable",
         lambda s: [s.course, s.course],
         _apart,
         "called twice it gives estimates that differ by",
         " rad",
     ),
-    Row(
+    ProbeRow(
         "norm",
         lambda s: [s.course],
         lambda s, o: Judged(max(each.answer.norm_error for each in o), NOT_UNIT),
         "the square of the quaternions' norm is off 1 by",
         "",
     ),
-    Row("finite", lambda s: [s.course], _broken, "attitudes that are NaN, infinite or zero:", ""),
-    Row(
+    ProbeRow("finite", lambda s: [s.course], _broken, "attitudes that are NaN, infinite or zero:", ""),
+    ProbeRow(
         "covariance",
         lambda s: [_noisy(s, seed) for seed in range(SEEDS)],
         _covariance_judged,
         f"mean NEES of {SEEDS} runs with noise:",
         "",
     ),
-    Row(
+    ProbeRow(
         "needs_rest",
         lambda s: [replace(s.course, rest_s=rest_s) for rest_s in (0.0, REST, 3.0 * REST)],
         _rests_judged,
@@ -319,14 +319,14 @@ PROBES: Final = (
 )
 """The probes in the order in which they are told."""
 NOTES: Final = (
-    Row(
+    ProbeRow(
         "constant_step",
         lambda s: [replace(s.course, grid=WALK)],
         lambda s, o: Judged(worst(o), s.uneven),
         "The filter takes all steps for equal, which matters where readings are late or lost: with steps at random, "
         "2/3 to 4/3 of a period, it errs by",
     ),
-    Row(
+    ProbeRow(
         "causal",
         lambda s: [s.course, replace(s.course, moving_s=0.5 * s.course.moving_s)],
         _apart,

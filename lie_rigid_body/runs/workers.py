@@ -21,6 +21,7 @@ import numpy as np
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.evaluation.estimate import read_stamps
+from lie_rigid_body.runs.command import CommandEstimator
 from lie_rigid_body.runs.estimators import Estimator, Returned, estimator, returned
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import short_repr, shown
@@ -31,6 +32,7 @@ Job = Callable[[Estimator], T]
 
 STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
+_GRACE_S: Final = 2.0
 _LIBRARIES: Final = ("site-packages", "dist-packages", str(Path(traceback.__file__).parent))
 """Parts of the paths of files that are not the user's."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.workers import serve; serve()"
@@ -85,6 +87,16 @@ class NamedFunction:
             if getattr(import_module(module), name) is estimate and sys.modules[module].__spec__ is not None:
                 return cls(f"{module}:{name}")
         return None
+
+
+def source_of(estimate: Estimator | str) -> Source | None:
+    """Find out how other processes get at an estimator: by ``module:function``, a function's own name, or a program.
+
+    None where they would not find it.
+    """
+    if isinstance(estimate, str):
+        return NamedFunction(estimate)
+    return estimate if isinstance(estimate, CommandEstimator) else NamedFunction.of(estimate)
 
 
 def called(estimate: Estimator, run: Run) -> Returned:
@@ -177,7 +189,8 @@ class Workers:
     """
 
     def __init__(self, source: Source, count: int, timeout_s: float) -> None:
-        self._source, self._timeout_s = source, timeout_s
+        # a program is ended by its estimator, which says more
+        self._source, self._timeout_s = source, timeout_s + _GRACE_S * isinstance(source, CommandEstimator)
         self._threads = ThreadPoolExecutor(count)
         self._of_thread: dict[int, subprocess.Popen[bytes]] = {}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
@@ -11,9 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lie_rigid_body import attitude_error, simulate
+from lie_rigid_body import attitude_error, diagnose, simulate
+from lie_rigid_body.cli import diagnose as verb
+from lie_rigid_body.cli import league
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.command import HEADER, CommandEstimator
+from lie_rigid_body.testing import command_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
 AT_REST = [0.0, 0.0, 0.0, 1.0]
@@ -100,3 +104,26 @@ def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
 def test_what_is_no_program_is_refused(run, command):
     with pytest.raises(InputError):
         CommandEstimator(command)(run)
+
+
+def test_a_program_is_diagnosed_and_ranked_as_a_function_is(tmp_path, monkeypatch, capsys):
+    (tmp_path / "csv_filter.py").write_text(
+        "import sys\n"
+        "print('t_ns,x,y,z,w')\n"
+        "for line in sys.stdin.readlines()[1:]:\n"
+        "    if line.split(',')[1]:\n"
+        "        print(line.split(',')[0] + ',0,0,0,1')\n"
+    )
+    command = f"{sys.executable} {tmp_path / 'csv_filter.py'}"
+    assert league.main(["--command", command, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["filter"] == command
+    assert all(not result["failure"] for result in row["results"].values())
+    found = diagnose(command_estimator(command), max_runs=1, workers=2)
+    assert not found.passed
+    assert [probe.passed for probe in found.probes if probe.code == "follows"] == [False]
+    for main in (league.main, verb.main):
+        assert main(["a:b", "--command", command]) == 2
+    assert verb.main(["--command", "/no/such/program"]) == 2
+    assert verb.main([]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 4
