@@ -46,17 +46,26 @@ class Track:
         World-from-body, scalar last, of unit norm.
     truth : Truth
         The true attitude at any stamp.
+    origin_ns : int, optional
+        Stamp at which a clock of another rate was right, ns; by default the first of the whole track.
     """
 
     stamps_ns: Integers
     attitude_xyzw: Array
     truth: Truth
+    origin_ns: int | None = None
 
     __repr__ = short_repr
 
     def part(self, chosen: slice | Integers) -> Track:
         """Some of the samples."""
-        return replace(self, stamps_ns=self.stamps_ns[chosen], attitude_xyzw=self.attitude_xyzw[chosen])
+        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
+        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
+
+    @property
+    def origin(self) -> int:
+        """Stamp at which a clock of another rate was right, ns."""
+        return int(self.stamps_ns[0]) if self.origin_ns is None else self.origin_ns
 
     def few(self, most: int = _SCANNED) -> Track:
         """About so many of the samples, evenly chosen."""
@@ -166,8 +175,8 @@ def _moved(track: Track, lag_s: Array) -> Track:
 
 
 def _by_clock(track: Track, rate: Array) -> Track:
-    since = np.round((track.stamps_ns - track.stamps_ns[0]) * rate[0]).astype(np.int64)
-    return replace(track, stamps_ns=track.stamps_ns[0] + since)
+    since = np.round((track.stamps_ns - track.origin) * rate[0]).astype(np.int64)
+    return replace(track, stamps_ns=track.origin + since)
 
 
 def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:
@@ -249,7 +258,7 @@ def _lag_of(sign: float) -> Callable[[Tracks], Sequence[Array]]:
 def _clock_rate(tracks: Tracks) -> Sequence[Array]:
     rates = np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)
     start = _best_of_scan(tracks, _by_clock, rates)
-    return [_by_time(tracks, _by_clock, start, lambda track: (track.stamps_ns - track.stamps_ns[0]) / 1e9)]
+    return [_by_time(tracks, _by_clock, start, lambda track: (track.stamps_ns - track.origin) / 1e9)]
 
 
 def _euler(tracks: Tracks) -> Sequence[Array]:
