@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import math
 import signal
 import sys
 import threading
@@ -41,7 +42,7 @@ class Interruption:
     def __init__(self) -> None:
         self.requested = False
         self._allowed = False
-        self._count, self._first_s = 0, 0.0
+        self._count, self._first_s = 0, math.inf
 
     @classmethod
     def current(cls) -> Interruption:
@@ -96,11 +97,11 @@ class Interruption:
             self._allowed = before
 
     @contextmanager
-    def noted(self) -> Iterator[None]:
+    def noted(self) -> Iterator[Interruption]:
         """A context within `allowed` that signals do not interrupt."""
         before, self._allowed = self._allowed, False
         try:
-            yield
+            yield self
         finally:
             self._allowed = before
 
@@ -114,13 +115,12 @@ class Interruption:
             raise KeyboardInterrupt
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        now = time.monotonic()
-        self._count += 1
-        if self._count == 1:
-            self.requested, self._first_s, self._number = True, now, number
+        count = self._count = self._count + 1  # another signal may be handled amid this
+        if count == 1:
+            self.requested, self._first_s, self._number = True, time.monotonic(), number
             if self._allowed:
                 raise KeyboardInterrupt
-        elif self._count >= MOST_SIGNALS or now - self._first_s > LONGEST_CLOSING_S:
+        elif count >= MOST_SIGNALS or time.monotonic() - self._first_s > LONGEST_CLOSING_S:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 

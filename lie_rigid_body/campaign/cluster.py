@@ -206,9 +206,12 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         with _closed_in_time(connected):
             yield connected
         return
-    others, interruption = active_children(), Interruption.current()
+    others = active_children()
     # neither half of a cluster nor one that closes may be interrupted
-    with interruption.noted(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
+    with (
+        Interruption.current().noted() as interruption,
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
+    ):
         try:
             with (
                 _closed_in_time(_own_cluster(workers or cores(), own)) as cluster,

@@ -48,8 +48,7 @@ def run_campaign(given: argparse.Namespace) -> int:
         require_address(given.scheduler)
     if campaign.estimator is not None:
         estimator(campaign.estimator)
-    interruption = Interruption.current()
-    with interruption.noted(), Journal(campaign, Path(given.out)) as journal:
+    with Interruption.current().noted() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
                 _look_at_bags(journal, wanted=not given.no_bags)

@@ -73,8 +73,7 @@ def judge_all(
         Topics that are called otherwise, by their relative names.
     """
     one = partial(judge, inertia, topics or {})
-    interruption = Interruption.current()
-    with interruption.noted():
+    with Interruption.current().noted() as interruption:
         found = _by_processes(one, bags, cores(), interruption)
         for i, verdicts in enumerate(found):
             if verdicts is None:  # a process that died took others with it: each again, in a process of its own

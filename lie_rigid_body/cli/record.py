@@ -53,8 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     compression, per_sample, per_reading = _COMPRESSIONS[given.compression]
     readings = sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
     _require_room(out, count, count * per_sample + readings * per_reading)
-    interruption = Interruption.current()
-    with interruption.noted():
+    with Interruption.current().noted() as interruption:
         with BagWriter(
             out,
             stamped_twist=scenario.stamped_twist,

@@ -29,8 +29,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_room(given)
     require_ros()
-    interruption = Interruption.current()
-    with interruption.noted():
+    with Interruption.current().noted() as interruption:
         from lie_rigid_body.ros.evaluator import evaluate
 
         return evaluate(given, interruption)
