@@ -83,3 +83,14 @@ def test_what_is_no_folder_is_named(
     assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(out)]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert str(Path("out", taken)) in line
+
+
+def test_a_cluster_of_its_own_needs_the_library_of_keys(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A scheduler elsewhere does without, whatever else is wrong with it."""
+    monkeypatch.setattr("lie_rigid_body.cli.campaign.find_spec", lambda name: name != "cryptography")
+    given = [str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out")]
+    for more, named in (([], True), (["--scheduler", "nonsense"], False)):
+        assert main([*given, *more]) == 2
+        assert ("cryptography" in capsys.readouterr().err) == named

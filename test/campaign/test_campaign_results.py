@@ -68,6 +68,13 @@ def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
             Campaign.from_table(other)
 
 
+def test_one_worker_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    assert main([str(written(tmp_path)), "--out", str(other), "--workers", "1"]) == 0
+    assert bytes_of(other) == bytes_of(out)
+    assert table_of(other).equals(table_of(out))
+
+
 def test_a_scheduler_elsewhere_gives_the_same_bytes(out: Path, scheduler: str, tmp_path: Path) -> None:
     other = tmp_path / "other"
     assert main([str(written(tmp_path)), "--out", str(other), "--scheduler", scheduler]) == 0
