@@ -11,7 +11,8 @@ import pytest
 
 # not loaded here: the process that only collects these tests does without
 NEEDS_DASK = pytest.mark.skipif(
-    not (find_spec("distributed") and find_spec("pyarrow")), reason="distributed or pyarrow is not installed"
+    not all(map(find_spec, ("cryptography", "distributed", "pyarrow"))),
+    reason="cryptography, distributed or pyarrow is not installed",
 )
 CAMPAIGN = """
 runs: 6

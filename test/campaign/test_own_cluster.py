@@ -7,7 +7,6 @@ import socket
 import ssl
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
@@ -18,7 +17,7 @@ from lie_rigid_body.campaign.cluster import client_of
 if TYPE_CHECKING:
     from distributed import Client
 
-pytestmark = [NEEDS_DASK, pytest.mark.skipif(not find_spec("cryptography"), reason="cryptography is not installed")]
+pytestmark = NEEDS_DASK
 WORKERS = 2
 
 

@@ -78,7 +78,7 @@ WITH_BARS = {
     "evaluate bag.mcap --estimate /pose": "",
     "record new.mcap --duration 1": "",
     "diagnose nothing:here": "",
-    "campaign campaign.yaml --out new": "distributed",
+    "campaign campaign.yaml --out new": "cryptography",
 }
 """Commands that show how far they are, and the library that they need."""
 """Commands, and the call at which the signal comes."""

@@ -28,7 +28,8 @@ LONG_WORK = {
     "campaign": "campaign campaign.yaml --out runs --workers 2",
 }
 """Verbs with work for much longer than a test."""
-NEEDED = {"campaign": ("distributed", "cryptography")}
+WITH_DASK = pytest.mark.skipif(not find_spec("cryptography"), reason="cryptography is not installed")
+VERBS = [pytest.param(name, marks=WITH_DASK) if name == "campaign" else name for name in LONG_WORK]
 LONGEST_S = {"campaign": 6.0, "evaluate": 1.5}
 """Time, s, in which the first signal comes, other than 2 s."""
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="there is no /proc")
@@ -67,15 +68,8 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
     assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
 
 
-def needed(name: str) -> None:
-    for library in NEEDED.get(name, ()):
-        if not find_spec(library):
-            pytest.skip(f"{library} is not installed")
-
-
-@pytest.mark.parametrize("name", LONG_WORK)
+@pytest.mark.parametrize("name", VERBS)
 def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
-    needed(name)
     prepared(tmp_path, bag)
     for seed in range(2):
         tried(name, tmp_path, seed, numba=name != "record")
@@ -83,21 +77,19 @@ def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("numba", [True, False])
-@pytest.mark.parametrize("name", LONG_WORK)
+@pytest.mark.parametrize("name", VERBS)
 def test_a_second_signal_changes_nothing_at_any_moment(name: str, bag: Path, tmp_path: Path, numba: bool) -> None:
-    needed(name)
     prepared(tmp_path, bag)
     for seed in range(2, 10 if name == "campaign" else 30):
         tried(name, tmp_path, seed, numba=numba)
 
 
 @pytest.mark.parametrize("numbers", [(INT, TERM, TERM, INT), (TERM, INT, INT, TERM)])
-@pytest.mark.parametrize("name", LONG_WORK)
+@pytest.mark.parametrize("name", VERBS)
 def test_the_fourth_signal_ends_what_closes_for_ever(
     name: str, numbers: tuple[signal.Signals, ...], bag: Path, tmp_path: Path
 ) -> None:
     """It has a line to say on stderr, a pipe that is full and that nobody reads."""
-    needed(name)
     read, write = full_pipe()
     try:
         process = started([*VERB, *LONG_WORK[name].split()], prepared(tmp_path, bag), write)

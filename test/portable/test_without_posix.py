@@ -40,7 +40,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.long
 @pytest.mark.skipif(
-    not (find_spec("distributed") and find_spec("pyarrow") and find_spec("filelock")), reason="a library is missing"
+    not all(map(find_spec, ("cryptography", "distributed", "filelock", "pyarrow"))), reason="a library is missing"
 )
 def test_every_verb_gives_the_same_bytes(tmp_path: Path, without_posix: Python) -> None:
     ordinary, portable = tmp_path / "ordinary", tmp_path / "portable"
