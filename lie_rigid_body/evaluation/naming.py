@@ -1,0 +1,443 @@
+"""The choice of causes: which of them, alone or together, explain the error of an estimate, if any do.
+
+An explanation is a chain of causes without a constant, then at most two with constants: turns of the world and of the
+body, and a lag. Every one is judged by one number a quarter of the run, from the second on (in the first a filter may
+converge): the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
+
+One rule. The best explanation costs least, in units of halved errors: log₂ of what it leaves, plus its price. It is
+named if each of its causes is needed: without it at least `1 / SHARE` times as much is left, in each of these quarters.
+So drifts, random walks and noise are no causes, as no constant of some quarters fits the others. A right filter may be
+ahead by up to a sample, as it compares readings with the attitude before its gyro step: every explanation without a
+lag may have such a lead at no price, and it is no cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from itertools import permutations
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.evaluation.attitude_error import angles
+from lie_rigid_body.evaluation.attitudes import sizes
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, heading, products, vector
+from lie_rigid_body.evaluation.estimate import period_ns
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
+
+SHARE: Final = 1.0 / 3.0
+"""Largest share of the error, root mean square in a quarter, that a named cause may leave of what is left without it."""
+PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25}
+"""Prices of causes with constants, in halved errors; of one without a constant it is 1."""
+TIE: Final = 1.25
+"""Ratio of two errors up to which their explanations are as good."""
+NEGLIGIBLE: Final = float(np.radians(1e-3))
+"""Error that needs no explanation, rad; smaller ones count as this."""
+UNLIKE: Final = 0.5
+"""Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
+LEAST_TILT: Final = float(np.radians(10.0))
+"""Least tilt of a turned world, rad: sensors err by less, and a turn about the vertical is a heading offset."""
+LEAD: Final = 1.05
+"""Largest lead of a right filter, samples."""
+LAG_TURN: Final = 0.25
+"""Turn of the body from one lag that is tried to the next, rad."""
+MOST_LAGS: Final = 181
+FEWEST: Final = 20
+"""Least number of samples whose quarters tell anything."""
+SAMPLES: Final = 400
+"""Largest number of samples by which explanations are judged."""
+SCANNED: Final = 100
+"""Largest number of samples by which lags are compared at first."""
+REFINED: Final = 8
+"""Number of lags, the best of all explanations, that are refined."""
+HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
+"""Turns about the vertical, numbers w and z, from which a heading and a mounting are fitted together."""
+
+Turned = tuple[str, ...]
+TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
+BOTH: Final = ("heading_offset", "body_mounting")
+"""Turns that are tried, and those that are fitted together."""
+LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
+"""Turns that are tried beside a lag."""
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A chain of causes without constants: their codes in the order of undoing, and the matrix that undoes them."""
+
+    codes: tuple[str, ...]
+    matrix: Array
+    frd_body: bool = False
+
+    @property
+    def parts(self) -> list[Part]:
+        """The causes with what they take for constants."""
+        return [(BY_CODE[code], np.array([float(self.frd_body and code == "ned_world")])) for code in self.codes]
+
+
+def _forms() -> Iterator[Form]:
+    written = [order for count in range(3) for order in permutations(("scalar_first", "inverted"), count)]
+    for order in written:
+        matrix = np.eye(4)
+        for code in order:
+            matrix = BY_CODE[code].maps[0][0] @ matrix
+        yield Form(order, matrix)
+        for frd_body, maps in enumerate(BY_CODE["ned_world"].maps):
+            yield Form((*order, "ned_world"), maps[0] @ matrix, bool(frd_body))
+
+
+FORMS: Final = tuple(_forms())
+"""Every chain; the first has no cause."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """Causes with their constants, and what they leave.
+
+    Attributes
+    ----------
+    form : Form
+    turned : tuple of str
+        Turns of the world and of the body.
+    left : ndarray, shape (3,)
+        Mean of sin² of half of the error in each quarter but the first, the constants fitted to the others.
+    numbers : ndarray
+        Those of the turns.
+    lag_s : float or None
+        The lag, if it is a cause.
+    """
+
+    form: Form
+    turned: Turned
+    left: Array
+    numbers: Array
+    lag_s: float | None = None
+
+    __repr__ = short_repr
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Names of the causes in the order in which they are undone."""
+        return (*self.form.codes, *self.turned, *(() if self.lag_s is None else ("lag",)))
+
+    @property
+    def error(self) -> float:
+        """Root mean square of the error that is left, rad."""
+        return float(2.0 * np.arcsin(np.sqrt(np.clip(np.mean(self.left), 0.0, 1.0))))
+
+    @property
+    def cost(self) -> float:
+        """What the choice makes least."""
+        simple = 0.02 * self.form.frd_body + sum(PRICES.get(cause, 1.0) for cause in self.causes)
+        return float(np.mean(0.5 * np.log2(_counted(self.left)))) + simple
+
+    @property
+    def parts(self) -> list[Part]:
+        """The causes of the table with their constants, as fitted so far."""
+        turns = {"heading_offset": self.numbers[:2], "body_mounting": self.numbers[-4:], "world_turned": self.numbers}
+        found = self.form.parts
+        for code in self.turned:
+            found.append((BY_CODE[code], (heading if code == "heading_offset" else vector)(turns[code])))
+        if self.lag_s is not None:
+            found.append((BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s])))
+        return found
+
+
+def _counted(left: Array) -> Array:
+    return np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2)
+
+
+def spread(count: int, most: int) -> Integers:
+    """Indices of at most so many samples, evenly spread over all."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+@cache
+def _base(turned: Turned) -> Array:
+    """Base of the repairs of each form followed by turns, shape (forms, d, 16)."""
+    maps = np.eye(4)[np.newaxis]
+    for code in turned:
+        maps = (maps[:, np.newaxis] @ BY_CODE[code].maps[0]).reshape(-1, 4, 4)
+    return np.stack([(maps @ form.matrix).reshape(-1, 16) for form in FORMS])
+
+
+def _best(forms: Array) -> Array:
+    """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
+    return np.asarray(np.linalg.eigh(forms)[1][..., -1])
+
+
+def _best_of_both(forms: Array, first: Array) -> Array:
+    """The same of products of a turn about the vertical (2) and one of the body (4), fitted in turns, shape (..., 8)."""
+    G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
+    for _ in range(8):
+        body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
+        up = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
+    return np.concatenate([up, body], axis=-1)
+
+
+def _value(numbers: Array, forms: Array) -> Array:
+    """The largest cᵀ G c; numbers of two turns are those of their product."""
+    if numbers.shape[-1] == 6:
+        numbers = (numbers[..., :2, np.newaxis] * numbers[..., np.newaxis, 2:]).reshape(*numbers.shape[:-1], 8)
+    return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
+
+
+class Evidence:
+    """An estimate beside the truth, as sums of which every explanation is judged.
+
+    Parameters
+    ----------
+    track : Track
+        Samples that have a truth whatever the lag is.
+    longest_lag_s : float
+    """
+
+    def __init__(self, track: Track, longest_lag_s: float) -> None:
+        self.track = track.part(spread(len(track.stamps_ns), SAMPLES))
+        self.period_s = period_ns(track.stamps_ns) / 1e9
+        self.longest_lag_s = longest_lag_s
+        self._late: dict[tuple[int, Turned], Explanation] = {}
+        truth, rate = self.track.truth.states(self.track.stamps_ns)
+        self._fastest = float(sizes(rate).max())
+        outer = truth[:, :, np.newaxis] * truth[:, np.newaxis]
+        self.still = 1.0 - float(np.linalg.eigvalsh(np.mean(outer, axis=0))[-1])
+        """Mean of sin² of half of the error of a constant attitude."""
+
+    def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
+        """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
+        few = self.track.part(spread(len(self.track.stamps_ns), most))
+        P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
+        quarters = np.array_split(np.arange(len(few.stamps_ns)), 4)[1:]
+        return np.stack([np.swapaxes(P[:, q], 1, 2) @ P[:, q] / len(q) for q in quarters], axis=1)
+
+    @cached_property
+    def _ahead(self) -> Array:
+        """The sums at the leads of a right filter: none, half a sample and one."""
+        leads = np.array([0.0, -0.5, -1.0]) * min(self.period_s, self.longest_lag_s)
+        return self.sums(leads)
+
+    def judged(self, turned: Turned, T: Array, number: int) -> tuple[Array, Array]:
+        """What a form with turns leaves in each quarter, (..., 3), and the numbers by all, from T of (..., 3, 16, 16)."""
+        base = _base(turned)[number]
+        G = base @ T @ base.T
+        whole = G.sum(axis=-3)
+        others = whole[..., np.newaxis, :, :] - G
+        if turned == BOTH:
+            starts = _best_of_both(np.broadcast_to(whole.reshape(-1, 8, 8)[0], (6, 8, 8)), HEADINGS)
+            first = starts[np.argmax(_value(starts, whole.reshape(-1, 8, 8)[0])), :2]
+            numbers = _best_of_both(whole, np.broadcast_to(first, (*whole.shape[:-2], 2)))
+            crossed = _best_of_both(others, np.broadcast_to(first, (*others.shape[:-2], 2)))
+        else:
+            numbers, crossed = _best(whole), _best(others)
+        return 1.0 - _value(crossed, G), numbers
+
+    @cached_property
+    def at_once(self) -> dict[tuple[int, Turned], Explanation]:
+        """Every explanation without a lag, by the number of its form and its turns."""
+        found = {}
+        for turned in TURNED:
+            for number in range(len(FORMS)):
+                found[number, turned] = self._without_lag(number, turned)
+        return found
+
+    def _without_lag(self, number: int, turned: Turned) -> Explanation:
+        left, numbers = self.judged(turned, self._ahead, number)
+        lead = int(np.argmin(left.mean(axis=1)))
+        return Explanation(FORMS[number], turned, left[lead], numbers[0])
+
+    def get(self, number: int, turned: Turned, *, late: bool) -> Explanation:
+        """The explanation of a form with turns, with a lag or without."""
+        if not late:
+            if (number, turned) not in self.at_once:
+                self.at_once[number, turned] = self._without_lag(number, turned)
+            return self.at_once[number, turned]
+        if (number, turned) not in self._late:
+            lags, cost = self._scanned[turned]
+            self._late[number, turned] = self._refined(number, turned, lags, cost[number])
+        return self._late[number, turned]
+
+    @cached_property
+    def _scanned(self) -> dict[Turned, tuple[Array, Array]]:
+        """Lags, (L,), and what each form leaves at them, (forms, L), for the turns that are tried beside a lag."""
+        half = min(max(int(np.ceil(self.longest_lag_s * self._fastest / LAG_TURN)), 1), MOST_LAGS // 2)
+        lags = np.linspace(-self.longest_lag_s, self.longest_lag_s, 2 * half + 1)
+        T = self.sums(lags, SCANNED).mean(axis=1)
+        found = {}
+        for turned in LATE:
+            base = _base(turned)[:, np.newaxis]
+            found[turned] = lags, 1.0 - np.linalg.eigvalsh(base @ T @ np.swapaxes(base, -1, -2))[..., -1]
+        return found
+
+    def _refined(self, number: int, turned: Turned, lags: Array, cost: Array) -> Explanation:
+        """The explanation with the nearest of the lags that leave about the least."""
+        step = float(lags[1] - lags[0])
+        around = np.concatenate([[np.inf], cost, [np.inf]])
+        slack = np.sin(0.25 * min(step * self._fastest, 2.0)) ** 2
+        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + slack))
+        lowest = lowest[np.argsort(cost[lowest], kind="stable")][:4]
+        found = [self._at_lag(number, turned, float(lags[k]), step) for k in lowest]
+        least = min(_counted(e.left).mean() for e in found)
+        as_good = [e for e in found if _counted(e.left).mean() <= TIE**2 * least]
+        return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
+
+    def _at_lag(self, number: int, turned: Turned, lag_s: float, step: float) -> Explanation:
+        """The explanation with the best lag near one: vertices of parabolas through three, ever nearer ones."""
+        base = _base(turned)[number]
+        for _ in range(4):
+            three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
+            G = base @ self.sums(three) @ base.T
+            whole = G.sum(axis=1)
+            shift = _vertex(3.0 - np.linalg.eigvalsh(whole)[:, -1])
+            lag_s, step = float(np.clip(three[1] + shift * step, three[0], three[2])), step / 5.0
+        others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
+        crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
+        T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
+        left, numbers = self.judged(turned, T, number)
+        return Explanation(FORMS[number], turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s)
+
+    def explanations(self) -> list[Explanation]:
+        """Those that may be the best, the cheapest first."""
+        found = list(self.at_once.values())
+        found.sort(key=lambda e: e.cost)
+        turnable = dict.fromkeys(FORMS.index(e.form) for e in found if e.turned in (TURNED[1], TURNED[3]))
+        found += [self.get(number, BOTH, late=False) for number in list(turnable)[:6]]
+        lowest = min(e.cost for e in found)
+        promising = []
+        for turned, (lags, cost) in self._scanned.items():
+            slack = np.sin(0.25 * min((lags[1] - lags[0]) * self._fastest, 2.0)) ** 2
+            for number, left in enumerate(cost):
+                trial = Explanation(FORMS[number], turned, np.array([left.min() - slack]), np.zeros(0), 0.0)
+                if trial.cost < lowest:
+                    promising.append((float(left.min()), number, turned))
+        found += [self.get(number, turned, late=True) for _, number, turned in sorted(promising)[:REFINED]]
+        return sorted(found, key=lambda e: e.cost)
+
+    def without(self, explanation: Explanation, cause: str) -> Explanation:
+        """The explanation without one of its causes."""
+        form, late = explanation.form, explanation.lag_s is not None and cause != "lag"
+        codes = tuple(code for code in form.codes if code != cause)
+        frd_body = form.frd_body and "ned_world" in codes
+        number = next(n for n, other in enumerate(FORMS) if (other.codes, other.frd_body) == (codes, frd_body))
+        turned = tuple(code for code in explanation.turned if code != cause)
+        return self.get(number, turned, late=late)
+
+
+def _vertex(three: Array) -> float:
+    """Place of the least of a parabola through three even points, in steps from the middle one, at most one."""
+    a, b, c = three.tolist()
+    bend = a - 2.0 * b + c
+    return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is named, and what it rests on.
+
+    Attributes
+    ----------
+    named : Explanation
+        Without a cause where none is sure.
+    evidence : Evidence
+    tried : list of Explanation
+        The cheapest first.
+    of_sensors : bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+    at_limit : bool
+        Whether a lag at the limit of the search leaves least: the true one may be longer.
+    """
+
+    named: Explanation
+    evidence: Evidence
+    tried: list[Explanation]
+    of_sensors: bool = False
+    at_limit: bool = False
+
+    __repr__ = short_repr
+
+    def instead_of(self, cause: str) -> tuple[str, ...]:
+        """Causes that, in the place of one, leave about as much."""
+        rest = [c for c in self.named.causes if c != cause]
+        without = self.evidence.without(self.named, cause)
+        others = [*self.tried]
+        if "lag" not in self.named.causes and without.turned in LATE:
+            others.append(self.evidence.get(FORMS.index(without.form), without.turned, late=True))
+        found: dict[str, None] = {}
+        for other in others:
+            new = [c for c in other.causes if c not in rest]
+            if len(new) != 1 or new[0] == cause or len(other.causes) != len(rest) + 1:
+                continue
+            small = new[0] == "lag" and without.error < OF_SENSORS
+            half = 0.5 * (without.error + self.named.error)
+            if max(other.error, NEGLIGIBLE) <= min((LAG_TIE if small else TIE) * max(self.named.error, NEGLIGIBLE), half):
+                found[new[0]] = None
+        return tuple(found)
+
+
+OF_SENSORS: Final = float(np.radians(1.0))
+"""Error that sensors make, rad; it is nearer to a constant turn than to a lag."""
+LAG_TIE: Final = 3.0
+"""Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
+
+
+def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> Choice | None:
+    """Choose the causes of an estimate's errors.
+
+    Parameters
+    ----------
+    track : Track
+        Samples whose true time, moved by the longest lag either way, is within the truth's times.
+    longest_lag_s : float
+    left_by_sensors : float
+        Largest constant turn that the sensors' own errors leave to a right filter, rad.
+
+    Returns
+    -------
+    Choice or None
+        None of too few samples.
+    """
+    if len(track.stamps_ns) < FEWEST:
+        return None
+    evidence = Evidence(track, longest_lag_s)
+    plain = evidence.get(0, (), late=False)
+    if plain.error <= NEGLIGIBLE:
+        return Choice(plain, evidence, [plain])
+    tried, of_sensors = evidence.explanations(), False
+    for e in tried:
+        if e is plain:
+            break
+        if e.lag_s is not None and abs(e.lag_s) > 0.999 * longest_lag_s:
+            return Choice(plain, evidence, tried, of_sensors, at_limit=True)
+        if not is_needed(evidence, e):
+            continue
+        if is_small(e, left_by_sensors):
+            of_sensors = True
+            continue
+        return Choice(e, evidence, tried, of_sensors)
+    return Choice(plain, evidence, tried, of_sensors)
+
+
+def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
+    """Whether an explanation leaves little beside the turn of the body, and each cause is needed in each quarter."""
+    left = _counted(explanation.left)
+    unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
+    if left.mean() > max(unlike**2 * evidence.still, _counted(np.zeros(1))[0]):
+        return False
+    if explanation.lag_s is not None and -LEAD * evidence.period_s <= explanation.lag_s <= 0.0:
+        return False
+    if "world_turned" in explanation.turned:
+        turn = quaternion.exp(vector(explanation.numbers))
+        if angles(turn).inclination < LEAST_TILT:
+            return False
+    return all(
+        np.all(left <= SHARE**2 * _counted(evidence.without(explanation, cause).left)) for cause in explanation.causes
+    )
+
+
+def is_small(explanation: Explanation, left_by_sensors: float) -> bool:
+    """Whether one of the turns is no larger than what the sensors leave."""
+    turns = {cause.code: constants for cause, constants in explanation.parts}
+    return any(float(np.linalg.norm(turns[code])) <= left_by_sensors for code in explanation.turned)
