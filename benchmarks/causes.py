@@ -179,10 +179,10 @@ def readings(motion: str, grade: str, seed: int) -> Readings:
 def left_by_sensors(run: Run) -> Any:
     """What the constant errors of a run's sensors leave to a filter, where the package tells it."""
     try:
-        from lie_rigid_body.runs.unavoidable import constant_errors_of
+        from lie_rigid_body.runs.unavoidable import left_by_errors_of
     except ImportError:
         return None
-    return constant_errors_of(run.segments)
+    return left_by_errors_of(run.segments)
 
 
 def mahony(r: Readings, gyro: Array, gain: float, *, bias: float = 0.0, ahead: bool = False) -> Array:
@@ -419,12 +419,21 @@ def judged(number: int) -> Result:
         fair &= len(told) == 0 or True
     right = set(told) == case.codes
     if not right and len(told) == len(case.codes):
-        doubts = " ".join(f.message.rpartition("does not tell it from")[2] for f in findings if "does not tell" in f.message)
+        doubts = " ".join(
+            f.message.rpartition("does not tell it from")[2] for f in findings if "does not tell" in f.message
+        )
         missing = case.codes - set(told)
         lag = {"lagging": "lag", "leading": "lag"}
         right = bool(missing) and all(lag.get(c, c.replace("_", " ")) in doubts for c in missing)
     return Result(
-        number, case.kind, tuple(told), fair, right, seconds, where, " | ".join(f"{f.code}: {f.message}" for f in findings)
+        number,
+        case.kind,
+        tuple(told),
+        fair,
+        right,
+        seconds,
+        where,
+        " | ".join(f"{f.code}: {f.message}" for f in findings),
     )
 
 
@@ -486,7 +495,9 @@ def main() -> None:
     if arguments.verbose:
         for r in results:
             if not r.right and (r.fair or r.told):
-                print(f"#{r.number} {'+'.join(r.put)} -> {'+'.join(r.told) or 'nothing'}{'' if r.fair else ' (hidden)'}: {r.where}")
+                print(
+                    f"#{r.number} {'+'.join(r.put)} -> {'+'.join(r.told) or 'nothing'}{'' if r.fair else ' (hidden)'}: {r.where}"
+                )
                 print("    " + r.message)
 
 

@@ -1,153 +1,157 @@
-"""The time lag of an estimate: whether the motion tells it, and whether it is one or what drifts feign."""
+"""The time lag of an estimate, its standard error, and whether it is one or what slow errors feign."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import (
-    LAG,
-    Convention,
-    Misalignment,
-    RunComparison,
-    fit,
-    lag_standard_error,
-    separable,
-)
-from lie_rigid_body.evaluation.attitudes import angles_between, sizes
-from lie_rigid_body.evaluation.explanation import (
-    ALL_CONSTANTS,
-    FEWEST_FITTED,
-    NEGLIGIBLE,
-    TIE_FACTOR,
-    Explanation,
-    median_left,
-)
-from lie_rigid_body.evaluation.search import LAG_TURN, spread, written
-from lie_rigid_body.evaluation.statistics import later_quarters, rms
+from lie_rigid_body.evaluation.attitudes import sizes, turns
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
+from lie_rigid_body.evaluation.naming import BOTH, LEAD, Explanation, spread
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
 
-LAG_SAMPLES: Final = 20_000
+SAMPLES: Final = 4000
 """Largest number of samples that the lag is fitted to."""
-
-AT_LIMIT: Final = 0.999
-"""Share of the longest lag above which a fitted lag counts as at the limit."""
-
 SIGNIFICANT: Final = 3.0
-"""Least lag, in standard errors, that is told from none."""
-
+"""Largest lag, in standard errors, that counts as none."""
 SURE: Final = 8.0
 """Least lag, in standard errors, that is told and named also where other errors are larger."""
-
 UNSTEADY: Final = 0.25
-"""Largest relative difference between the lag of each half of a run and that of the whole.
-
-A lag that grows in proportion to time, as a drift feigns it, differs by half: this is in the middle."""
-
+"""Largest relative difference between the lag of each half of a run and that of the whole; a drift makes a half."""
+LEAST_LATE: Final = 0.5
+"""Least lag, in samples, that is named where other errors are larger."""
+LARGEST_INFLATION: Final = 10.0
+"""Largest variance inflation factor at which a lag counts as told apart from turns."""
+SLOWEST_RATE: Final = 1e-6
+"""Least body rate that tells something about time, rad/s."""
 LOST: Final = float(np.radians(20.0))
-"""Median angle that is left above which an estimate follows the truth too little to tell a lag, rad."""
-
-FAR: Final = 1.0 - float(np.log2(TIE_FACTOR))
-"""Further cost of a far lag: alone it is not named if a near lag with a mounting leaves clearly less.
-
-Where both leave the same the far lag is named: an even top makes of it a near lag with a mounting."""
-
-MOST_OTHER_LAGS: Final = 1000
-"""Largest number of other lags, either way, that a far one is held against."""
+"""Median error above which an estimate follows the truth too little to tell a lag, rad."""
+FULL: Final = 0.999
+"""Share of the longest lag from which on a lag is at the limit of the search."""
 
 
-def told_lag(comparison: RunComparison, explanation: Explanation) -> tuple[float, float] | tuple[None, None]:
-    """Tell the lag and its standard error, s, beside heading and mounting where the motion tells them apart.
+@dataclass(frozen=True)
+class Lag:
+    """A lag that is told.
 
-    Where it does not, the lag is fitted beside what was found. A lag is told in three cases: it is named as a cause; it
-    is about the same in each half of the run and is sure, eight times its standard error, or halves the error and is
-    three times that; or it is none of these, and its standard error is small beside a lag that would turn the body by
-    the error that is left. Between them is what slow errors may feign. A lag that is not named is not told either where
-    the error that is left is above `LOST`.
+    Attributes
+    ----------
+    lag_s, standard_error_s : float or None
+        None where the motion and the errors do not tell it.
+    sure : bool
+        Whether it is a cause beside errors as large.
     """
-    ours = written(comparison, explanation.convention)
-    ours = ours.part(spread(len(ours.stamps_ns), LAG_SAMPLES))
-    if len(ours.stamps_ns) < FEWEST_FITTED:
-        return None, None
-    for free in (ALL_CONSTANTS, explanation.free | {LAG}):
-        if separable(ours, free, explanation.misalignment) or free == explanation.free:
-            return _told(ours, free, explanation)
-    return None, None
+
+    lag_s: float | None = None
+    standard_error_s: float | None = None
+    sure: bool = False
+
+    __repr__ = short_repr
 
 
-def _is_the_same_in_halves(comparison: RunComparison, fitted: Misalignment) -> bool:
-    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
-    for half in np.array_split(np.arange(len(comparison.stamps_ns)), 2):
-        alone = fit(comparison.part(half), ALL_CONSTANTS, fitted)
-        if abs(alone.lag_s - fitted.lag_s) > UNSTEADY * abs(fitted.lag_s):
-            return False
-    return True
+def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
+    """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
-
-def is_far(comparison: RunComparison, misalignment: Misalignment) -> bool:
-    """Whether the body turns by more than half a turn in a lag."""
-    return abs(misalignment.lag_s) * comparison.fastest() > np.pi
-
-
-def is_nearest(comparison: RunComparison, explanation: Explanation, tried: Iterable[Explanation]) -> bool:
-    """Whether a lag is near, or every explanation tried without a far lag costs clearly more.
-
-    One of the causes of the latter would take the place of the far lag.
+    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named; where it is sure;
+    and where it is none, to an error that is small beside a lag that would turn the body by what is left.
     """
-    if not is_far(comparison, explanation.misalignment):
-        return True
-    near = (e.cost for e in tried if e.causes and not is_far(comparison, e.misalignment))
-    return explanation.cost + FAR < min(near, default=np.inf)
+    given = track.part(spread(len(track.stamps_ns), SAMPLES))
+    track = undone(given, named.form.parts)
+    named_lag = named.lag_s or 0.0
+    parts = [part for part in named.parts[len(named.form.parts) :] if part[0].code in named.turned]
+    lag = (BY_CODE["lagging"], np.array([named_lag]))
+    both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
+    for turned in ([*parts, *both] if "world_turned" not in named.turned else parts, parts):
+        if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
+            return _told(track, turned, lag, named.lag_s is not None, longest_lag_s, period_s)
+    return Lag()
 
 
-def is_for_all_quarters(comparison: RunComparison, explanation: Explanation) -> bool:
-    """Whether no other lag leaves half of what a far lag leaves in any quarter of the run, from the second on.
+def standard_error(track: Track, parts: Sequence[Part]) -> float:
+    """Standard error of the lag, the last of fitted constants, s.
 
-    Of a motion that nearly repeats there are many far ones that fit better than none beside errors that drift, each for
-    a while. Others are looked for within a quarter of the run.
+    The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
+    circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
+    counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
+    those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
+    tell nothing: errors that are independent are counted as well. The largest value counts.
     """
-    ours, found = written(comparison, explanation.convention), explanation.misalignment
-    if not is_far(ours, found):
-        return True
-    fastest = ours.fastest()
-    longest_s = max(ours.longest_lag_s, float(ours.stamps_ns[-1] - ours.stamps_ns[0]) / 4e9)
-    most = min(int(longest_s * fastest / LAG_TURN), MOST_OTHER_LAGS)
-    lags = np.arange(-most, most + 1) * (LAG_TURN / fastest)
-    tried = [found.lag_s, *lags[np.abs(lags - found.lag_s) * fastest > np.pi].tolist()]
-    quarters = (_medians(ours.part(quarter), found, tried) for quarter in later_quarters(len(ours.stamps_ns)))
-    return all(medians[0] <= 2.0 * max(medians.min(), NEGLIGIBLE) for medians in quarters)
+    truth, J, error, weight = _linear(track, parts)
+    weighted = J * weight[:, np.newaxis, np.newaxis]
+    G = J @ np.linalg.pinv(np.einsum("nia,nib->ab", weighted, J), rcond=1e-10)[:, -1]
+    psi = weight[:, np.newaxis] * error
+    on_world = [quaternion.rotate(truth, vectors) for vectors in (G, psi)]
+    independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
+    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world), independent)
 
 
-def _medians(comparison: RunComparison, misalignment: Misalignment, lags_s: list[float]) -> Array:
-    """Medians of the angles that some lags leave, rad; infinite where less than half of the samples have a truth."""
-    stamps = np.stack([comparison.true_stamps(lag_s) for lag_s in lags_s])
-    known = comparison.truth.covers(stamps)
-    truth = comparison.truth.at(np.clip(stamps, comparison.truth.first_ns, comparison.truth.last_ns))
-    angles = np.where(known, angles_between(misalignment.predict(truth), comparison.estimate_xyzw), np.inf)
-    return np.asarray(np.median(angles, axis=-1))
+def _rms_over_shifts(G: Array, errors: Array) -> float:
+    """Root mean square of Σ G · errors over all circular shifts of the errors, both of shape (N, 3)."""
+    spectra = np.conj(np.fft.rfft(G, axis=0)) * np.fft.rfft(errors, axis=0)
+    return rms(np.fft.irfft(spectra.sum(axis=1), n=len(G)))
+
+
+def _linear(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array, Array]:
+    """True attitudes, derivative by the constants, errors on the body's axes, and their weights."""
+    now = undone(track, parts)
+    truth, rate = now.truth.states(now.stamps_ns)
+    error = turns(truth, now.attitude_xyzw)
+    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+    return truth, J, error, weights(sizes(error))
+
+
+def _separable(track: Track, parts: Sequence[Part]) -> bool:
+    """Whether the motion tells the lag, the last of some constants, from the others, and turns at all.
+
+    The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
+    """
+    _, J, _, _ = _linear(track, parts)
+    normal = np.einsum("nia,nib->ab", J, J)
+    alone = float(normal[-1, -1])
+    if not alone > SLOWEST_RATE**2 * len(J):
+        return False
+    shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
+    return bool(alone <= LARGEST_INFLATION * (alone - shared))
+
+
+def _median(track: Track, parts: Sequence[Part]) -> float:
+    return float(np.median(undone(track, parts).errors()))
 
 
 def _told(
-    comparison: RunComparison, free: frozenset[str], explanation: Explanation
-) -> tuple[float, float] | tuple[None, None]:
-    fitted = fit(comparison, free, explanation.misalignment)
-    without = fit(comparison, free - {LAG}, replace(fitted, lag_s=0.0))
-    before, left = (median_left(comparison, Convention(), m) for m in (without, fitted))
-    named, lag_s = LAG in explanation.free, abs(fitted.lag_s)
-    error = lag_standard_error(comparison, free, fitted)
-    large = free == ALL_CONSTANTS and (lag_s >= SURE * error or before >= 2.0 * left)
-    if left >= LOST and not named:
-        return None, None
-    explains = named or (large and _is_the_same_in_halves(comparison, fitted))
-    if not explains:
-        error = lag_standard_error(comparison, free, without)
-    rate = rms(sizes(comparison.true_states(0.0)[1]))
-    if explains:
-        raw = median_left(comparison, Convention(), Misalignment())
-        told = named or (SIGNIFICANT * error <= lag_s and lag_s * rate <= 2.0 * raw)
-    else:
-        told = lag_s <= SIGNIFICANT * error and 4.0 * error * rate <= before
-    return (fitted.lag_s, error) if told and lag_s < AT_LIMIT * comparison.longest_lag_s else (None, None)
+    track: Track, turned: Sequence[Part], lag: Part, is_named: bool, longest_lag_s: float, period_s: float
+) -> Lag:
+    fitted = fit([track], [*turned, lag])
+    lag_s = float(fitted[-1][1][0])
+    if abs(lag_s) > FULL * longest_lag_s:
+        return Lag()
+    left = _median(track, fitted)
+    error = standard_error(track, fitted)
+    if is_named:
+        return Lag(lag_s, error)
+    if left > LOST:
+        return Lag()
+    without = [*fit([track], turned), (lag[0], np.zeros(1))] if turned else [(lag[0], np.zeros(1))]
+    before, rate = _median(track, without), rms(sizes(track.truth.states(track.stamps_ns)[1]))
+    clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
+    if clear and abs(lag_s) * rate <= 2.0 * _median(track, ()) and _is_steady(track, fitted):
+        lead = -LEAD * period_s <= lag_s <= 0.0
+        sure = abs(lag_s) >= SURE * error and abs(lag_s) >= LEAST_LATE * period_s and not lead
+        return Lag(lag_s, error, sure)
+    error = standard_error(track, without)
+    told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * rate <= before
+    return Lag(lag_s, error) if told else Lag()
+
+
+def _is_steady(track: Track, fitted: Sequence[Part]) -> bool:
+    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
+    lag_s = fitted[-1][1][0]
+    halves = np.array_split(np.arange(len(track.stamps_ns)), 2)
+    alone = [fit([track.part(half)], fitted)[-1][1][0] for half in halves]
+    return bool(np.all(np.abs(np.array(alone) - lag_s) <= UNSTEADY * abs(lag_s)))

@@ -14,7 +14,7 @@ lag may have such a lead at no price, and it is no cause.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import permutations
 from typing import Final
@@ -40,9 +40,10 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 UNLIKE: Final = 0.5
 """Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
 LEAST_TILT: Final = float(np.radians(10.0))
-"""Least tilt of a turned world, rad: sensors err by less, and a turn about the vertical is a heading offset."""
-LEAD: Final = 1.05
-"""Largest lead of a right filter, samples."""
+"""Least tilt of a turned world, rad, and least angle to one upside down: sensors err by less. A turn about the vertical
+is a heading offset, and a world upside down is NED with a heading offset."""
+LEAD: Final = 1.5
+"""Largest lead of a right filter, samples: one, and what its sensors err by."""
 LAG_TURN: Final = 0.25
 """Turn of the body from one lag that is tried to the next, rad."""
 MOST_LAGS: Final = 181
@@ -372,7 +373,9 @@ class Choice:
                 continue
             small = new[0] == "lag" and without.error < OF_SENSORS
             half = 0.5 * (without.error + self.named.error)
-            if max(other.error, NEGLIGIBLE) <= min((LAG_TIE if small else TIE) * max(self.named.error, NEGLIGIBLE), half):
+            if max(other.error, NEGLIGIBLE) <= min(
+                (LAG_TIE if small else TIE) * max(self.named.error, NEGLIGIBLE), half
+            ):
                 found[new[0]] = None
         return tuple(found)
 
@@ -406,15 +409,18 @@ def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> 
     if plain.error <= NEGLIGIBLE:
         return Choice(plain, evidence, [plain])
     tried, of_sensors = evidence.explanations(), False
+    allowed: set[str] | None = None
     for e in tried:
         if e is plain:
             break
+        if allowed is not None and not allowed.issuperset(e.causes):
+            continue
         if e.lag_s is not None and abs(e.lag_s) > 0.999 * longest_lag_s:
             return Choice(plain, evidence, tried, of_sensors, at_limit=True)
         if not is_needed(evidence, e):
             continue
         if is_small(e, left_by_sensors):
-            of_sensors = True
+            of_sensors, allowed = True, set(e.causes)  # what is left without the small turn is of its other causes
             continue
         return Choice(e, evidence, tried, of_sensors)
     return Choice(plain, evidence, tried, of_sensors)
@@ -429,8 +435,8 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
     if explanation.lag_s is not None and -LEAD * evidence.period_s <= explanation.lag_s <= 0.0:
         return False
     if "world_turned" in explanation.turned:
-        turn = quaternion.exp(vector(explanation.numbers))
-        if angles(turn).inclination < LEAST_TILT:
+        tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
+        if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
             return False
     return all(
         np.all(left <= SHARE**2 * _counted(evidence.without(explanation, cause).left)) for cause in explanation.causes

@@ -16,7 +16,7 @@ from lie_rigid_body.arrays import Array, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
 from lie_rigid_body.evaluation.clock import FAR
 from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
+from lie_rigid_body.evaluation.naming import FORMS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -52,9 +52,9 @@ SCALES: Final = {
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
 BY_A_CLOCK: Final = (2.0, 0.5)
 """Ratios of turns that another clock of an evenly turning body makes as well."""
-WRITTEN: Final = tuple(convention for convention in CONVENTIONS if not convention.ned_world)
+WRITTEN: Final = tuple(form for form in FORMS if "ned_world" not in form.codes)
 """Conventions that change the turns; another world changes none, other body axes are a mounting."""
-OTHERWISE_WRITTEN: Final = tuple(convention for convention in ALONE if convention.scalar_first or convention.inverted)
+OTHERWISE_WRITTEN: Final = tuple(form for form in FORMS if {"scalar_first", "inverted"} & set(form.codes))
 """Conventions that may feign other turns without a mounting."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
@@ -191,8 +191,8 @@ def _whole(stamps_ns: Integers) -> Integers:
 def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers, *, mounted: bool) -> float:
     """Least miss of the turns by a convention, alone or with the mounting that suits it best."""
     true, least = _steps(true_xyzw, few), np.inf
-    for convention in WRITTEN if mounted else OTHERWISE_WRITTEN:
-        ours = _steps(convention.undo(estimate_xyzw), few)
+    for form in WRITTEN if mounted else OTHERWISE_WRITTEN:
+        ours = _steps(estimate_xyzw @ form.matrix.T, few)
         if not mounted:
             least = min(least, float(_missed(ours, true)))
             continue

@@ -25,7 +25,7 @@ from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wante
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.track_decoding import taken, texts
 from lie_rigid_body.runs.truth import ScenarioTruth
-from lie_rigid_body.runs.unavoidable import bound_of
+from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
@@ -88,6 +88,7 @@ class RecordedEstimate:
             covariance=self.covariance,
             covariance_axes=covariance_axes,
             bound=bound_of(self.segments, self.truth, self.track.stamps_ns) if bounded else None,
+            sensors=left_by_errors_of(self.segments),
             left_out=self.left_out,
             due_ns=self.truth.last_ns if due_ns is None else due_ns,
         )
