@@ -29,7 +29,7 @@ GRID_SAMPLES: Final = 60
 FIT_SAMPLES: Final = 300
 """Largest number of samples by which clocks are tried, and fitted."""
 MOST_REFINED: Final = 5
-SPIN: Final = 0.98
+SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis: so an error of a gyro does."""
 FAR: Final = 1.5
 """Ratio of two rates above which no error of a gyro feigns it."""
@@ -136,22 +136,24 @@ def _refined(track: Track, clock: Clock) -> tuple[Clock, float] | None:
         clock = fit([few], clock, steps=4)
     moved = undone(few, clock).known()
     truth, rate = moved.truth.states(moved.stamps_ns)
-    quarters = np.array_split(np.arange(len(moved.stamps_ns)), 4)[1:]
-    left = np.array([np.mean(np.sin(0.5 * moved.errors()[q]) ** 2) for q in quarters])
-    own = few.part(np.flatnonzero(few.truth.covers(few.stamps_ns)))
-    before = float(np.mean(np.sin(0.5 * own.errors()) ** 2)) if len(own.stamps_ns) >= FEWEST else 1.0
+    left = _quarters(moved)
+    own = few.known()
+    before = _quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
     outer = np.mean(truth[:, :, np.newaxis] * truth[:, np.newaxis], axis=0)
     still = 1.0 - float(np.linalg.eigvalsh(outer)[-1])
-    most = min(SHARE**2 * before, (0.5 * UNLIKE) ** 2 * still, np.sin(0.5 * LARGEST_LEFT) ** 2)
-    if left.max() > max(most, np.sin(0.5 * NEGLIGIBLE) ** 2):
+    most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still, np.sin(0.5 * LARGEST_LEFT) ** 2))
+    if np.any(left > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return None
     axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
     if np.sum(np.mean(axes, axis=0) ** 2) > SPIN:
-        spans = (moved.stamps_ns[-1] - moved.stamps_ns[0]) > MOSTLY_SPANNED * (
-            track.truth.last_ns - track.truth.first_ns
-        )
+        span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if len(clock) == 1 else times > FAR and spans):
+        if not (near if len(clock) == 1 else times > FAR and span > MOSTLY_SPANNED * whole):
             return None
     return clock, float(2.0 * np.arcsin(np.sqrt(left.mean()))) + NEGLIGIBLE
+
+
+def _quarters(track: Track) -> Array:
+    """Mean of sin² of half of the error in each quarter but the first."""
+    return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.errors(), 4)[1:]])

@@ -52,24 +52,21 @@ class Finding:
         return asdict(self)
 
 
-def findings(track: Track, choice: Choice, parts: Sequence[Part]) -> tuple[Finding, ...]:
-    """Put causes into words, in the order of their effect; one without a constant is undone before the others.
+def findings(track: Track, choice: Choice) -> tuple[Finding, ...]:
+    """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
     Parameters
     ----------
     track : Track
         All samples within the truth's times.
     choice : Choice
-        For what the motion does not tell apart.
-    parts : sequence of Part
-        The causes that are named, with constants near the best.
 
     Returns
     -------
     tuple of Finding
         Empty if the errors grow when all causes are undone, as where most of them are of something else.
     """
-    few = track.part(spread(len(track.stamps_ns), FITTED))
+    few, parts = track.part(spread(len(track.stamps_ns), FITTED)), choice.named.parts
     rest = fit([few.part(np.flatnonzero(few.truth.covers(undone(few, parts).stamps_ns)))], parts)
     found: list[Finding] = []
     before = given = _errors(track, [])
@@ -93,7 +90,7 @@ def clock_finding(whole: Track, track: Track, clock: Clock) -> Finding:
     before, after = _errors(whole, []), np.degrees(track.errors())
     rate = rate_of(clock)
     if rate == 1.0:
-        lag, constants = clock[0]
+        [(_, constants)] = clock
         code = "lagging" if constants[0] > 0.0 else "leading"
         sentence = _lag(float(constants[0]), whole)
     else:
@@ -135,7 +132,7 @@ def _sentence(part: Part, track: Track) -> str:
     if cause.code == "heading_offset":
         return (
             f"{fact}: turn the estimate by {-np.degrees(constants[0]):+.6g}° from the left, or tell the filter its "
-            f"magnetic declination or what its x axis is; hard iron and a bias of the gyro turn it as well, and {FEIGNED}"
+            f"magnetic declination or what its x axis is; hard iron and a bias of the gyro turn it too, and {FEIGNED}"
         )
     if cause.code == "world_turned":
         return (

@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
-from lie_rigid_body.evaluation.naming import BOTH, LEAD, Explanation, spread
+from lie_rigid_body.evaluation.naming import BOTH, LEAD, NEGLIGIBLE, Explanation, spread
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
@@ -32,6 +32,8 @@ SLOWEST_RATE: Final = 1e-6
 """Least body rate that tells something about time, rad/s."""
 LOST: Final = float(np.radians(20.0))
 """Median error above which an estimate follows the truth too little to tell a lag, rad."""
+FINEST_S: Final = 1e-9
+"""Least standard error of a lag, s: stamps are whole nanoseconds."""
 FULL: Final = 0.999
 """Share of the longest lag from which on a lag is at the limit of the search."""
 
@@ -58,16 +60,15 @@ class Lag:
 def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
     """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
-    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named; where it is sure;
-    and where it is none, to an error that is small beside a lag that would turn the body by what is left.
+    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
+    sure, and where it is none, to an error that is small beside a lag that would turn the body by what is left.
     """
     given = track.part(spread(len(track.stamps_ns), SAMPLES))
-    track = undone(given, named.form.parts)
-    named_lag = named.lag_s or 0.0
-    parts = [part for part in named.parts[len(named.form.parts) :] if part[0].code in named.turned]
-    lag = (BY_CODE["lagging"], np.array([named_lag]))
+    parts = [part for part in named.parts if part[0].code in BOTH]
+    track = undone(given, [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
     both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
-    for turned in ([*parts, *both] if "world_turned" not in named.turned else parts, parts):
+    for turned in ([*parts, *both], parts):
         if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
             return _told(track, turned, lag, named.lag_s is not None, longest_lag_s, period_s)
     return Lag()
@@ -144,8 +145,8 @@ def _told(
         lead = -LEAD * period_s <= lag_s <= 0.0
         sure = abs(lag_s) >= SURE * error and abs(lag_s) >= LEAST_LATE * period_s and not lead
         return Lag(lag_s, error, sure)
-    error = standard_error(track, without)
-    told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * rate <= before
+    error = max(standard_error(track, without), FINEST_S)
+    told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * rate <= max(before, NEGLIGIBLE)
     return Lag(lag_s, error) if told else Lag()
 
 

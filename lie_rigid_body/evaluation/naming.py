@@ -14,7 +14,7 @@ lag may have such a lead at no price, and it is no cause.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import permutations
 from typing import Final
@@ -30,13 +30,19 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 SHARE: Final = 1.0 / 3.0
-"""Largest share of the error, root mean square in a quarter, that a named cause may leave of what is left without it."""
+"""Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
+LAG_SHARE: Final = 0.5
+"""The same of a lag: slow errors hardly go with the rate of the body."""
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25}
 """Prices of causes with constants, in halved errors; of one without a constant it is 1."""
+FAR: Final = 1.0
+"""Further price of a lag by which the body turns by more than half a turn: there are many."""
 TIE: Final = 1.25
 """Ratio of two errors up to which their explanations are as good."""
 NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Error that needs no explanation, rad; smaller ones count as this."""
+UNEVEN: Final = 3.0
+"""Largest ratio of what a far lag leaves in two quarters: of a motion that nearly repeats each has its own."""
 UNLIKE: Final = 0.5
 """Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
 LEAST_TILT: Final = float(np.radians(10.0))
@@ -110,6 +116,8 @@ class Explanation:
         Those of the turns.
     lag_s : float or None
         The lag, if it is a cause.
+    far : bool
+        Whether the body turns by more than half a turn in it.
     """
 
     form: Form
@@ -117,6 +125,7 @@ class Explanation:
     left: Array
     numbers: Array
     lag_s: float | None = None
+    far: bool = False
 
     __repr__ = short_repr
 
@@ -133,7 +142,11 @@ class Explanation:
     @property
     def cost(self) -> float:
         """What the choice makes least."""
-        simple = 0.02 * self.form.frd_body + sum(PRICES.get(cause, 1.0) for cause in self.causes)
+        simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + FAR * self.far
+        # of two that do the same by nature: without other axes of the body, and with the smaller mounting
+        simple += 0.02 * self.form.frd_body
+        if "body_mounting" in self.turned and self.numbers.size:
+            simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
         return float(np.mean(0.5 * np.log2(_counted(self.left)))) + simple
 
     @property
@@ -172,7 +185,7 @@ def _best(forms: Array) -> Array:
 
 
 def _best_of_both(forms: Array, first: Array) -> Array:
-    """The same of products of a turn about the vertical (2) and one of the body (4), fitted in turns, shape (..., 8)."""
+    """Numbers of a turn about the vertical (2) and one of the body (4), fitted in turns, shape (..., 6)."""
     G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
     for _ in range(8):
         body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
@@ -222,7 +235,7 @@ class Evidence:
         return self.sums(leads)
 
     def judged(self, turned: Turned, T: Array, number: int) -> tuple[Array, Array]:
-        """What a form with turns leaves in each quarter, (..., 3), and the numbers by all, from T of (..., 3, 16, 16)."""
+        """What a form with turns leaves in each quarter, (..., 3), and its numbers, from T of (..., 3, 16, 16)."""
         base = _base(turned)[number]
         G = base @ T @ base.T
         whole = G.sum(axis=-3)
@@ -279,7 +292,8 @@ class Evidence:
         around = np.concatenate([[np.inf], cost, [np.inf]])
         slack = np.sin(0.25 * min(step * self._fastest, 2.0)) ** 2
         lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + slack))
-        lowest = lowest[np.argsort(cost[lowest], kind="stable")][:4]
+        by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
+        lowest = np.union1d(by_cost, by_size)
         found = [self._at_lag(number, turned, float(lags[k]), step) for k in lowest]
         least = min(_counted(e.left).mean() for e in found)
         as_good = [e for e in found if _counted(e.left).mean() <= TIE**2 * least]
@@ -298,7 +312,8 @@ class Evidence:
         crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
         T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
         left, numbers = self.judged(turned, T, number)
-        return Explanation(FORMS[number], turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s)
+        far = abs(lag_s) * self._fastest > np.pi
+        return Explanation(FORMS[number], turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far)
 
     def explanations(self) -> list[Explanation]:
         """Those that may be the best, the cheapest first."""
@@ -313,7 +328,7 @@ class Evidence:
             for number, left in enumerate(cost):
                 trial = Explanation(FORMS[number], turned, np.array([left.min() - slack]), np.zeros(0), 0.0)
                 if trial.cost < lowest:
-                    promising.append((float(left.min()), number, turned))
+                    promising.append((trial.cost, number, turned))
         found += [self.get(number, turned, late=True) for _, number, turned in sorted(promising)[:REFINED]]
         return sorted(found, key=lambda e: e.cost)
 
@@ -358,6 +373,11 @@ class Choice:
     at_limit: bool = False
 
     __repr__ = short_repr
+
+    def with_lag(self, lag_s: float | None) -> Choice:
+        """The choice with a lag beside the causes that are named."""
+        named = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
+        return replace(self, named=replace(named, lag_s=lag_s))
 
     def instead_of(self, cause: str) -> tuple[str, ...]:
         """Causes that, in the place of one, leave about as much."""
@@ -439,7 +459,10 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
         if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
             return False
     return all(
-        np.all(left <= SHARE**2 * _counted(evidence.without(explanation, cause).left)) for cause in explanation.causes
+        np.all(
+            left <= (LAG_SHARE if cause == "lag" else SHARE) ** 2 * _counted(evidence.without(explanation, cause).left)
+        )
+        for cause in explanation.causes
     )
 
 

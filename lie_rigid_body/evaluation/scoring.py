@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -13,7 +13,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
-from lie_rigid_body.evaluation.causes import BY_CODE, Track
+from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.clock import other_clock, rate_of
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
@@ -151,7 +151,7 @@ def evaluate(
 class _Diagnosed:
     """What is found about an estimate beside its errors: the lag, mistakes, and remarks on how it turns."""
 
-    lag: Lag = Lag()
+    lag: Lag = field(default_factory=Lag)
     found: tuple[Finding, ...] = ()
     turns: tuple[Remark, ...] = ()
     of_sensors: bool = False
@@ -194,10 +194,9 @@ def _diagnosis(
         return _Diagnosed()
     period_s = period_ns(stamps) / 1e9
     lag = Lag() if choice.at_limit else lag_of(inner, choice.named, longest_s, period_s)
-    parts = choice.named.parts
-    if lag.sure and lag.lag_s is not None and choice.named.lag_s is None:
-        parts.append((BY_CODE["lagging" if lag.lag_s > 0.0 else "leading"], np.array([lag.lag_s])))
-    named = findings(track, choice, parts) if parts else ()
+    if lag.sure and choice.named.lag_s is None:
+        choice = choice.with_lag(lag.lag_s)
+    named = findings(track, choice) if choice.named.causes else ()
     rest = turning(*turned) if unlike and not named else ()
     return _Diagnosed(lag, named, rest, choice.of_sensors)
 

@@ -11,7 +11,7 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
-from lie_rigid_body.evaluation.findings import _places
+from lie_rigid_body.evaluation.findings import places
 from lie_rigid_body.evaluation.turning import AXES, DEGREE, mixed, stuck, turning
 from lie_rigid_body.lie import quaternion
 
@@ -146,7 +146,7 @@ def test_a_body_of_other_axes_is_told_by_their_names():
     assert finding.code == "body_mounting"
     for axes in AXES[np.linalg.det(AXES) > 0.0][1:]:
         slightly = quaternion.multiply(quaternion.from_matrix(axes.T), quaternion.exp([0.0, 0.0, np.radians(1.0)]))
-        told = _places(slightly)
+        told = places(slightly)
         names = re.findall("-?[xyz]", told.split(" are ")[1])[:3]
         unit = {
             sign + name: float(sign + "1") * row
@@ -155,5 +155,5 @@ def test_a_body_of_other_axes_is_told_by_their_names():
         }
         np.testing.assert_array_equal([unit[name] for name in names], axes)
         assert "but for 1°" in told
-    assert _places(quaternion.exp([0.0, 0.0, np.radians(1.0)])) == ""
-    assert _places(quaternion.exp([0.0, 0.0, np.radians(80.0)])) == ""
+    assert places(quaternion.exp([0.0, 0.0, np.radians(1.0)])) == ""
+    assert places(quaternion.exp([0.0, 0.0, np.radians(80.0)])) == ""
