@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.causes import Part, Track, fit, undone
 from lie_rigid_body.evaluation.clock import Clock, rate_of
-from lie_rigid_body.evaluation.estimate import period_ns
+from lie_rigid_body.evaluation.estimate import FEIGNED, period_ns
 from lie_rigid_body.evaluation.naming import Choice, spread
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.turning import named
@@ -22,8 +22,6 @@ FITTED: Final = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
 SAME_AXES_DEG: Final = 5.0
 """Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
-FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
-"""What is said of a cause that a mistake at the input of the filter may feign."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from lie_rigid_body.evaluation.naming import choose
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
-from lie_rigid_body.evaluation.turning import mixed, stuck, turning
+from lie_rigid_body.evaluation.turning import Turns
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 
@@ -165,12 +165,11 @@ def _diagnosis(
     `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
     stamps, track = estimate.stamps_ns, Track(estimate.stamps_ns, estimate.attitude_xyzw, truth)
-    turned, error = (stamps, estimate.attitude_xyzw, true_xyzw), np.degrees(track.errors())
+    turned, error = Turns(stamps, estimate.attitude_xyzw, true_xyzw), np.degrees(track.errors())
     unlike = float(np.median(error)) > UNLIKE_DEG
-    if rms(error) > UNLIKE_DEG:
-        sure = stuck(*turned) or (turning(*turned, surely=True) if unlike else ()) or mixed(*turned)
-        if sure:
-            return _Diagnosed(turns=sure)
+    sure = turned.stuck() or turned.mixed() if rms(error) > UNLIKE_DEG else ()
+    if sure:
+        return _Diagnosed(turns=sure)
     quarter = float(stamps[-1] - stamps[0]) / 4e9
     longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
     margin = round(longest_s * 1e9)
@@ -197,7 +196,7 @@ def _diagnosis(
     if lag.sure and choice.named.lag_s is None:
         choice = choice.with_lag(lag.lag_s)
     named = findings(track, choice) if choice.named.causes else ()
-    rest = turning(*turned) if unlike and not named else ()
+    rest = turned.other() if unlike and not named else ()
     return _Diagnosed(lag, named, rest, choice.of_sensors)
 
 
