@@ -21,6 +21,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations
+from multiprocessing import get_context
 from typing import Any, Final
 
 import numpy as np
@@ -29,7 +30,7 @@ from tqdm import tqdm
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, so3
 
 Array = np.ndarray[Any, Any]
 
@@ -185,72 +186,100 @@ def left_by_sensors(run: Run) -> Any:
     return left_by_errors_of(run.segments)
 
 
-def mahony(r: Readings, gyro: Array, gain: float, *, bias: float = 0.0, ahead: bool = False) -> Array:
+def mahony(r: Together, gyro: Array, gain: float, *, bias: float = 0.0, ahead: bool = False) -> Array:
     """Mahony's filter; `ahead` by up to a sample where it corrects before it turns, as textbooks do."""
-    q, b, h = r.truth_xyzw[0], np.zeros(3), r.step_s
-    found = np.empty_like(r.truth_xyzw)
-    found[0] = q
-    for k in range(1, len(found)):
-        turned = q if ahead else quaternion.multiply(q, quaternion.exp((gyro[k] - b) * h))
+    q, b, h = r.truth_xyzw[:, 0], np.zeros((len(gyro), 3)), r.step_s
+    found = [q]
+    for k in range(1, SAMPLES):
+        turn = quaternion.exp((gyro[:, k] - b) * h)
+        turned = q if ahead else quaternion.multiply(q, turn)
         back = quaternion.conjugate(turned)
-        known = quaternion.rotate(back, np.stack([UP, r.north]))
-        error = np.cross(r.up[k], known[0]) + np.cross(r.field[k], known[1])
+        error = np.cross(r.up[:, k], quaternion.rotate(back, UP)) + np.cross(
+            r.field[:, k], quaternion.rotate(back, r.north)
+        )
         b = b - bias * error * h
-        if ahead:
-            q = quaternion.multiply(q, quaternion.exp((gyro[k] - b + gain * error) * h))
-        else:
-            q = quaternion.multiply(turned, quaternion.exp(gain * error * h))
-        found[k] = q
-    return quaternion.normalize(found)
+        step = (gyro[:, k] - b + gain * error) * h if ahead else gain * error * h
+        q = quaternion.normalize(quaternion.multiply(turned, quaternion.exp(step)))
+        found.append(q)
+    return np.stack(found, axis=1)
 
 
-def mekf(r: Readings, gyro: Array, noise: float) -> Array:
+def mekf(r: Together, gyro: Array, noise: float) -> Array:
     """A multiplicative extended Kalman filter of attitude and gyro bias."""
-    q, b, h = r.truth_xyzw[0], np.zeros(3), r.step_s
-    P = np.diag([0.01] * 3 + [1e-3] * 3)
-    found = np.empty_like(r.truth_xyzw)
-    found[0] = q
-    Q = np.diag([h * 1e-4] * 3 + [h * 1e-6] * 3)
-    for k in range(1, len(found)):
-        q = quaternion.multiply(q, quaternion.exp((gyro[k] - b) * h))
-        F = np.eye(6)
-        F[:3, :3] = quaternion.to_matrix(quaternion.exp((gyro[k] - b) * h)).T
-        F[:3, 3:] = -h * np.eye(3)
-        P = F @ P @ F.T + Q
-        known = quaternion.rotate(quaternion.conjugate(q), np.stack([UP, r.north]))
-        H = np.zeros((6, 6))
-        for i, v in enumerate(known):
-            H[3 * i : 3 * i + 3, :3] = [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]]
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + noise**2 * np.eye(6))
-        dx = K @ (np.concatenate([r.up[k], r.field[k]]) - known.ravel())
+    q, b, h = r.truth_xyzw[:, 0], np.zeros((len(gyro), 3)), r.step_s
+    P = np.tile(np.diag([0.01] * 3 + [1e-3] * 3), (len(gyro), 1, 1))
+    Q = h[..., np.newaxis] * np.diag([1e-4] * 3 + [1e-6] * 3)
+    found = [q]
+    for k in range(1, SAMPLES):
+        turn = quaternion.exp((gyro[:, k] - b) * h)
+        q = quaternion.multiply(q, turn)
+        F = np.tile(np.eye(6), (len(gyro), 1, 1))
+        F[:, :3, :3] = np.swapaxes(quaternion.to_matrix(turn), 1, 2)
+        F[:, :3, 3:] = -h[..., np.newaxis] * np.eye(3)
+        P = F @ P @ np.swapaxes(F, 1, 2) + Q
+        back = quaternion.conjugate(q)
+        known = np.concatenate([quaternion.rotate(back, UP), quaternion.rotate(back, r.north)], axis=1)
+        H = np.zeros((len(gyro), 6, 6))
+        H[:, :3, :3], H[:, 3:, :3] = so3.hat(known[:, :3]), so3.hat(known[:, 3:])
+        PH = P @ np.swapaxes(H, 1, 2)
+        K = PH @ np.linalg.inv(H @ PH + noise**2 * np.eye(6))
+        read = np.concatenate([r.up[:, k], r.field[:, k]], axis=1)
+        dx = np.einsum("bij,bj->bi", K, read - known)
         P = (np.eye(6) - K @ H) @ P
-        q, b = quaternion.multiply(q, quaternion.exp(dx[:3])), b + dx[3:]
-        found[k] = q
-    return quaternion.normalize(found)
+        q, b = quaternion.normalize(quaternion.multiply(q, quaternion.exp(dx[:, :3]))), b + dx[:, 3:]
+        found.append(q)
+    return np.stack(found, axis=1)
 
 
 def integrated(r: Readings, gyro: Array) -> Array:
-    """The gyro's turns from the true attitude."""
-    turns = quaternion.exp(gyro * r.step_s)
-    found = np.empty_like(r.truth_xyzw)
-    found[0] = r.truth_xyzw[0]
-    for k in range(1, len(found)):
-        found[k] = quaternion.multiply(found[k - 1], turns[k])
+    """The gyro's turns from the true attitude; each round doubles the number of factors."""
+    found, factors = np.concatenate([r.truth_xyzw[:1], quaternion.exp(gyro[1:] * r.step_s)]), 1
+    while factors < len(found):
+        found[factors:] = quaternion.multiply(found[:-factors], found[factors:])
+        factors *= 2
     return quaternion.normalize(found)
 
 
-FILTERS: Final[dict[str, Callable[[Readings], Array]]] = {
+@dataclass(frozen=True)
+class Together:
+    """Readings of all runs side by side: shapes (runs, N, 3), and (runs, 1) of the step."""
+
+    step_s: Array
+    gyro: Array
+    up: Array
+    field: Array
+    north: Array
+    truth_xyzw: Array
+    bias: Array
+
+
+@cache
+def everything() -> dict[str, Array]:
+    """The attitudes of every filter on every run, (runs, N, 4), in the order of `RUNS`."""
+    each = [readings(*run) for run in RUNS]
+    stacked = [np.stack([getattr(r, name) for r in each]) for name in ("gyro", "up", "field", "north", "truth_xyzw")]
+    rng = np.random.default_rng(5)
+    bias = rng.normal(size=(len(RUNS), 1, 3)) * np.radians(10.0 ** rng.uniform(-2.0, 0.0, (len(RUNS), 1, 1)))
+    r = Together(np.array([[one.step_s] for one in each]), *stacked, bias)
+    return {name: run(r) for name, run in FILTERS.items()}
+
+
+FILTERS: Final[dict[str, Callable[[Together], Array]]] = {
     "Mahony": lambda r: mahony(r, r.gyro, 1.0),
     "Mahony with bias": lambda r: mahony(r, r.gyro, 1.0, bias=0.1),
     "Mahony of a textbook": lambda r: mahony(r, r.gyro, 0.5, bias=0.05, ahead=True),
     "MEKF": lambda r: mekf(r, r.gyro, 0.02),
+    "biased": lambda r: mahony(r, r.gyro + r.bias, 0.2),
 }
+"""Filters; the last has a gyro with a bias that it does not know."""
+RIGHT: Final = tuple(FILTERS)[:-1]
+SEEDS: Final = 3
+RUNS: Final = tuple((motion, grade, seed) for motion in MOTIONS for grade in GRADES for seed in range(SEEDS))
 
 
-@cache
 def filtered(name: str, motion: str, grade: str, seed: int) -> Array:
-    """The attitudes of a right filter."""
-    return FILTERS[name](readings(motion, grade, seed))
+    """The attitudes of a filter."""
+    return everything()[name][RUNS.index((motion, grade, seed))]
 
 
 def honest(name: str, r: Readings, rng: np.random.Generator) -> Array:
@@ -277,12 +306,6 @@ def honest(name: str, r: Readings, rng: np.random.Generator) -> Array:
     turn = quaternion.exp(size * errors[name] + noise)
     on_world = name.startswith("heading") or rng.random() < 0.5
     return quaternion.multiply(turn, r.truth_xyzw) if on_world else quaternion.multiply(r.truth_xyzw, turn)
-
-
-def biased(r: Readings, rng: np.random.Generator) -> Array:
-    """A filter whose gyro has a bias that it does not know, about the vertical most: it errs where it corrects late."""
-    bias = rng.normal(size=3) * np.radians(10.0 ** rng.uniform(-2.0, 0.0))
-    return mahony(r, r.gyro + bias, 0.2)
 
 
 def wrong(code: str, r: Readings, stamps: Array, q: Array, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -365,14 +388,15 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str]:
     """Readings, stamps and attitudes of a case, whether it is fair, and where it is."""
     rng = case.rng()
     motion, grade = str(rng.choice(list(MOTIONS))), str(rng.choice(GRADES))
-    seed, name = int(rng.integers(3)), str(rng.choice([*FILTERS, "truth"]))
+    seed, name = int(rng.integers(SEEDS)), str(rng.choice([*RIGHT, "truth"]))
     r = readings(motion, grade, seed)
     where = f"{motion}, {grade}, seed {seed}, {name}"
     if not case.codes:
         if case.kind[0].startswith("right"):
-            name = list(FILTERS)[case.number // len(KINDS) % len(FILTERS)]
+            name = RIGHT[case.number // len(KINDS) % len(RIGHT)]
             return r, r.stamps_ns, filtered(name, motion, grade, seed), True, f"{motion}, {grade}, seed {seed}, {name}"
-        attitude = biased(r, rng) if case.kind[0] == "bias" else honest(case.kind[0], r, rng)
+        biased = case.kind[0] == "bias"
+        attitude = filtered("biased", motion, grade, seed) if biased else honest(case.kind[0], r, rng)
         return r, r.stamps_ns, attitude, True, where
     if case.kind[0] in {"turn_rate", "turn_axes"}:
         stamps, q, right = r.stamps_ns, of_gyro(case.kind[0], r, rng), integrated(r, r.gyro)
@@ -415,8 +439,6 @@ def judged(number: int) -> Result:
     told = [f.code for f in findings]
     if "gaps" not in case.codes:  # stamps that are wrong lie outside of the truth
         told = [code for code in told if code != "gaps"]
-    if case.codes == {"clock_rate"}:
-        fair &= len(told) == 0 or True
     right = set(told) == case.codes
     if not right and len(told) == len(case.codes):
         doubts = " ".join(
@@ -488,7 +510,8 @@ def main() -> None:
     rounds = [n // len(KINDS) for n in range(arguments.cases)]
     numbers = [n for n, r in enumerate(rounds) if arguments.half == "both" or r % 2 == (arguments.half == "odd")]
     numbers = numbers[:: 10 if arguments.sample else arguments.every]
-    with ProcessPoolExecutor(arguments.workers) as pool:
+    everything()  # before the workers begin, who have it then
+    with ProcessPoolExecutor(arguments.workers, mp_context=get_context("fork")) as pool:
         results = list(tqdm(pool.map(judged, numbers, chunksize=8), total=len(numbers), disable=None))
     fair = [r for r in results if r.fair]
     print("\n".join([*matrix(fair), "", *summary(results)]))

@@ -164,7 +164,7 @@ def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
     Gauss and Newton's steps, with the weights of Geman and McClure: far errors, as while a filter converges, hardly
     count. What the motion does not tell apart stays where it was.
     """
-    for _ in range(steps):
+    for _ in range(steps if any(cause.price for cause, _ in parts) else 0):
         normal, slope = 0.0, 0.0
         for track in tracks:
             now = undone(track, parts)

@@ -1,20 +1,59 @@
-"""Another clock of an estimate's stamps: far lags, and other rates, as by a mistaken unit or the time of day."""
+"""The clock of an estimate's stamps: its lag with a standard error, a far lag, or another rate.
+
+A lag is told where it is one and not what slow errors feign. Another clock, as by a mistaken unit or by the time of day
+beside a replay, is looked for where nothing else explains a large error.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.attitudes import sizes
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone
-from lie_rigid_body.evaluation.naming import FEWEST, NEGLIGIBLE, SHARE, UNLIKE, spread
-from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.evaluation.attitudes import sizes, turns
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
+from lie_rigid_body.evaluation.naming import (
+    BOTH,
+    FEWEST,
+    LEAD,
+    NEGLIGIBLE,
+    SHARE,
+    UNLIKE,
+    Explanation,
+    quarters,
+    spread,
+    still,
+)
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.wording import short_repr
+
+SAMPLES: Final = 4000
+"""Largest number of samples that the lag is fitted to."""
+SIGNIFICANT: Final = 3.0
+"""Largest lag, in standard errors, that counts as none."""
+SURE: Final = 8.0
+"""Least lag, in standard errors, that is told and named also where other errors are larger."""
+UNSTEADY: Final = 0.25
+"""Largest relative difference between the lag of each half of a run and that of the whole; a drift makes a half."""
+LEAST_LATE: Final = 0.5
+"""Least lag, in samples, that is named where other errors are larger."""
+LARGEST_INFLATION: Final = 10.0
+"""Largest variance inflation factor at which a lag counts as told apart from turns."""
+SLOWEST_RATE: Final = 1e-6
+"""Least body rate that tells something about time, rad/s."""
+LOST: Final = float(np.radians(20.0))
+"""Median error above which an estimate follows the truth too little to tell a lag, rad."""
+FINEST_S: Final = 1e-9
+"""Least standard error of a lag, s: stamps are whole nanoseconds."""
+FULL: Final = 0.999
+"""Share of the longest lag from which on a lag is at the limit of the search."""
 
 LARGEST_LEFT: Final = float(np.radians(5.0))
-"""Largest root mean square of the error that is left by a clock, rad: any clock fits a little."""
+"""Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
 """Least share of the samples within the truth's times by another lag, and by another rate."""
 MOST_STRAY: Final = 0.05
@@ -22,7 +61,7 @@ MOST_STRAY: Final = 0.05
 GRID_TURN: Final = 0.2
 """Turn of the body from one clock that is tried to the next, rad."""
 MOST_CLOCKS: Final = 5000
-"""Largest number of clocks that are tried of one kind; more are not."""
+"""Largest number of clocks that are tried of one kind; where it would take more, none is."""
 LEAST_TURN: Final = 0.1
 """Least turn of the body in the whole run that tells a clock, rad."""
 GRID_SAMPLES: Final = 60
@@ -40,6 +79,115 @@ Clock = list[Part]
 """A rate, and a lag, by which stamps are those of the truth; of a lag alone only that."""
 
 
+@dataclass(frozen=True)
+class Lag:
+    """A lag that is told.
+
+    Attributes
+    ----------
+    lag_s, standard_error_s : float or None
+        None where the motion and the errors do not tell it.
+    sure : bool
+        Whether it is a cause beside errors as large.
+    """
+
+    lag_s: float | None = None
+    standard_error_s: float | None = None
+    sure: bool = False
+
+    __repr__ = short_repr
+
+
+def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
+    """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
+
+    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
+    sure, and where it is none, to an error that is small beside a lag that would turn the body by what is left.
+    """
+    parts = [part for part in named.parts if part[0].code in BOTH]
+    given = track.part(spread(len(track.stamps_ns), SAMPLES))
+    track = undone(given, [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
+    both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
+    for turned in ([*parts, *both], parts):
+        if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
+            fitted = fit([track], [*turned, lag])
+            if abs(fitted[-1][1][0]) > FULL * longest_lag_s:
+                return Lag()
+            if named.lag_s is not None:
+                return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
+            return _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
+    return Lag()
+
+
+def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], period_s: float) -> Lag:
+    """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be."""
+    lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
+    left, before, raw = (float(np.median(undone(track, parts).errors())) for parts in (fitted, without, ()))
+    turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
+    if left > LOST:
+        return Lag()
+    clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
+    if clear and abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and _is_steady(track, fitted):
+        lead = -LEAD * period_s <= lag_s <= 0.0
+        return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)
+    error = max(standard_error(track, without), FINEST_S)
+    told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)
+    return Lag(lag_s, error) if told else Lag()
+
+
+def _is_steady(track: Track, fitted: Sequence[Part]) -> bool:
+    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
+    lag_s = fitted[-1][1][0]
+    halves = np.array_split(np.arange(len(track.stamps_ns)), 2)
+    alone = np.array([fit([track.part(half)], fitted)[-1][1][0] for half in halves])
+    return bool(np.all(np.abs(alone - lag_s) <= UNSTEADY * abs(lag_s)))
+
+
+def _derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
+    now = undone(track, parts)
+    truth, rate = now.truth.states(now.stamps_ns)
+    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+    return J, turns(truth, now.attitude_xyzw), truth
+
+
+def _separable(track: Track, parts: Sequence[Part]) -> bool:
+    """Whether the motion tells the lag, the last of some constants, from the others, and turns at all.
+
+    The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
+    """
+    J = _derivative(track, parts)[0]
+    normal = np.einsum("nia,nib->ab", J, J)
+    alone = float(normal[-1, -1])
+    shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
+    return bool(alone > SLOWEST_RATE**2 * len(J) and alone <= LARGEST_INFLATION * (alone - shared))
+
+
+def standard_error(track: Track, parts: Sequence[Part]) -> float:
+    """Standard error of the lag, the last of fitted constants, s.
+
+    The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
+    circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
+    counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
+    those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
+    tell nothing: errors that are independent are counted as well. The largest value counts.
+    """
+    J, error, truth = _derivative(track, parts)
+    weight = weights(sizes(error))[:, np.newaxis]
+    normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
+    G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
+    independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
+    on_world = [quaternion.rotate(truth, vectors) for vectors in (G, psi)]
+    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world), independent)
+
+
+def _rms_over_shifts(G: Array, errors: Array) -> float:
+    """Root mean square of Σ G · errors over all circular shifts of the errors, both of shape (N, 3)."""
+    spectra = np.conj(np.fft.rfft(G, axis=0)) * np.fft.rfft(errors, axis=0)
+    return rms(np.fft.irfft(spectra.sum(axis=1), n=len(G)))
+
+
 def other_clock(track: Track) -> tuple[Clock, Track] | None:
     """Search for another clock by which an estimate follows the truth.
 
@@ -55,24 +203,28 @@ def other_clock(track: Track) -> tuple[Clock, Track] | None:
     """
     truth, track = track.truth, _without_strays(track)
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
-    rate = truth.states(some[truth.covers(some)])[1]
-    fastest, duration = float(sizes(rate).max(initial=0.0)), (truth.last_ns - truth.first_ns) / 1e9
-    if fastest * duration < LEAST_TURN or len(track.stamps_ns) < FEWEST:
+    fastest = float(sizes(truth.states(some[truth.covers(some)])[1]).max(initial=0.0))
+    if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_TURN or len(track.stamps_ns) < FEWEST:
         return None
-    best, least = None, np.inf
+    found = []
     for rates, lags in _grids(track, GRID_TURN / fastest):
-        for k in _lowest(_costs(track, rates, lags), rates[0] == 1.0):
+        for k in _lowest(_costs(track, rates, lags)):
             lag = (BY_CODE["lagging"], np.array([lags[k]]))
             clock = [lag] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]])), lag]
-            found = _refined(track, clock)
-            if found is not None and found[1] * (1 + len(clock)) < least:
-                best, least = found[0], found[1] * (1 + len(clock))
-    return None if best is None else (best, undone(track, best).known())
+            found += _refined(track, clock)
+    # as good as each other: one constant before two
+    return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].errors())), default=None)
 
 
 def rate_of(clock: Clock) -> float:
     """Seconds of the truth in a second of the stamps."""
     return float(clock[0][1][0]) if len(clock) > 1 else 1.0
+
+
+def clock_lag(clock: Clock, track: Track) -> Lag:
+    """Lag of a clock and its standard error by the samples that it covers; none of a clock of another rate."""
+    (cause, lag_s), *rate = clock[::-1]
+    return Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [(cause, np.zeros(1))]))
 
 
 def _without_strays(track: Track) -> Track:
@@ -84,8 +236,7 @@ def _without_strays(track: Track) -> Track:
 
 def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
     """Rates and lags, s, that are tried: all lags, then all rates by which the last sample is within the truth."""
-    truth: Truth = track.truth
-    first, last = int(track.stamps_ns[0]), int(track.stamps_ns[-1])
+    truth, first, last = track.truth, int(track.stamps_ns[0]), int(track.stamps_ns[-1])
     begin, end = (first - truth.last_ns) / 1e9, (last - truth.first_ns) / 1e9
     if end - begin <= MOST_CLOCKS * step_s:
         lags = np.arange(begin, end, step_s)
@@ -105,16 +256,14 @@ def _costs(track: Track, rates: Array, lags_s: Array) -> Array:
     for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
         true_s = rates[part, np.newaxis] * since - lags_s[part, np.newaxis]
         stamps = track.stamps_ns[0] + np.round(1e9 * true_s).astype(np.int64)
-        known = truth.covers(stamps)
-        at = truth.at(np.clip(stamps, truth.first_ns, truth.last_ns))
+        known, at = truth.covers(stamps), truth.at(np.clip(stamps, truth.first_ns, truth.last_ns))
         sine = np.sqrt(np.maximum(1.0 - np.einsum("gni,ni->gn", at, few.attitude_xyzw) ** 2, 0.0))
         cost = np.sum(sine, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
-        enough = known.mean(axis=1) >= LEAST_COVERED[bool(np.all(rates == 1.0))]
-        found.append(np.where(enough, cost, np.inf))
+        found.append(np.where(known.mean(axis=1) >= LEAST_COVERED[bool(np.all(rates == 1.0))], cost, np.inf))
     return np.concatenate(found)
 
 
-def _lowest(costs: Array, is_lag: bool) -> list[int]:
+def _lowest(costs: Array) -> list[int]:
     """Numbers of the minima that are as low as a grid can tell, the lowest first."""
     around = np.concatenate([[np.inf], costs, [np.inf]])
     minima = np.flatnonzero(np.isfinite(costs) & (costs <= around[:-2]) & (costs <= around[2:]))
@@ -122,8 +271,8 @@ def _lowest(costs: Array, is_lag: bool) -> list[int]:
     return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
 
 
-def _refined(track: Track, clock: Clock) -> tuple[Clock, float] | None:
-    """The clock fitted to the samples that it covers, and the error that it leaves, rad; None where it explains little.
+def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
+    """The clock fitted to the samples that it covers, and these; none where it explains little.
 
     It must leave little in every quarter of the run but the first, beside the error by the stamps as they are and
     beside the turn of the body.
@@ -131,29 +280,20 @@ def _refined(track: Track, clock: Clock) -> tuple[Clock, float] | None:
     for _ in range(3):
         covered = np.flatnonzero(track.truth.covers(undone(track, clock).stamps_ns))
         if len(covered) < max(FEWEST, LEAST_COVERED[len(clock) == 1] * len(track.stamps_ns)):
-            return None
+            return []
         few = track.part(np.r_[0, covered[spread(len(covered), FIT_SAMPLES)]])  # a rate is about the first stamp
         clock = fit([few], clock, steps=4)
-    moved = undone(few, clock).known()
+    moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)
-    left = _quarters(moved)
-    own = few.known()
-    before = _quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
-    outer = np.mean(truth[:, :, np.newaxis] * truth[:, np.newaxis], axis=0)
-    still = 1.0 - float(np.linalg.eigvalsh(outer)[-1])
-    most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still, np.sin(0.5 * LARGEST_LEFT) ** 2))
-    if np.any(left > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
-        return None
+    before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
+    most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
+    if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
+        return []
     axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
     if np.sum(np.mean(axes, axis=0) ** 2) > SPIN:
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
         if not (near if len(clock) == 1 else times > FAR and span > MOSTLY_SPANNED * whole):
-            return None
-    return clock, float(2.0 * np.arcsin(np.sqrt(left.mean()))) + NEGLIGIBLE
-
-
-def _quarters(track: Track) -> Array:
-    """Mean of sin² of half of the error in each quarter but the first."""
-    return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.errors(), 4)[1:]])
+            return []
+    return [(clock, undone(track, clock).known())]

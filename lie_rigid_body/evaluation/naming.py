@@ -43,6 +43,8 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Error that needs no explanation, rad; smaller ones count as this."""
 UNEVEN: Final = 3.0
 """Largest ratio of what a far lag leaves in two quarters: of a motion that nearly repeats each has its own."""
+FOLLOWING: Final = 0.125
+"""Largest share of the error that causes leave which are no names, but tell that the body is followed."""
 UNLIKE: Final = 0.5
 """Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
 LEAST_TILT: Final = float(np.radians(10.0))
@@ -59,6 +61,8 @@ SAMPLES: Final = 400
 """Largest number of samples by which explanations are judged."""
 SCANNED: Final = 100
 """Largest number of samples by which lags are compared at first."""
+MOST_BOTH: Final = 6
+"""Number of forms with which a heading and a mounting are fitted together, the best with one of them."""
 REFINED: Final = 8
 """Number of lags, the best of all explanations, that are refined."""
 HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
@@ -170,6 +174,16 @@ def spread(count: int, most: int) -> Integers:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
+def quarters(track: Track) -> Array:
+    """Mean of sin² of half of the error in each quarter but the first, shape (3,)."""
+    return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.errors(), 4)[1:]])
+
+
+def still(truth_xyzw: Array) -> float:
+    """Mean of sin² of half of the error of a constant attitude."""
+    return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
+
+
 @cache
 def _base(turned: Turned) -> Array:
     """Base of the repairs of each form followed by turns, shape (forms, d, 16)."""
@@ -214,12 +228,10 @@ class Evidence:
         self.track = track.part(spread(len(track.stamps_ns), SAMPLES))
         self.period_s = period_ns(track.stamps_ns) / 1e9
         self.longest_lag_s = longest_lag_s
-        self._late: dict[tuple[int, Turned], Explanation] = {}
+        self._known: dict[tuple[int, Turned, bool], Explanation] = {}
         truth, rate = self.track.truth.states(self.track.stamps_ns)
         self._fastest = float(sizes(rate).max())
-        outer = truth[:, :, np.newaxis] * truth[:, np.newaxis]
-        self.still = 1.0 - float(np.linalg.eigvalsh(np.mean(outer, axis=0))[-1])
-        """Mean of sin² of half of the error of a constant attitude."""
+        self.still = still(truth)
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
         """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
@@ -249,52 +261,45 @@ class Evidence:
             numbers, crossed = _best(whole), _best(others)
         return 1.0 - _value(crossed, G), numbers
 
-    @cached_property
-    def at_once(self) -> dict[tuple[int, Turned], Explanation]:
-        """Every explanation without a lag, by the number of its form and its turns."""
-        found = {}
-        for turned in TURNED:
-            for number in range(len(FORMS)):
-                found[number, turned] = self._without_lag(number, turned)
-        return found
-
-    def _without_lag(self, number: int, turned: Turned) -> Explanation:
-        left, numbers = self.judged(turned, self._ahead, number)
-        lead = int(np.argmin(left.mean(axis=1)))
-        return Explanation(FORMS[number], turned, left[lead], numbers[0])
-
-    def get(self, number: int, turned: Turned, *, late: bool) -> Explanation:
+    def get(self, number: int, turned: Turned, *, late: bool = False) -> Explanation:
         """The explanation of a form with turns, with a lag or without."""
-        if not late:
-            if (number, turned) not in self.at_once:
-                self.at_once[number, turned] = self._without_lag(number, turned)
-            return self.at_once[number, turned]
-        if (number, turned) not in self._late:
-            lags, cost = self._scanned[turned]
-            self._late[number, turned] = self._refined(number, turned, lags, cost[number])
-        return self._late[number, turned]
+        key = number, turned, late
+        if key not in self._known and late:
+            self._known[key] = self._refined(number, turned)
+        elif key not in self._known:
+            left, numbers = self.judged(turned, self._ahead, number)
+            lead = int(np.argmin(left.mean(axis=1)))
+            self._known[key] = Explanation(FORMS[number], turned, left[lead], numbers[0])
+        return self._known[key]
 
     @cached_property
-    def _scanned(self) -> dict[Turned, tuple[Array, Array]]:
-        """Lags, (L,), and what each form leaves at them, (forms, L), for the turns that are tried beside a lag."""
+    def _lags(self) -> Array:
+        """Lags that are tried at first, s."""
         half = min(max(int(np.ceil(self.longest_lag_s * self._fastest / LAG_TURN)), 1), MOST_LAGS // 2)
-        lags = np.linspace(-self.longest_lag_s, self.longest_lag_s, 2 * half + 1)
-        T = self.sums(lags, SCANNED).mean(axis=1)
-        found = {}
+        return np.linspace(-self.longest_lag_s, self.longest_lag_s, 2 * half + 1)
+
+    @cached_property
+    def _slack(self) -> float:
+        """What a lag between two of these may leave less."""
+        return float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self._fastest, 2.0)) ** 2)
+
+    @cached_property
+    def _scanned(self) -> dict[Turned, Array]:
+        """What each form leaves at these lags, (forms, L), with each of the turns that are tried beside a lag."""
+        T, found = self.sums(self._lags, SCANNED).mean(axis=1), {}
         for turned in LATE:
             base = _base(turned)[:, np.newaxis]
-            found[turned] = lags, 1.0 - np.linalg.eigvalsh(base @ T @ np.swapaxes(base, -1, -2))[..., -1]
+            found[turned] = 1.0 - np.linalg.eigvalsh(base @ T @ np.swapaxes(base, -1, -2))[..., -1]
         return found
 
-    def _refined(self, number: int, turned: Turned, lags: Array, cost: Array) -> Explanation:
+    def _refined(self, number: int, turned: Turned) -> Explanation:
         """The explanation with the nearest of the lags that leave about the least."""
-        step = float(lags[1] - lags[0])
+        lags, cost = self._lags, self._scanned[turned][number]
         around = np.concatenate([[np.inf], cost, [np.inf]])
-        slack = np.sin(0.25 * min(step * self._fastest, 2.0)) ** 2
-        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + slack))
+        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
         by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
         lowest = np.union1d(by_cost, by_size)
-        found = [self._at_lag(number, turned, float(lags[k]), step) for k in lowest]
+        found = [self._at_lag(number, turned, float(lags[k]), float(lags[1] - lags[0])) for k in lowest]
         least = min(_counted(e.left).mean() for e in found)
         as_good = [e for e in found if _counted(e.left).mean() <= TIE**2 * least]
         return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
@@ -317,16 +322,14 @@ class Evidence:
 
     def explanations(self) -> list[Explanation]:
         """Those that may be the best, the cheapest first."""
-        found = list(self.at_once.values())
+        found = [self.get(number, turned) for turned in TURNED for number in range(len(FORMS))]
         found.sort(key=lambda e: e.cost)
-        turnable = dict.fromkeys(FORMS.index(e.form) for e in found if e.turned in (TURNED[1], TURNED[3]))
-        found += [self.get(number, BOTH, late=False) for number in list(turnable)[:6]]
-        lowest = min(e.cost for e in found)
-        promising = []
-        for turned, (lags, cost) in self._scanned.items():
-            slack = np.sin(0.25 * min((lags[1] - lags[0]) * self._fastest, 2.0)) ** 2
-            for number, left in enumerate(cost):
-                trial = Explanation(FORMS[number], turned, np.array([left.min() - slack]), np.zeros(0), 0.0)
+        turnable = dict.fromkeys(FORMS.index(e.form) for e in found if e.turned in LATE[1:])
+        found += [self.get(number, BOTH) for number in list(turnable)[:MOST_BOTH]]
+        lowest, promising = min(e.cost for e in found), []
+        for turned, costs in self._scanned.items():
+            for number, least in enumerate(costs.min(axis=1) - self._slack):
+                trial = Explanation(FORMS[number], turned, np.array([least]), np.zeros(0), 0.0)
                 if trial.cost < lowest:
                     promising.append((trial.cost, number, turned))
         found += [self.get(number, turned, late=True) for _, number, turned in sorted(promising)[:REFINED]]
@@ -374,6 +377,12 @@ class Choice:
 
     __repr__ = short_repr
 
+    @property
+    def follows(self) -> bool:
+        """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
+        plain = self.evidence.get(0, ()).error
+        return any(e.error <= FOLLOWING * plain for e in self.tried if 0 < len(e.causes) <= 3)
+
     def with_lag(self, lag_s: float | None) -> Choice:
         """The choice with a lag beside the causes that are named."""
         named = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
@@ -381,21 +390,19 @@ class Choice:
 
     def instead_of(self, cause: str) -> tuple[str, ...]:
         """Causes that, in the place of one, leave about as much."""
-        rest = [c for c in self.named.causes if c != cause]
-        without = self.evidence.without(self.named, cause)
+        rest = {*self.named.causes} - {cause}
+        without, left = self.evidence.without(self.named, cause), max(self.named.error, NEGLIGIBLE)
         others = [*self.tried]
-        if "lag" not in self.named.causes and without.turned in LATE:
+        if without.turned in LATE:
             others.append(self.evidence.get(FORMS.index(without.form), without.turned, late=True))
         found: dict[str, None] = {}
         for other in others:
-            new = [c for c in other.causes if c not in rest]
+            new = [name for name in other.causes if name not in rest]
             if len(new) != 1 or new[0] == cause or len(other.causes) != len(rest) + 1:
                 continue
             small = new[0] == "lag" and without.error < OF_SENSORS
-            half = 0.5 * (without.error + self.named.error)
-            if max(other.error, NEGLIGIBLE) <= min(
-                (LAG_TIE if small else TIE) * max(self.named.error, NEGLIGIBLE), half
-            ):
+            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
+            if max(other.error, NEGLIGIBLE) <= most and (small or is_needed(self.evidence, other)):
                 found[new[0]] = None
         return tuple(found)
 
@@ -425,7 +432,7 @@ def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> 
     if len(track.stamps_ns) < FEWEST:
         return None
     evidence = Evidence(track, longest_lag_s)
-    plain = evidence.get(0, (), late=False)
+    plain = evidence.get(0, ())
     if plain.error <= NEGLIGIBLE:
         return Choice(plain, evidence, [plain])
     tried, of_sensors = evidence.explanations(), False
@@ -458,12 +465,13 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
         tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
         if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
             return False
-    return all(
-        np.all(
-            left <= (LAG_SHARE if cause == "lag" else SHARE) ** 2 * _counted(evidence.without(explanation, cause).left)
-        )
-        for cause in explanation.causes
-    )
+    if explanation.far and left.max() > UNEVEN**2 * left.min():
+        return False
+    for cause in explanation.causes:
+        share = LAG_SHARE if cause == "lag" else SHARE
+        if np.any(left > share**2 * _counted(evidence.without(explanation, cause).left)):
+            return False
+    return True
 
 
 def is_small(explanation: Explanation, left_by_sensors: float) -> bool:

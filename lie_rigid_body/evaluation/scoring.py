@@ -14,11 +14,10 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.causes import Track
-from lie_rigid_body.evaluation.clock import other_clock, rate_of
+from lie_rigid_body.evaluation.clock import Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
-from lie_rigid_body.evaluation.lag import Lag, lag_of, standard_error
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.naming import choose
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
@@ -173,31 +172,23 @@ def _diagnosis(
     quarter = float(stamps[-1] - stamps[0]) / 4e9
     longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
     margin = round(longest_s * 1e9)
-    known = truth.covers(stamps - margin) & truth.covers(stamps + margin)
-    inner = track.part(np.flatnonzero(known))
+    inner = track.part(np.flatnonzero(truth.covers(stamps - margin) & truth.covers(stamps + margin)))
     choice = choose(inner, longest_s, sensors)
-    if (
-        longest_lag_s is None
-        and (choice is None or not choice.named.causes)
-        and (unlike or (choice and choice.at_limit))
-    ):
-        everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
-        found = other_clock(everything)
-        if found is not None:
-            clock, moved = found
-            lag = Lag()
-            if rate_of(clock) == 1.0:
-                lag = Lag(float(clock[0][1][0]), standard_error(moved, [(clock[0][0], np.zeros(1))]))
-            return _Diagnosed(lag, (clock_finding(everything.known(), moved, clock),))
+    at_limit = choice is not None and choice.at_limit
+    lost = unlike and (choice is None or not (choice.named.causes or choice.follows))
+    everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
+    found = other_clock(everything) if longest_lag_s is None and (lost or at_limit) else None
+    if found is not None:
+        clock, moved = found
+        lag = clock_lag(clock, moved)
+        return _Diagnosed(lag, (clock_finding(everything.known(), moved, clock),))
     if choice is None:
         return _Diagnosed()
-    period_s = period_ns(stamps) / 1e9
-    lag = Lag() if choice.at_limit else lag_of(inner, choice.named, longest_s, period_s)
+    lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
     if lag.sure and choice.named.lag_s is None:
         choice = choice.with_lag(lag.lag_s)
     named = findings(track, choice) if choice.named.causes else ()
-    rest = turned.other() if unlike and not named else ()
-    return _Diagnosed(lag, named, rest, choice.of_sensors)
+    return _Diagnosed(lag, named, turned.other() if lost and not named else (), choice.of_sensors)
 
 
 def _apart(stamps: Integers, given: int, truth: Truth) -> str:

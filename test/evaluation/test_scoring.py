@@ -12,7 +12,7 @@ from lie_rigid_body import simulate
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.causes import BY_CODE, Track, fit
-from lie_rigid_body.evaluation.lag import standard_error
+from lie_rigid_body.evaluation.clock import standard_error
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"
