@@ -7,7 +7,7 @@ beside a replay, is looked for where nothing else explains a large error.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -116,7 +116,8 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
                 return Lag()
             if named.lag_s is not None:
                 return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
-            return _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
+            found = _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
+            return found if turned is not parts or len(parts) == len(BOTH) else replace(found, sure=False)
     return Lag()
 
 

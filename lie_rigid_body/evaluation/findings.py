@@ -64,7 +64,8 @@ def findings(track: Track, choice: Choice) -> tuple[Finding, ...]:
     tuple of Finding
         Empty if the errors grow when all causes are undone, as where most of them are of something else.
     """
-    few, parts = track.part(spread(len(track.stamps_ns), FITTED)), choice.named.parts
+    parts, later = choice.named.parts, track.part(slice(len(track.stamps_ns) // 4, None))
+    few = later.part(spread(len(later.stamps_ns), FITTED))
     rest = fit([few.part(np.flatnonzero(few.truth.covers(undone(few, parts).stamps_ns)))], parts)
     found: list[Finding] = []
     before = given = _errors(track, [])

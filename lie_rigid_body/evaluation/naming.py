@@ -52,6 +52,8 @@ LEAST_TILT: Final = float(np.radians(10.0))
 is a heading offset, and a world upside down is NED with a heading offset."""
 LEAD: Final = 1.5
 """Largest lead of a right filter, samples: one, and what its sensors err by."""
+FLOOR: Final = 0.1
+"""Largest constant turn of a right filter with perfect sensors, as a share of the turn between two samples."""
 LAG_TURN: Final = 0.25
 """Turn of the body from one lag that is tried to the next, rad."""
 MOST_LAGS: Final = 181
@@ -230,8 +232,9 @@ class Evidence:
         self.longest_lag_s = longest_lag_s
         self._known: dict[tuple[int, Turned, bool], Explanation] = {}
         truth, rate = self.track.truth.states(self.track.stamps_ns)
-        self._fastest = float(sizes(rate).max())
+        self.fastest = float(sizes(rate).max())
         self.still = still(truth)
+        self.floor = FLOOR * self.fastest * self.period_s
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
         """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
@@ -275,13 +278,13 @@ class Evidence:
     @cached_property
     def _lags(self) -> Array:
         """Lags that are tried at first, s."""
-        half = min(max(int(np.ceil(self.longest_lag_s * self._fastest / LAG_TURN)), 1), MOST_LAGS // 2)
+        half = min(max(int(np.ceil(self.longest_lag_s * self.fastest / LAG_TURN)), 1), MOST_LAGS // 2)
         return np.linspace(-self.longest_lag_s, self.longest_lag_s, 2 * half + 1)
 
     @cached_property
     def _slack(self) -> float:
         """What a lag between two of these may leave less."""
-        return float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self._fastest, 2.0)) ** 2)
+        return float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
 
     @cached_property
     def _scanned(self) -> dict[Turned, Array]:
@@ -317,7 +320,7 @@ class Evidence:
         crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
         T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
         left, numbers = self.judged(turned, T, number)
-        far = abs(lag_s) * self._fastest > np.pi
+        far = abs(lag_s) * self.fastest > np.pi
         return Explanation(FORMS[number], turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far)
 
     def explanations(self) -> list[Explanation]:
@@ -367,6 +370,8 @@ class Choice:
         Whether a constant turn was found that is no larger than what the sensors' own errors leave.
     at_limit : bool
         Whether a lag at the limit of the search leaves least: the true one may be longer.
+    left_by_sensors : float
+        As given to `choose`, rad.
     """
 
     named: Explanation
@@ -374,6 +379,7 @@ class Choice:
     tried: list[Explanation]
     of_sensors: bool = False
     at_limit: bool = False
+    left_by_sensors: float = 0.0
 
     __repr__ = short_repr
 
@@ -384,9 +390,13 @@ class Choice:
         return any(e.error <= FOLLOWING * plain for e in self.tried if 0 < len(e.causes) <= 3)
 
     def with_lag(self, lag_s: float | None) -> Choice:
-        """The choice with a lag beside the causes that are named."""
-        named = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
-        return replace(self, named=replace(named, lag_s=lag_s))
+        """The choice with a lag beside the causes that are named, if it is about the same without other turns."""
+        if lag_s is None or self.named.lag_s is not None or self.named.turned not in LATE:
+            return self
+        late = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
+        same = late.lag_s is not None and abs(late.lag_s - lag_s) <= 0.25 * abs(lag_s)
+        small = is_small(self.evidence, late, self.left_by_sensors)
+        return self if small or not same else replace(self, named=replace(late, lag_s=lag_s))
 
     def instead_of(self, cause: str) -> tuple[str, ...]:
         """Causes that, in the place of one, leave about as much."""
@@ -435,22 +445,21 @@ def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> 
     plain = evidence.get(0, ())
     if plain.error <= NEGLIGIBLE:
         return Choice(plain, evidence, [plain])
-    tried, of_sensors = evidence.explanations(), False
+    choice = Choice(plain, evidence, evidence.explanations(), left_by_sensors=left_by_sensors)
     allowed: set[str] | None = None
-    for e in tried:
-        if e is plain:
-            break
+    for e in choice.tried[: choice.tried.index(plain)]:
         if allowed is not None and not allowed.issuperset(e.causes):
             continue
         if e.lag_s is not None and abs(e.lag_s) > 0.999 * longest_lag_s:
-            return Choice(plain, evidence, tried, of_sensors, at_limit=True)
+            return replace(choice, at_limit=True)
         if not is_needed(evidence, e):
             continue
-        if is_small(e, left_by_sensors):
-            of_sensors, allowed = True, set(e.causes)  # what is left without the small turn is of its other causes
+        if is_small(evidence, e, left_by_sensors):
+            allowed = set(e.causes)  # what is left without the small turn is of its other causes
+            choice = replace(choice, of_sensors=left_by_sensors > 0.0)
             continue
-        return Choice(e, evidence, tried, of_sensors)
-    return Choice(plain, evidence, tried, of_sensors)
+        return replace(choice, named=e)
+    return choice
 
 
 def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
@@ -474,7 +483,10 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
     return True
 
 
-def is_small(explanation: Explanation, left_by_sensors: float) -> bool:
-    """Whether one of the turns is no larger than what the sensors leave."""
-    turns = {cause.code: constants for cause, constants in explanation.parts}
-    return any(float(np.linalg.norm(turns[code])) <= left_by_sensors for code in explanation.turned)
+def is_small(evidence: Evidence, explanation: Explanation, left_by_sensors: float) -> bool:
+    """Whether one of the turns, or that in a lag, is no larger than what the sensors leave."""
+    sizes_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+    late = [] if explanation.lag_s is None else [abs(explanation.lag_s) * evidence.fastest]
+    return any(size <= left_by_sensors for size in late) or any(
+        size <= max(left_by_sensors, evidence.floor) for size in sizes_rad
+    )

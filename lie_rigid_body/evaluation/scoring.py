@@ -185,8 +185,7 @@ def _diagnosis(
     if choice is None:
         return _Diagnosed()
     lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
-    if lag.sure and choice.named.lag_s is None:
-        choice = choice.with_lag(lag.lag_s)
+    choice = choice.with_lag(lag.lag_s if lag.sure else None)
     named = findings(track, choice) if choice.named.causes else ()
     return _Diagnosed(lag, named, turned.other() if lost and not named else (), choice.of_sensors)
 

@@ -93,7 +93,8 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
     """Largest constant turn, rad, that the declared errors of a run's sensors leave to a right filter; 0 if perfect.
 
     A vector that is read with an error e leaves e over the sine of the angle between two vectors, so hard iron turns
-    the heading by e / cos dip; a gyro leaves what it errs by in `SETTLES_S`. They count as independent.
+    the heading by e / cos dip; a gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
+    independent.
     """
     return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)
 
@@ -106,10 +107,10 @@ def _left_by_errors(scenario: Scenario) -> float:
     directions = np.array([aid.reference / np.linalg.norm(aid.reference) for aid in aids]).reshape(-1, 3)
     across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
     told = [np.sqrt(2.0) * aid.turn_on_bias / np.linalg.norm(aid.reference) for aid in aids]
-    vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment]) / across
+    vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
     rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * np.linalg.norm(scenario.initial_body_rate)
-    return float(LEFT * np.hypot(vectors, SETTLES_S * rate))
+    return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
 def _of_segment(segment: Segment, last_ns: int, most: int | None) -> UnavoidableError | None:
