@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_reading, record, runs, tell
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.residuals import WORK
-from lie_rigid_body.motion.closed_form.evaluation import compile_all
+from lie_rigid_body.motion.closed_form.solution import compile_all
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.recording.bag_reader import Bag
 

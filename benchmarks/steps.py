@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.motion.closed_form import evaluation
+from lie_rigid_body.motion.closed_form import solution
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
 
@@ -90,7 +90,7 @@ def rows() -> Iterator[Row]:
     for method, limit in COMPILED_US.items():
         yield Row(f"{method}, a step, compiled", step(method, COMPILED_STEPS) if compiled else None, limit)
     yield Row("closed form, a sample, NumPy", sample(), SAMPLE_US)
-    yield Row("closed form, a sample, compiled", sample() if evaluation.compile_all() else None, COMPILED_SAMPLE_US)
+    yield Row("closed form, a sample, compiled", sample() if solution.compile_all() else None, COMPILED_SAMPLE_US)
     yield Row("--help", start("-m", "lie_rigid_body", "--help"), HELP_US)
     yield Row("record --help", start("-m", "lie_rigid_body", "record", "--help"), HELP_US)
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import NamedTuple
 
 from lie_rigid_body import __version__, console
 from lie_rigid_body.errors import InputError
@@ -17,31 +16,24 @@ from lie_rigid_body.errors import InputError
 PROGRAM = "lie-rigid-body"
 
 
-class Verb(NamedTuple):
-    """A verb: the module of its ``main(argv) -> int``, and a summary."""
-
-    module: str
-    summary: str
-
-
 VERBS = {
-    "sim": Verb("lie_rigid_body.ros.sim", "run the live ROS 2 node"),
-    "record": Verb("lie_rigid_body.cli.record", "write a bag, without ROS"),
-    "check": Verb("lie_rigid_body.cli.check", "certify that a bag obeys the conservation laws"),
-    "recover": Verb("lie_rigid_body.cli.recover", "rescue what is whole of a bag that was cut off"),
-    "plot": Verb("lie_rigid_body.cli.plot", "draw a bag: body rate, drifts and polhode"),
-    "evaluate": Verb("lie_rigid_body.cli.evaluate", "score and diagnose an attitude estimate, in a bag or live"),
-    "explain": Verb("lie_rigid_body.cli.explain", "tell what the mathematics says about a scenario"),
-    "scenarios": Verb("lie_rigid_body.cli.scenarios", "list the scenarios that come with the package"),
-    "campaign": Verb("lie_rigid_body.cli.campaign", "record and certify many runs drawn at random"),
-    "diagnose": Verb("lie_rigid_body.cli.diagnose", "say what is wrong with an attitude filter, by repairing it"),
+    "sim": "run the live ROS 2 node",
+    "record": "write a bag, without ROS",
+    "check": "certify that a bag obeys the conservation laws",
+    "recover": "rescue what is whole of a bag that was cut off",
+    "plot": "draw a bag: body rate, drifts and polhode",
+    "evaluate": "score and diagnose an attitude estimate, in a bag or live",
+    "explain": "tell what the mathematics says about a scenario",
+    "scenarios": "list the scenarios that come with the package",
+    "campaign": "record and certify many runs drawn at random",
+    "diagnose": "say what is wrong with an attitude filter, by repairing it",
 }
-LIVE_EVALUATE = "lie_rigid_body.ros.evaluate"
+"""Verbs and what they do."""
 
 
 def usage() -> str:
     """Return the help text."""
-    verbs = (f"  {name:10} {verb.summary}" for name, verb in VERBS.items())
+    verbs = (f"  {name:10} {summary}" for name, summary in VERBS.items())
     return "\n".join(
         [
             f"usage: {PROGRAM} VERB ...",
@@ -77,7 +69,7 @@ def _main(arguments: list[str]) -> int:
         raise InputError(f"give a verb: {', '.join(VERBS)}; '{PROGRAM} --help' explains them")
     name, *rest = arguments
     if name in VERBS:
-        return run(name, rest)
+        return evaluate(rest) if name == "evaluate" else run(name, rest)
     if name not in ("-h", "--help", "--version"):
         raise InputError(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
     console.say(f"{PROGRAM} {__version__}" if name == "--version" else usage())
@@ -86,24 +78,17 @@ def _main(arguments: list[str]) -> int:
 
 def run(name: str, argv: list[str]) -> int:
     """Import the verb and call it."""
-    if name == "evaluate":
-        return evaluate(argv)
-    verb: Callable[[list[str]], int] = import_module(VERBS[name].module).main
+    from lie_rigid_body.report.request import is_live
+
+    live = name == "sim" or (name == "evaluate" and is_live(argv))
+    verb: Callable[[list[str]], int] = import_module(f"lie_rigid_body.{'ros' if live else 'cli'}.{name}").main
     return verb(argv)
 
 
 def evaluate(argv: Sequence[str] | None = None) -> int:
     """Run ``evaluate`` with the given arguments, or those of the process: live where no bag is given."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-
-    def act() -> int:
-        from lie_rigid_body.report.request import is_live
-
-        module = LIVE_EVALUATE if is_live(arguments) else VERBS["evaluate"].module
-        verb: Callable[[list[str]], int] = import_module(module).main
-        return verb(arguments)
-
-    return console.status_of(console.program("evaluate"), act)
+    return console.status_of(console.program("evaluate"), lambda: run("evaluate", arguments))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,4 @@
-"""The three array types: float64, int64, bool.
-
-And what any room does with such.
-"""
+"""Types of arrays, of float64, int64 and bool, and small functions of arrays that several rooms call."""
 
 from __future__ import annotations
 
@@ -23,6 +20,11 @@ Booleans: TypeAlias = NDArray[np.bool_]
 def plain(value: object) -> object:
     """A number or an array of NumPy as those of Python."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def same_bits(one: Array, other: Array) -> bool:
+    """Whether two arrays have one shape and the same bits, where 0 is not −0 and NaN may be NaN."""
+    return np.array_equal(one.view(np.int64), other.view(np.int64))
 
 
 def windows(data: bytes | memoryview, size: int) -> NDArray[np.uint8]:

@@ -24,6 +24,12 @@ SILENT_WAIT: Final = 1.0
 """Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
 """Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
+_UNREADABLE: Final[dict[type[Exception], str]] = {
+    FileNotFoundError: "does not exist: give the path of a YAML file",
+    IsADirectoryError: "is a folder: give a file in it",
+    UnicodeDecodeError: "is not UTF-8 text: give a YAML file",
+}
+"""What is wrong with a file that cannot be read, and what to do."""
 
 
 def as_path(given: str | PathLike[str], what: str = "file", remedy: str = "that of a file") -> Path:
@@ -94,17 +100,9 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
         return content.decode("utf-8")
     except InputError:
         raise
-    except FileNotFoundError:
-        raise InputError(f"{path} does not exist: give the path of a YAML file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path} is a folder: give a file in it") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path} is not UTF-8 text: give a YAML file") from None
-    except TimeoutError:
-        raise InputError(f"{path} is a pipe that nobody closed within {LONGEST_WAIT:g} s: give a file") from None
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path} cannot be read: {reason}: give another file") from None
+        other = f"cannot be read: {getattr(error, 'strerror', None) or error}: give another file"
+        raise InputError(f"{path} {_UNREADABLE.get(type(error), other)}") from None
 
 
 def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
@@ -115,7 +113,7 @@ def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
             print(f"waiting for whoever writes into the pipe {path}, {LONGEST_WAIT:g} s at most", file=sys.stderr)
     while len(content) <= limit:
         if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
-            raise TimeoutError
+            raise InputError(f"{path} is a pipe that nobody closed within {LONGEST_WAIT:g} s: give a file")
         piece = os.read(pipe.fileno(), 65536)
         if not piece:
             break

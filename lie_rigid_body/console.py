@@ -11,15 +11,16 @@ import sys
 import traceback
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, TypeAlias
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interruption import count_as_handled, interruptible
+from lie_rigid_body.interruption import count_as_handled, interruptible, put_off
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
+    from tqdm import tqdm
 
     from lie_rigid_body.scenario import Scenario
 
@@ -38,18 +39,33 @@ _PIP_NAMES: Final = {"yaml": "PyYAML"}
 Main = Callable[[Sequence[str] | None], int]
 
 
+Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
+"""Row of a parser's table: the names of an argument, and how it is read."""
+
+
+def argument(*names: str, **how: Any) -> Argument:
+    """Row of a parser's table, of what `argparse.ArgumentParser.add_argument` takes."""
+    return names, how
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser whose usage errors are one line on stderr, and status 2.
+    """Parser whose usage errors are one line on stderr, and status 2.
 
     Parameters
     ----------
     verb : str
     description : str
+    *table : Argument
+        Rows, in the order of the help.
+    epilog : str, optional
+        End of the help.
     """
 
-    def __init__(self, verb: str, description: str) -> None:
-        super().__init__(prog=program(verb), description=description, allow_abbrev=False)
+    def __init__(self, verb: str, description: str, *table: Argument, epilog: str | None = None) -> None:
+        super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
         self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
+        for names, how in table:
+            self.add_argument(*names, **how)
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """Print the help on stdout, by `say`."""
@@ -76,14 +92,13 @@ def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
     own: list[str] = []
     ros: list[str] = []
     target = own
-    for argument in argv:
-        if argument == _ROS_BEGIN:
+    for text in argv:
+        if text == _ROS_BEGIN:
             target = ros
-        if target is ros and argument == _ROS_END:
+        elif text == _ROS_END and target is ros:
             target = own
-            continue
-        if argument != _ROS_BEGIN:
-            target.append(argument)
+        else:
+            target.append(text)
     return own, [_ROS_BEGIN, *ros] if ros else []
 
 
@@ -177,6 +192,29 @@ def say(text: str, done: str = "") -> bool:
     return True
 
 
+def progress(
+    items: Iterable[Any] | None = None, *, unit: str, leave: bool = False, quiet: bool = False, **more: Any
+) -> tqdm[Any]:
+    """Progress bar on stderr, as a context; it is shown on a terminal only.
+
+    Parameters
+    ----------
+    items : iterable, optional
+        What to go through; else `tqdm.update` takes what is done.
+    unit : str
+    leave : bool, optional
+        Whether it stays when all is done.
+    quiet : bool, optional
+        Whether it is not shown at all.
+    **more
+        Further arguments of `tqdm`, such as ``total``.
+    """
+    from tqdm import tqdm
+
+    with put_off():  # half a bar could not be removed
+        return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
+
+
 def silence(stream: TextIO) -> None:
     """Discard what a stream still holds: else the interpreter would try to write it at its end, and fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
@@ -207,16 +245,13 @@ def seconds(stamp_ns: int) -> str:
 
 def size(count: int) -> str:
     """A number of bytes as people read it."""
-    value = float(count)
-    for unit in ("B", "kB", "MB", "GB", "TB"):
-        if value < 1000.0 or unit == "TB":
-            break
-        value /= 1000.0
-    return f"{value:.4g} {unit}"
+    units = ("B", "kB", "MB", "GB", "TB")
+    power = min((len(str(count)) - 1) // 3, len(units) - 1)
+    return f"{count / 1000**power:.4g} {units[power]}"
 
 
-def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add ``--scenario``, ``--params-file`` and ``-p``, which `parameters` reads."""
+def add_scenario_arguments(parser: Parser) -> Parser:
+    """Add ``--scenario``, ``--params-file`` and ``-p``, which `scenario` reads, to a parser."""
     group = parser.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p")
     group.add_argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them")
     group.add_argument(
@@ -235,6 +270,7 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
         dest="assignments",
         help="one parameter; may be repeated",
     )
+    return parser
 
 
 def scenario(arguments: argparse.Namespace) -> Scenario:
@@ -256,15 +292,14 @@ def scenario(arguments: argparse.Namespace) -> Scenario:
         raise error if path is None else InputError(f"{path}: {error}") from None
 
 
-def add_topic_argument(parser: argparse.ArgumentParser) -> None:
-    """Add ``--topic``, which `topic_names` reads."""
-    parser.add_argument(
-        "--topic",
-        metavar="NAME:=/TOPIC",
-        action="append",
-        default=[],
-        help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
-    )
+TOPIC: Final = argument(
+    "--topic",
+    metavar="NAME:=/TOPIC",
+    action="append",
+    default=[],
+    help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
+)
+"""Option that `topic_names` reads."""
 
 
 def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:
@@ -314,26 +349,21 @@ def status_of(prog: str, action: Callable[[], int]) -> int:
     """The exit status of an action; its errors are printed on stderr under the name of a program. See `run`."""
     _open_standard_streams()
     with interruptible():
-        return _status_of(prog, action)
-
-
-def _status_of(prog: str, action: Callable[[], int]) -> int:
-    try:
-        return action()
-    except SystemExit as request:
-        if isinstance(request.code, str):
+        try:
+            return action()
+        except SystemExit as request:
+            if not isinstance(request.code, str):
+                return request.code or SUCCESS
             complain(prog, request.code)
-            return UNUSABLE
-        return request.code or SUCCESS
-    except KeyboardInterrupt:
-        count_as_handled()
-        complain(prog, "interrupted")
-        return INTERRUPTED
-    except Exception as error:
-        if os.environ.get(DEBUG):
-            traceback.print_exc()
-        complain(prog, explanation(error))
-        return UNUSABLE
+        except KeyboardInterrupt:
+            count_as_handled()
+            complain(prog, "interrupted")
+            return INTERRUPTED
+        except Exception as error:
+            if os.environ.get(DEBUG):
+                traceback.print_exc()
+            complain(prog, explanation(error))
+    return UNUSABLE
 
 
 def explanation(error: Exception) -> str:
@@ -342,7 +372,6 @@ def explanation(error: Exception) -> str:
         return str(error)
     if isinstance(error, MemoryError):
         return "there is not enough memory: give less at once, or free some"
-    kind = type(error).__name__
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""
         return f"the system says {error.strerror or error}{where}: see to that, and try again"
@@ -350,7 +379,7 @@ def explanation(error: Exception) -> str:
         return missing_library(error)
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
-    what = shortened(f"{kind}: {error}", LONGEST_LINE // 2)
+    what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
 
 

@@ -60,6 +60,9 @@ class Interruption:
             signal.signal(number, signal.SIG_IGN if self.requested else handler)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
+        if _waiting is not None:
+            _waiting.append(number)
+            return
         self.requested = True
         if self._allowed:
             self._allowed = False
@@ -80,16 +83,23 @@ class Interruption:
         finally:
             self._allowed = False
 
-    @contextmanager
-    def put_off(self) -> Iterator[None]:
-        """A context within `allowed` that the signals do not interrupt; one that came interrupts at its end."""
-        self._allowed = False
-        try:
-            yield
-        finally:
-            self._allowed = True
-        if self.requested:
-            raise KeyboardInterrupt
+
+_waiting: list[int] | None = None
+"""Signals that came while they are put off; None where they are acted on."""
+
+
+@contextmanager
+def put_off() -> Iterator[None]:
+    """Context that no signal interrupts, for what must not be left half made; one that came is acted on at its end."""
+    global _waiting
+    came: list[int] = []
+    _waiting = came
+    try:
+        yield
+    finally:
+        _waiting = None
+        for number in came:
+            signal.raise_signal(number)
 
 
 @contextmanager
@@ -112,7 +122,9 @@ def interruptible() -> Iterator[None]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    if not isinstance(sys.exc_info()[1], KeyboardInterrupt):
+    if _waiting is not None:
+        _waiting.append(number)
+    elif not isinstance(sys.exc_info()[1], KeyboardInterrupt):
         raise KeyboardInterrupt
 
 

@@ -1,4 +1,4 @@
-"""Parameters: their types and limits, and reading their values."""
+"""Parameters: their types and limits, and how their values are read."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ MAX_EPOCH_NS: Final = (2**31 - 1) * NS
 """The latest stamp, in 2038: builtin_interfaces/Time has 32-bit seconds."""
 
 LONGEST_FRAME_NAME: Final = 255
-"""Characters. Every message carries one."""
+"""Largest length of a frame name, characters; every message carries one."""
 
 
 SHORTEST_DURATION: Final = Decimal("1e-9")
-"""s; one nanosecond."""
+"""Shortest duration that is taken, s: one nanosecond."""
 
 LONGEST_DURATION: Final = Decimal("1e10")
-"""s; more is beyond every stamp of builtin_interfaces/Time."""
+"""Longest duration that is taken, s; more is beyond every stamp of builtin_interfaces/Time."""
 
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 """Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
@@ -84,7 +84,7 @@ class Parameter:
     lengths : tuple of int, optional
         Allowed lengths of an array.
     minimum, maximum : float, optional
-        Inclusive range of a scalar number.
+        Inclusive range of a number, or of each number of an array.
     choices : tuple of str, optional
         Allowed strings.
     """
@@ -120,13 +120,15 @@ class Parameter:
         if self.kind == "double_array":
             return self._array(value)
         if self.kind == "double":
-            return self._in_range(self._number(value))
+            return self._number(value)
         if self.kind == "int":
             return self._integer(value)
         if self.kind == "bool" and isinstance(value, bool):
             return value
         if self.kind == "string" and isinstance(value, str):
-            return self._string(value)
+            if self.choices and value not in self.choices:
+                raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
+            return value
         raise self._error(f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
 
     def _error(self, message: str) -> ParameterError:
@@ -141,16 +143,13 @@ class Parameter:
             number = math.inf
         if not math.isfinite(number):
             raise self._error(f"{shown(value)} is not finite: give {self._example()}")
+        if not self.minimum <= number <= self.maximum:
+            raise self._error(f"{number:g} is outside [{self.minimum:g}, {self.maximum:g}]: give {self._example()}")
         return number
 
     def _example(self) -> str:
         wanted = " or ".join(str(n) for n in self.lengths)
         return f"{wanted} finite numbers" if wanted else f"for example {self.default!r}"
-
-    def _in_range(self, value: float) -> float:
-        if not self.minimum <= value <= self.maximum:
-            raise self._error(f"{value:g} is outside [{self.minimum:g}, {self.maximum:g}]: give {self._example()}")
-        return value
 
     def _integer(self, value: object) -> int:
         is_beyond = isinstance(value, float) and abs(value) >= _BEYOND_INT64  # as YAML and rcl read longer integers
@@ -169,11 +168,6 @@ class Parameter:
         if len(numbers) not in self.lengths:
             raise self._error(f"{shown(list(numbers))} has {len(numbers)} numbers: give {self._example()}")
         return numbers
-
-    def _string(self, value: str) -> str:
-        if self.choices and value not in self.choices:
-            raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
-        return value
 
 
 def read_table(table: Collection[Parameter], given: Mapping[str, object]) -> dict[str, Value]:

@@ -77,11 +77,11 @@ def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int
 
 PUT_OFF = """
 import signal
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.interruption import Interruption, put_off
 with Interruption() as interruption:
     try:
         with interruption.allowed():
-            with interruption.put_off():
+            with put_off():
                 signal.raise_signal(signal.SIGTERM)
                 print("whole")
             print("not interrupted")

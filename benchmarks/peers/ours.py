@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.closed_form import evaluation
+from lie_rigid_body.motion.closed_form import solution
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
@@ -28,7 +28,7 @@ LOOPS: Final = (moser_veselov_loop.LOOP, munthe_kaas_loop.LOOP)
 def contenders(task: Task) -> Iterator[Contender]:
     """The closed form, and each method of the moving chart at each step that fits."""
     if all(loop.compile() for loop in LOOPS):
-        evaluation.compile_all()
+        solution.compile_all()
     yield Contender("ours, closed form", "exact", 0.0, lambda: _closed_form(task), ours=True)
     for method in METHODS:
         for step in STEPS:

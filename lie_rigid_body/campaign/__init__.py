@@ -2,8 +2,7 @@
 
 - `definition`: what a campaign file says;
 - `distributions`: the distributions that parameters are drawn from;
-- `run`: one run, from its number to its bag, its certificate and its row;
-- `estimator`: the scores of an estimator in a run;
+- `run`: one run, from its number to its bag, its certificate, its scores and its row;
 - `journal`: the rows that are finished, and the table of all;
 - `cluster`: the runs on the workers of a Dask cluster.
 """

@@ -5,24 +5,25 @@ from __future__ import annotations
 import logging
 import signal
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from lie_rigid_body.campaign.connection import Connection
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interruption import put_off
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
-    from distributed import Client, LocalCluster
+    from distributed import Client, LocalCluster, as_completed
 
 _Closable = TypeVar("_Closable", bound="Client | LocalCluster")
 RUNS_AHEAD: Final = 4
@@ -52,6 +53,97 @@ _QUIET: Final = {
 }
 """Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
 
+WITHOUT_RESULT_S: Final = 5.0
+"""Time without a result, s, after which the scheduler is asked whether it has a worker."""
+_ANSWER_S: Final = 5.0
+"""Longest wait for its answer, s: a scheduler may have much to do."""
+_LOOK_S: Final = 0.1
+"""Time between two looks at whether the connection is lost, s, while no result comes."""
+
+
+class SchedulerGoneError(BagError):
+    """A scheduler no longer answers, and what was on its way is lost."""
+
+
+class Connection:
+    """A client's connection to its scheduler.
+
+    Parameters
+    ----------
+    client : Client
+    alone : callable, optional
+        Is told the address of a scheduler that has no worker, once until it has one.
+    """
+
+    def __init__(self, client: Client, alone: Callable[[str], object] | None = None) -> None:
+        self._client, self._alone = client, alone
+        self._address, self._stream = client.scheduler.address, client.scheduler_comm
+        self._was_alone = False
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the connection is lost. The client may have made another, on which no earlier result arrives."""
+        return self._client.scheduler_comm is not self._stream or bool(self._stream.closed())
+
+    @contextmanager
+    def needed(self) -> Iterator[None]:
+        """A context that raises one error where the connection is lost: those of Dask are of many kinds.
+
+        Raises
+        ------
+        SchedulerGoneError
+        """
+        from distributed import CancelledError
+        from distributed.comm import CommClosedError
+
+        try:
+            yield
+        except Exception as error:
+            if self.is_lost or isinstance(error, CommClosedError | CancelledError):
+                raise self._gone() from None
+            raise
+
+    def arriving(self, pool: as_completed) -> Iterator[tuple[Any, Any]]:
+        """Futures of a pool and their results as they arrive.
+
+        Dask's own iterator waits for ever for a result that was about to be sent when the scheduler went.
+
+        Raises
+        ------
+        SchedulerGoneError
+            When all that did arrive is yielded.
+        """
+        since = time.monotonic()
+        while not pool.is_empty():
+            if pool.has_ready():
+                future, result = next(pool)
+                if not (future.status == "cancelled" and self.is_lost):
+                    self._was_alone = False
+                    yield future, result
+                    since = time.monotonic()
+            elif self.is_lost:
+                break
+            elif self._alone is not None and time.monotonic() - since >= WITHOUT_RESULT_S:
+                self._look_for_workers(self._alone)
+                since = time.monotonic()
+            else:
+                with pool.thread_condition:
+                    pool.thread_condition.wait(_LOOK_S)
+        if self.is_lost:
+            raise self._gone()
+
+    def _look_for_workers(self, alone: Callable[[str], object]) -> None:
+        from distributed import TimeoutError as Late
+
+        with suppress(Late, OSError):
+            is_alone = not self._client.nthreads(callback_timeout=_ANSWER_S)
+            if is_alone and not self._was_alone:
+                alone(self._address)
+            self._was_alone = is_alone
+
+    def _gone(self) -> SchedulerGoneError:
+        return SchedulerGoneError(f"the scheduler at {self._address} no longer answers")
+
 
 def require_address(scheduler: str) -> None:
     """Refuse what is no address of a scheduler, before anything is made for it.
@@ -77,7 +169,6 @@ def require_address(scheduler: str) -> None:
 def client_of(
     workers: int | None,
     scheduler: str | None,
-    starting: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> Iterator[Client]:
     """A client of a Dask cluster: of the one at an address, or of one of processes on this machine while it lasts.
 
@@ -87,8 +178,6 @@ def client_of(
         Processes of one thread each; as many as cores by default.
     scheduler : str, optional
         Address of the scheduler of a cluster that runs already.
-    starting : callable, optional
-        Makes the context in which a cluster starts, which must not be interrupted: half of one cannot be closed.
 
     Raises
     ------
@@ -113,7 +202,7 @@ def client_of(
     others = active_children()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         with ExitStack() as parts:
-            with starting(), _deaf_children():
+            with put_off(), _deaf_children():
                 cluster = LocalCluster(
                     n_workers=workers or cores(),
                     threads_per_worker=1,

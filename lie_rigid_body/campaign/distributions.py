@@ -184,15 +184,11 @@ def _choice(what: str, given: Mapping[str, object]) -> Draw:
     return lambda u: values[int(u.next() * len(values))]
 
 
-def _uniform_rotation(what: str, given: Mapping[str, object]) -> Draw:
+def _rotation(u: Uniforms) -> list[float]:
     """A uniformly distributed rotation: K. Shoemake, "Uniform random rotations", Graphics Gems III (1992) 124."""
-
-    def rotation(u: Uniforms) -> list[float]:
-        share, first, second = u.next(), 2.0 * math.pi * u.next(), 2.0 * math.pi * u.next()
-        a, b = math.sqrt(1.0 - share), math.sqrt(share)
-        return [a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)]
-
-    return rotation
+    share, first, second = u.next(), 2.0 * math.pi * u.next(), 2.0 * math.pi * u.next()
+    a, b = math.sqrt(1.0 - share), math.sqrt(share)
+    return [a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)]
 
 
 def _direction(what: str, given: Mapping[str, object]) -> Draw:
@@ -246,20 +242,16 @@ def _mass(what: str, given: Mapping[str, object]) -> Callable[[Uniforms, float],
     return lambda u, volume: density(u) * volume
 
 
-def _run(what: str, given: Mapping[str, object]) -> Draw:
-    return lambda u: u.run
-
-
 _MASS: Final = ("density", "mass")
 DISTRIBUTIONS: Final[Mapping[str, tuple[tuple[str | tuple[str, ...], ...], Callable[..., Draw]]]] = {
     "uniform": (("low", "high"), _uniform),
     "loguniform": (("low", "high"), _loguniform),
     "normal": (("mean", "std"), _normal),
     "choice": (("values",), _choice),
-    "uniform_rotation": ((), _uniform_rotation),
+    "uniform_rotation": ((), lambda what, given: _rotation),
     "direction": (("norm",), _direction),
     "box": ((_MASS, "edges"), _box),
     "cylinder": ((_MASS, "radius", "height"), _cylinder),
-    "run": ((), _run),
+    "run": ((), lambda what, given: lambda u: u.run),
 }
 """Distributions by name: the keys that each takes, alternatives together, and the maker of the function that draws."""

@@ -6,7 +6,7 @@ import json
 import os
 from array import array
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from itertools import chain, islice
 from pathlib import Path
 from types import TracebackType
@@ -14,8 +14,7 @@ from typing import Any, Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.estimator import ERROR
-from lie_rigid_body.campaign.run import BAGS, Row
+from lie_rigid_body.campaign.run import BAGS, ERROR, Row
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.scenario.parameter_table import BY_NAME
@@ -26,12 +25,12 @@ JOURNAL: Final = "runs.jsonl"
 RESUMED: Final = "the same command does the rest"
 """Remedy at the end of a line about a campaign that is not finished."""
 _NONE: Final = -1
-"""Place in the file of a row that it does not have."""
+"""Place of a row that is not in the file."""
 _ROWS_AT_ONCE: Final = 10_000
 """Number of rows of the table that are in memory together."""
 
 
-class Journal:
+class Journal(AbstractContextManager["Journal"]):
     """The finished runs of a campaign in its folder. Use it as a context manager: only one process may hold it.
 
     The rows stay in their file, and are read again when they are wanted: a million would take gigabytes.
@@ -145,7 +144,7 @@ class Journal:
         self.require_intact()
         place = self._file.seek(0, os.SEEK_END)
         try:
-            self._write(f"{json.dumps(row.to_dict())}\n".encode())
+            self._write(f"{json.dumps(vars(row))}\n".encode())
         except OSError as error:
             raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
         self._places[row.run] = place
@@ -193,9 +192,6 @@ class Journal:
                 whole.unlink()
             raise BagError(f"{path} cannot be written: {reason(error)}: make room, and {RESUMED}") from None
         return path
-
-    def __enter__(self) -> Journal:
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

@@ -1,20 +1,29 @@
-"""One run of a campaign: its bag, its certificate, and the row that says what it was."""
+"""One run of a campaign: its bag, its certificate, the scores of an estimator, and the row that says what it was."""
 
 from __future__ import annotations
 
 import tempfile
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, TypeAlias
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.estimator import Scores, scores
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
+from lie_rigid_body.runs import Run, simulate
+from lie_rigid_body.runs.estimators import Estimator, estimator, returned
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.wording import shortened
 
+Scores: TypeAlias = dict[str, float | str | None]
+
+ERROR: Final = "estimator_error"
+"""Column of the table that says why a run has no score."""
+SCORES: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s")
+"""Columns of a score: root mean squares of the errors, degrees, and the time to converge, s, if they do."""
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""
 LARGEST_IN_MEMORY: Final = 8 * 2**20
@@ -60,10 +69,6 @@ class Row:
             return self.bag is not None and self.bag_bytes in (None, (folder / self.bag).stat().st_size)
         except OSError:
             return False
-
-    def to_dict(self) -> dict[str, Any]:
-        """The row as plain values."""
-        return asdict(self)
 
 
 def bag_name(run: int) -> str:
@@ -122,3 +127,24 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         {law: list(pair) for law, pair in certificate.residuals.items()},
         scores(campaign, scenario),
     )
+
+
+def scores(campaign: Campaign, scenario: Scenario) -> Scores:
+    """The scores of the campaign's estimator in the run of a scenario, by column; empty without an estimator.
+
+    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
+    raise anything, also KeyboardInterrupt: no signal raises that here, in a thread of a worker.
+    """
+    if campaign.estimator is None:
+        return {}
+    try:
+        return {**_scored(estimator(campaign.estimator), simulate(scenario, duration=campaign.duration)), ERROR: None}
+    except BaseException as error:
+        return {**dict.fromkeys(SCORES), ERROR: shortened(said(error))}
+
+
+def _scored(estimate: Estimator, run: Run) -> Scores:
+    found = returned(estimate(run))
+    score = run.score(found.attitude_xyzw, found.t_ns, diagnosed=False)
+    errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
+    return dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,15 +12,12 @@ import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.aside import aside
-from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.law_result import LawResult, Watch
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
-from lie_rigid_body.certificate.residuals_over_time import Watch
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
-from lie_rigid_body.certificate.survey import Survey, Surveyor, survey
-from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
+from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor, survey
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
-from lie_rigid_body.certificate.uncertified import not_certified, uncovered
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -115,10 +113,9 @@ class Certificate:
     def laws(self) -> tuple[LawResult, ...]:
         """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
         worst: dict[str, LawResult] = {}
-        for segment in self.segments:
-            for law in segment.laws:
-                worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
-        return (*worst.values(), *self.whole)
+        for law in (*itertools.chain.from_iterable(segment.laws for segment in self.segments), *self.whole):
+            worst[law.name] = max(worst.get(law.name, law), law, key=lambda one: (one.broken > 0, one.share))
+        return tuple(worst.values())
 
     @property
     def residuals(self) -> dict[str, tuple[float, float]]:
@@ -194,7 +191,6 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
             segments = [found.segment for found in surveyed.segments]
             held, of_sensors = _held(bag, surveyed, partial(numbered_blocks, bag, segments), watch)
         sensors = of_sensors.findings()
-    surveyed = replace(surveyed, logged_otherwise=surveyed.logged_otherwise + sensors.logged_otherwise)
     return Certificate(
         tuple(
             _certificate(found, laws, of_its_sensors, notes, as_written=surveyed.as_written)
@@ -202,10 +198,10 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
                 surveyed.segments, held, sensors.laws, sensors.notes, strict=True
             )
         ),
-        (*whole_bag.laws(bag, surveyed), *sensors.whole),
-        not_certified(bag, surveyed, sensors),
+        whole_bag.laws(bag, surveyed, sensors),
+        whole_bag.not_certified(bag, surveyed, sensors),
         sensors.topics,
-        uncovered(bag, surveyed, sensors),
+        whole_bag.uncovered(bag, surveyed, sensors),
         _to_the_bit(bag, surveyed, held, sensors),
     )
 
@@ -277,7 +273,7 @@ def _notes(found: SurveyedSegment, held: HeldLaws, *, attitude_holds: bool) -> I
     if found.first is not None and found.first > segment.first_sample and found.begins_late:
         late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
-    turn = found.longest_span * held.fastest
+    turn = found.longest_span * segment.scenario.rate_bound()
     if turn > LONGEST_TURN:
         yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
     if held.motion_error > ATTITUDE_CAP and not attitude_holds:

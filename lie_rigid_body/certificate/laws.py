@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans
-from lie_rigid_body.certificate.law_result import LawResult, LawTally
+from lie_rigid_body.arrays import Array, Booleans, same_bits
+from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.residuals import WORK, Residuals
-from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.surveyed_segment import SurveyedSegment
+from lie_rigid_body.certificate.survey import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance, tolerance
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
@@ -77,8 +75,6 @@ class HeldLaws:
     ----------
     results : tuple of LawResult
         How near each law came to its limit.
-    fastest : float
-        Bound of the body rate, rad/s.
     motion_error : float
         How far the declared motion may err until the last sample, rad, before any cap.
     is_exact : bool
@@ -86,7 +82,6 @@ class HeldLaws:
     """
 
     results: tuple[LawResult, ...]
-    fastest: float
     motion_error: float
     is_exact: bool
 
@@ -119,11 +114,12 @@ class SegmentLaws:
 
     def _add(self, new: Block) -> None:
         block = new if self._before is None else self._before.joined(new)
-        compared = self._compared(block)
-        for law in _all_laws(compared):
+        for law in _all_laws(self._compared(block)):
             judgement = self._judgements.setdefault(law.name, LawTally(law.name, law.unit, law.what, watch=self._watch))
-            last = slice(len(block.stamps_ns) - len(law.values), None)
-            judgement.add(law.values, law.limits, block.samples[last], block.stamps_ns[last])
+            count = min(len(law.values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
+            own, last = slice(len(law.values) - count, None), slice(len(block.stamps_ns) - count, None)
+            limits = np.broadcast_to(law.limits, law.values.shape)
+            judgement.add(law.values[own], limits[own], block.samples[last], block.stamps_ns[last])
         if len(block.stamps_ns):
             self._before = block[-1:]
 
@@ -134,8 +130,8 @@ class SegmentLaws:
         resolved = spans * fastest <= LONGEST_TURN
         followed = np.where(resolved, spans, 0.0)
         exact = self._motion.at(elapsed)
-        self._is_exact &= np.array_equal(block.states.attitude_xyzw, exact.attitude_xyzw)
-        self._is_exact &= np.array_equal(block.states.body_rate, exact.body_rate)
+        self._is_exact &= same_bits(block.states.attitude_xyzw, exact.attitude_xyzw)
+        self._is_exact &= same_bits(block.states.body_rate, exact.body_rate)
         return ComparedSamples(
             self._body,
             self._start,
@@ -156,24 +152,18 @@ class SegmentLaws:
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
         results = tuple(judgement.result() for judgement in self._judgements.values())
-        return HeldLaws(results, self._tolerance.fastest, expected, self._is_exact)
+        return HeldLaws(results, expected, self._is_exact)
 
 
-def _all_laws(compared: ComparedSamples) -> Iterator[_Law]:
-    first = 1 if compared.follows else 0
-    for law in (
+def _all_laws(compared: ComparedSamples) -> tuple[_Law, ...]:
+    return (
         _unit_norm(compared),
         _kinetic_energy(compared),
         *_world_momentum(compared),
         *_neighbours(compared),
         _closed_form(compared),
         _exact_rate(compared),
-    ):
-        if len(law.values) < len(compared.t) or not first:  # of intervals, or of samples that are all new
-            yield law
-        else:
-            limits = law.limits if isinstance(law.limits, float) else law.limits[first:]
-            yield law._replace(values=law.values[first:], limits=limits)
+    )
 
 
 def _unit_norm(compared: ComparedSamples) -> _Law:

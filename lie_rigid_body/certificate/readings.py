@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -61,17 +62,21 @@ class Expected:
     def __getitem__(self, rows: slice | Integers) -> Expected:
         return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
 
+    @cached_property
+    def values(self) -> Array:
+        """The readings, shape (N, K)."""
+        return self.converter.read(self.signal)
+
     def residuals(self, recorded: Array) -> tuple[Array, Array]:
         """Distance of recorded readings from these, and how far they may be, of the axis that is worst; shape (N,)."""
-        read = self.converter.read
-        value = read(self.signal)
-        distance = np.abs(recorded - value)
+        read, values = self.converter.read, self.values
+        distance = np.abs(recorded - values)
         if not distance.any():  # as of one's own recordings; then no axis is worse than the first
-            return distance[:, 0], value[:, 0] - read(self.signal[:, 0] - self.uncertainty[:, 0])
+            return distance[:, 0], values[:, 0] - read(self.signal[:, 0] - self.uncertainty[:, 0])
         low, high = read(self.signal - self.uncertainty), read(self.signal + self.uncertainty)
-        allowed = np.where(recorded > value, high - value, value - low)
+        allowed = np.where(recorded > values, high - values, values - low)
         if self.converter.resolution:
-            allowed = np.where((recorded == value) | (read(recorded) == recorded), allowed, 0.0)
+            allowed = np.where((recorded == values) | (read(recorded) == recorded), allowed, 0.0)
         axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)
         at = axis + np.arange(0, distance.size, distance.shape[1])
         return distance.take(at), allowed.take(at)
@@ -101,14 +106,21 @@ class Piece:
         return self.first + len(self.times_ns)
 
 
-class WalkBudget:
-    """How many readings of a bag may still be left out through which a bias walks."""
+class Replays:
+    """The replays of a bag, for each sensor that of the segment which was asked for last, and what they may cost."""
 
     def __init__(self) -> None:
-        self._left = MOST_WALKED
+        self._left, self._last = MOST_WALKED, dict[str, Replay]()
 
-    def allows(self, count: int) -> bool:
-        """Leave out so many more, unless they are too many."""
+    def of(self, segment: Segment, name: str, duration: float) -> Replay:
+        """The replay of a sensor in a segment; see `Replay` for the parameters."""
+        known = self._last.get(name)
+        if known is None or known.segment is not segment:
+            known = self._last[name] = Replay(segment, name, duration, self)
+        return known
+
+    def allow(self, count: int) -> bool:
+        """Leave out so many more readings through which a bias walks, unless they are too many."""
         if count > self._left:
             return False
         self._left -= count
@@ -124,24 +136,18 @@ class Replay:
     name : str
         The sensor's.
     duration : float
-        Length of the segment, s.
-    work : WalkBudget
-
-    Attributes
-    ----------
-    motion_error : float
-        How far the declared motion that the readings are of may err, rad, before any cap.
+        Time of the truth's last sample since the segment's start, s.
+    replays : Replays
+        All of the bag.
     """
 
-    def __init__(self, segment: Segment, name: str, duration: float, work: WalkBudget) -> None:
-        self._segment, self._name, self._work = segment, name, work
+    def __init__(self, segment: Segment, name: str, duration: float, replays: Replays) -> None:
+        self.segment, self._name, self._duration, self._replays = segment, name, duration, replays
         self._measurement = self._begun()
-        self._limits = _limits_of(segment, self._measurement.model.rate, duration)
-        self.motion_error = float(self._limits.attitude_uncapped(np.array([duration]))[0])
         self._pieces: list[Piece] = []
 
     def _begun(self) -> Measurement:
-        return Measurement(self._segment, self._name, self._segment.scenario.exact_motion())
+        return Measurement(self.segment, self._name, self.segment.scenario.exact_motion())
 
     def piece(self, numbers: Integers) -> Piece | None:
         """Readings from the first of some rising numbers on; None if too many would have to be left out before it."""
@@ -151,7 +157,7 @@ class Replay:
                 return known
         if first < self._measurement.next:
             self._measurement = self._begun()
-        if self._measurement.walks and not self._work.allows(first - self._measurement.next):
+        if self._measurement.walks and not self._replays.allow(first - self._measurement.next):
             return None
         near = numbers[: np.searchsorted(numbers, first + BLOCK)]
         gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)
@@ -163,24 +169,29 @@ class Replay:
         self._measurement.begin_at(first)
         times, elapsed, signals = self._measurement.replay(count)
         t = np.asarray(elapsed * 1e-9, dtype=np.float64)
-        return Piece(first, times, {name: self._expected(signal, t) for name, signal in signals.items()})
+        limits = self._limits(float(t[-1]))
+        return Piece(first, times, {name: _expected(signal, t, limits) for name, signal in signals.items()})
 
-    def _expected(self, signal: Signal, t: Array) -> Expected:
-        """A signal at times t, s, with its uncertainty."""
-        conditioning, limits = signal.conditioning(), self._limits
-        span = conditioning.span
-        attitude, rate = (
-            limits.stepper_attitude(t),
-            limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t),
-        )
-        carried = conditioning.per_attitude * attitude[:, np.newaxis] + conditioning.per_rate * rate[:, np.newaxis]
-        values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * conditioning.size + carried
-        return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
+    def _limits(self, until: float) -> Tolerance:
+        """The limits of the motion; a recorder may have lost the truth long before, and errors go on to grow."""
+        duration = self._duration if until <= self._duration else 2.0 ** math.ceil(math.log2(until))
+        return limits_of(self.segment, self._name, duration)
 
 
-def _limits_of(segment: Segment, rate: float, duration: float) -> Tolerance:
+def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
+    """A signal at times t, s, with its uncertainty."""
+    conditioning = signal.conditioning()
+    span = conditioning.span
+    attitude, rate = limits.stepper_attitude(t), limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t)
+    carried = conditioning.per_attitude * attitude[:, np.newaxis] + conditioning.per_rate * rate[:, np.newaxis]
+    values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * conditioning.size + carried
+    return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
+
+
+def limits_of(segment: Segment, name: str, duration: float) -> Tolerance:
     """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
     scenario = segment.scenario
+    rate = scenario.sensors.on[name].rate
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
     has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
     return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)

@@ -1,21 +1,27 @@
-"""The sensors of a bag, held against the readings that its scenarios determine."""
+"""The sensors of a bag: their readings are replayed, paired with its messages, compared, and what came of it is told.
+
+What makes that less simple, and where it is dealt with:
+
+- The same stamp may be shown twice, as clocks err and resets change them: messages are paired by `SensorClocks`.
+- A recorder came late, or lost readings: `Replay.piece` begins anywhere, and a gap is no reason to replay all of it.
+- It may have lost the truth, but not the sensors: `Replay` has limits of the readings' own time, and `SensorLaws` holds
+  segments without a sample as well.
+- Converters make steps: `Expected.residuals` compares behind the converter what may differ before it.
+- A reset that takes a sensor away leaves out what was under way: `SegmentSensor.last_due`.
+- Forged stamps lie years ahead, and scenarios declare what nobody recorded: `SegmentSensor.lost`, `Replays.allow` and
+  the horizon of `SensorLaws` bound the work, and only topics that the bag has are replayed.
+"""
 
 from __future__ import annotations
 
 import json
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.readings import WalkBudget
-from lie_rigid_body.certificate.residuals_over_time import Watch
-from lie_rigid_body.certificate.sensor_topics import (
-    MOST_LOST,
-    SegmentSensor,
-    TopicLaws,
-    value_laws,
-)
+from lie_rigid_body.certificate.law_result import LawResult, Watch
+from lie_rigid_body.certificate.readings import Replays
+from lie_rigid_body.certificate.sensor_topics import MOST_LOST, SegmentSensor, value_laws
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
@@ -39,30 +45,27 @@ class SensorFindings:
     ----------
     laws : tuple of tuple of LawResult
         For each surveyed segment.
+    notes : tuple of tuple of str
+        For each surveyed segment, which sensors have no reading there, or none to its end, though no law is broken.
+    whole : tuple of LawResult
+        Of the bag as a whole, and of segments without a sample.
     topics : tuple of str
         Full names of the topics whose readings the laws speak of.
     not_certified : tuple of str
         What else there is, or should be, in words.
     logged_otherwise : int
         Messages that were not logged, or not published, at their stamps.
-    whole : tuple of LawResult
-        Of the bag as a whole.
-    notes : tuple of tuple of str
-        For each surveyed segment, which sensors have no reading there, or none to its end, though no law is broken.
+    are_exact : bool
+        Whether all readings were compared, and are equal to the replayed ones, to the bit.
     """
 
     laws: tuple[tuple[LawResult, ...], ...]
-    topics: tuple[str, ...] = ()
-    not_certified: tuple[str, ...] = ()
-    logged_otherwise: int = 0
-    whole: tuple[LawResult, ...] = ()
-    notes: tuple[tuple[str, ...], ...] = ()
-
-    @property
-    def are_exact(self) -> bool:
-        """Whether no reading that was compared differs from the replayed one."""
-        values = value_laws()
-        return all(law.worst == 0.0 for own in self.laws for law in own if law.name in values)
+    notes: tuple[tuple[str, ...], ...]
+    whole: tuple[LawResult, ...]
+    topics: tuple[str, ...]
+    not_certified: tuple[str, ...]
+    logged_otherwise: int
+    are_exact: bool
 
     __repr__ = short_repr
 
@@ -80,24 +83,22 @@ class SensorLaws:
     """
 
     def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
-        self._bag, self._surveyed, self._work, self._watch = bag, surveyed, WalkBudget(), watch
+        self._bag, self._surveyed, self._replays, self._watch = bag, surveyed, Replays(), watch
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        held = [name for name in SENSOR_TOPICS if name in self._declared and name != FAULTS]
-        self._held = held if surveyed.as_written else [name for name in held if name in bag.sensors]
-        self._faults = self._fault_law()
-        self._silent: list[list[str]] = []
-        places = {id(found.segment): found for found in surveyed.segments}
-        self._found = [places.get(id(segment)) for segment in surveyed.declared]
+        self._held = {name for name in self._declared if surveyed.as_written or name in bag.sensors}
         self._clocks = {
             topic.name: SensorClocks(surveyed.declared, name)
             for name, sensor in SENSORS.items()
             for topic in sensor.topics
-            if topic.name in self._readings
+            if topic.name in self._held and topic.name in bag.sensors
         }
-        self._ends: dict[str, int] = {}  # of each topic the last segment, as declared, that it has a reading in
-        self._sensors: dict[tuple[int, str], SegmentSensor] = {}
-        self._open: dict[str, SegmentSensor] = {}
-        self._unsampled = self._logged_otherwise = self._last_ns = 0
+        most, own = MOST_LOOKED_THROUGH + 2 * sum(topic.count for topic in bag.sensors.values()), surveyed.as_written
+        is_due = FAULTS in self._held
+        self._faults = FaultLaw(surveyed.declared, self._horizon_ns, is_whole=own, most=most) if is_due else None
+        self._last_ns = {id(found.segment): found.last_ns for found in surveyed.segments}
+        self._sensors: dict[tuple[int, str], SegmentSensor] = {}  # by the segment's place among those declared
+        self._strays = Counter[tuple[int, str]]()
+        self._logged_otherwise = self._last_sent_ns = 0
 
     def _full_name(self, name: str) -> str:
         return self._bag.sensors[name].topic if name in self._bag.sensors else name
@@ -105,18 +106,7 @@ class SensorLaws:
     @property
     def wanted(self) -> list[str]:
         """The topics of the bag that are to be added, by their relative names."""
-        return [*self._readings, *(name for name in (FAULTS,) if self._faults and name in self._bag.sensors)]
-
-    @property
-    def _readings(self) -> list[str]:
-        return [name for name in self._held if name in self._bag.sensors]
-
-    def _fault_law(self) -> FaultLaw | None:
-        bag, surveyed = self._bag, self._surveyed
-        if FAULTS not in self._declared or not (surveyed.as_written or FAULTS in bag.sensors):
-            return None
-        most = MOST_LOOKED_THROUGH + 2 * sum(sensor.count for sensor in bag.sensors.values())
-        return FaultLaw(surveyed.declared, self._horizon_ns, is_whole=surveyed.as_written, most=most)
+        return [*self._clocks, *({FAULTS} & self._held & self._bag.sensors.keys())]
 
     @property
     def _horizon_ns(self) -> int:
@@ -124,16 +114,16 @@ class SensorLaws:
         last = self._surveyed.segments[-1]
         start_ns, scenario = last.segment.start_ns, last.segment.scenario
         truth_ns = (last.last_ns or start_ns) + round(2 * NS / scenario.rate) + NS
-        if self._surveyed.as_written:
-            return truth_ns
-        counts = {
-            name: max(
-                (self._bag.sensors[t.name].count for t in SENSORS[name].topics if t.name in self._readings), default=0
-            )
-            for name in scenario.sensors.on
-        }
-        longest = max((counts[name] / model.rate for name, model in scenario.sensors.on.items()), default=0.0)
-        return max(truth_ns, start_ns + round(MOST_LOST * longest * NS))
+        longest = max(
+            (
+                self._bag.sensors[topic.name].count / model.rate
+                for name, model in scenario.sensors.on.items()
+                for topic in SENSORS[name].topics
+                if topic.name in self._clocks
+            ),
+            default=0.0,
+        )
+        return truth_ns if self._surveyed.as_written else max(truth_ns, start_ns + round(MOST_LOST * longest * NS))
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
@@ -147,31 +137,25 @@ class SensorLaws:
                 if isinstance(messages, SensorMessages) and len(messages):
                     for part in self._clocks[topic.name].placed(messages, in_order=own):
                         sent_ns = part.messages.log_times_ns if own else part.times_ns
-                        self._last_ns = max(self._last_ns, int(sent_ns.max()))
-                        self._ends[topic.name] = max(part.place, self._ends.get(topic.name, part.place))
+                        self._last_sent_ns = max(self._last_sent_ns, int(sent_ns.max()))
                         placed[part.place][topic.name] = part
             for place in sorted(placed):
-                self._add(place, name, placed[place])
-
-    def _add(self, place: int, name: str, placed: Mapping[str, PlacedMessages]) -> None:
-        if self._found[place] is None:
-            self._unsampled += sum(len(own.numbers) for own in placed.values())
-            return
-        sensor = self._sensor(place, name)
-        if self._open.get(name, sensor) is not sensor:
-            self._open[name].close()
-        self._open[name] = sensor
-        self._logged_otherwise += sensor.add(placed)
+                if name in self._surveyed.declared[place].scenario.sensors.on:
+                    self._logged_otherwise += self._sensor(place, name).add(placed[place])
+                else:
+                    self._strays.update({(place, topic): len(part.numbers) for topic, part in placed[place].items()})
 
     def _sensor(self, place: int, name: str) -> SegmentSensor:
         if (place, name) not in self._sensors:
-            found = self._found[place]
-            assert found is not None
-            topics = {
-                topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held
-            }
+            segment = self._surveyed.declared[place]
             self._sensors[place, name] = SegmentSensor(
-                found, self._successors(place), name, topics, self._work, self._watch
+                segment,
+                self._last_ns.get(id(segment)) or segment.start_ns,
+                self._successors(place),
+                name,
+                {topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held},
+                self._replays,
+                self._watch,
             )
         return self._sensors[place, name]
 
@@ -183,13 +167,11 @@ class SensorLaws:
 
     def findings(self) -> SensorFindings:
         """What was found, after all messages."""
-        begun: set[str] = set()
-        laws = [
-            tuple(self._segment_laws(i, begun, is_last=found is self._surveyed.segments[-1]))
-            for i, found in enumerate(self._found)
-            if found is not None
-        ]
-        whole = self._of_faults()
+        sampled = [place for place, segment in enumerate(self._surveyed.declared) if id(segment) in self._last_ns]
+        notes: dict[int, list[str]] = defaultdict(list)
+        found = self._of_segments(sampled, notes)
+        *laws, whole = *(found.pop(place) for place in sampled), self._of_bag()
+        whole += tuple(law for rest in found.values() for law in rest)
         not_certified = [*self._unheld(), *self._unassigned()]
         computed = value_laws() | {FAULT_LAW}
         broken = any(law.name in computed and not law.holds for own in (*laws, whole) for law in own)
@@ -199,31 +181,104 @@ class SensorLaws:
             not_certified.append(
                 f"readings of sensors: the scenario is of {foreign!r:.40}, this is {LIBRARY}, which computes others"
             )
+        topics = [topic for sensor in self._sensors.values() for topic in sensor.topics.values()]
         far = {t.topic for sensor in self._sensors.values() if sensor.is_too_far for t in sensor.topics.values()}
         not_certified += [f"{topic}: too many readings are missing to compute the others" for topic in sorted(far)]
-        certified = [self._full_name(name) for name in self._readings if foreign is None]
+        certified = [self._full_name(name) for name in self._clocks if foreign is None]
         return SensorFindings(
             tuple(laws),
+            tuple(tuple(notes[place]) for place in sampled),
+            whole,
             tuple(topic for topic in certified if topic not in far),
             tuple(not_certified),
             self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
-            whole,
-            tuple(map(tuple, self._silent)),
+            not far and all(topic.is_exact for topic in topics),
         )
 
-    def _of_faults(self) -> tuple[LawResult, ...]:
-        """The law of the messages about faults, if one speaks of them."""
-        if self._faults is None:
-            return ()
-        law = self._faults.result(self._full_name(FAULTS), self._end_ns)
-        self._logged_otherwise += self._faults.logged_otherwise
-        return () if self._faults.is_too_far else (law,)
+    def _of_segments(self, sampled: list[int], notes: dict[int, list[str]]) -> dict[int, tuple[LawResult, ...]]:
+        """The laws of each segment by its place, and notes about them; those of some places have samples."""
+        begun, found = set[str](), {}
+        ends = {
+            relative: place
+            for (place, _), sensor in sorted(self._sensors.items())
+            for relative, topic in sensor.topics.items()
+            if topic.tally.count
+        }
+        for place in sorted({*sampled, *(place for place, _ in (*self._sensors, *self._strays))}):
+            laws, on = list[LawResult](), self._surveyed.declared[place].scenario.sensors.on
+            for name, sensor in SENSORS.items():
+                if name not in on:
+                    begun -= {topic.name for topic in sensor.topics}
+                    laws += self._strays_of(place, name)
+                else:
+                    laws += self._sensor_laws(place, name, ends, begun, notes[place], is_last=place >= sampled[-1])
+            found[place] = tuple(laws)
+        return found
+
+    def _strays_of(self, place: int, name: str) -> Iterator[LawResult]:
+        for topic in SENSORS[name].topics:
+            if count := self._strays[place, topic.name]:
+                text = f"{self._full_name(topic.name)}: readings of a sensor that the scenario has not"
+                yield _stray(f"{SENSORS[name].title} stamps", count, text)
+
+    def _sensor_laws(
+        self, place: int, name: str, ends: Mapping[str, int], begun: set[str], notes: list[str], *, is_last: bool
+    ) -> Iterator[LawResult]:
+        sensor = self._sensor(place, name)
+        if not sensor.topics:
+            return
+        own, faults, checked = self._surveyed.as_written, list[StampFault](), 0
+        for relative, topic in sensor.topics.items():
+            tally, has_ended = topic.tally, not own and place >= ends.get(relative, 0)
+            whole = own or relative in begun
+            end = sensor.last_due(tally.high, self._end_ns, is_last=is_last, is_whole=own)
+            last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
+            wrong = []
+            if tally.count or (whole and not has_ended):
+                first = sensor.first if whole or not tally.count else tally.low
+                wrong = tally.faults(topic.topic, first, last, lost)
+            faults += wrong
+            checked += tally.count
+            if tally.count:
+                begun.add(relative)
+                if end - last > lost.count(last + 1, end):
+                    notes.append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
+            elif not wrong:
+                notes.append(f"no reading on {topic.topic}: {self._why_silent(lost.count(sensor.first, end))}")
+        if checked or faults:
+            yield stamp_result(f"{SENSORS[name].title} stamps", sensor.clock, faults, checked)
+        for topic in sensor.topics.values():
+            if topic.tally.count:
+                yield from sensor.results(topic)
+
+    def _why_silent(self, lost: int) -> str:
+        if not self._surveyed.as_written:
+            return "what a recorder lacks before its first one, or after its last, is not certified"
+        return f"the scenario loses all {lost} of this segment" if lost else "none arrives within this segment"
 
     @property
     def _end_ns(self) -> int:
         """Until when a bag that is to be whole has everything, ns: one that was cut off not all of its last time."""
         cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-        return max(self._last_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
+        return max(self._last_sent_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
+
+    def _of_bag(self) -> tuple[LawResult, ...]:
+        """The laws of what belongs to no segment, and of the messages about faults."""
+        laws, own = list[LawResult](), self._surveyed.as_written
+        for name, clocks in self._clocks.items():
+            topic, (unshown, first) = self._full_name(name), clocks.unshown
+            if clocks.early and own:
+                laws.append(
+                    _stray("sensor stamps", clocks.early, f"{topic}: readings before the first scenario's start")
+                )
+            if unshown:
+                text = f"{topic}: readings whose stamp no clock of the scenario shows (first {first} ns)"
+                laws.append(_stray("sensor stamps", unshown, text))
+        if self._faults is not None:
+            law = self._faults.result(self._full_name(FAULTS), self._end_ns)
+            self._logged_otherwise += self._faults.logged_otherwise
+            laws += [] if self._faults.is_too_far else [law]
+        return tuple(laws)
 
     def _unheld(self) -> Iterator[str]:
         for name in SENSOR_TOPICS:
@@ -234,12 +289,9 @@ class SensorLaws:
                 yield f"{name}, which the scenario has: not in the bag"
 
     def _unassigned(self) -> Iterator[str]:
-        early = sum(clocks.early for clocks in self._clocks.values())
+        early, faults = sum(clocks.early for clocks in self._clocks.values()), self._faults
         if early and not self._surveyed.as_written:
             yield f"readings before the first scenario's start: {early}"
-        if self._unsampled:
-            yield f"readings under scenarios without a sample: {self._unsampled}"
-        faults = self._faults
         if faults is not None and faults.is_too_far:
             yield f"{self._full_name(FAULTS)}: too many readings to compute the faults of all"
         elif faults is not None and not self._surveyed.as_written:
@@ -247,81 +299,6 @@ class SensorLaws:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:
                 yield f"messages about faults that come again: {faults.repeated}"
-
-    def _segment_laws(self, i: int, begun: set[str], *, is_last: bool) -> Iterator[LawResult]:
-        self._silent.append([])
-        if self._found[i] is self._surveyed.segments[0]:
-            yield from self._strays()
-        for name in SENSORS:
-            sensor = self._sensor(i, name)
-            if sensor.clock is None:
-                begun -= set(sensor.strays)
-                yield from self._strays_of(sensor, f"{SENSORS[name].title} stamps")
-            elif sensor.topics:
-                yield from self._sensor_laws(i, f"{SENSORS[name].title} stamps", sensor, begun, is_last=is_last)
-
-    def _strays(self) -> Iterator[LawResult]:
-        for name, clocks in self._clocks.items():
-            topic, (unshown, first) = self._full_name(name), clocks.unshown
-            if clocks.early and self._surveyed.as_written:
-                yield _stray("sensor stamps", clocks.early, f"{topic}: readings before the first scenario's start")
-            if unshown:
-                text = f"{topic}: readings whose stamp no clock of the scenario shows (first {first} ns)"
-                yield _stray("sensor stamps", unshown, text)
-
-    def _strays_of(self, sensor: SegmentSensor, name: str) -> Iterator[LawResult]:
-        for topic, count in sensor.strays.items():
-            if count:
-                text = f"{self._full_name(topic)}: readings of a sensor that the scenario has not"
-                yield _stray(name, count, text)
-
-    def _sensor_laws(
-        self, i: int, name: str, sensor: SegmentSensor, begun: set[str], *, is_last: bool
-    ) -> Iterator[LawResult]:
-        assert sensor.clock is not None
-        own, faults = self._surveyed.as_written, list[StampFault]()
-        for relative, topic in sensor.topics.items():
-            tally, has_ended = topic.tally, not own and i >= self._ends.get(relative, 0)
-            whole = own or relative in begun
-            end = self._last(sensor, topic, is_last=is_last)
-            last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
-            due = tally.count or (whole and not has_ended)
-            wrong = (
-                tally.faults(topic.topic, sensor.first if whole or not tally.count else tally.low, last, lost)
-                if due
-                else []
-            )
-            faults += wrong
-            if tally.count:
-                begun.add(relative)
-                if end - last > lost.count(last + 1, end):
-                    self._silent[-1].append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
-            elif not wrong:
-                why = self._why_silent(lost.count(sensor.first, end))
-                self._silent[-1].append(f"no reading on {topic.topic}: {why}")
-        checked = sum(topic.tally.count for topic in sensor.topics.values())
-        if checked or faults:
-            yield stamp_result(name, sensor.clock, faults, checked)
-        for topic in sensor.topics.values():
-            if topic.tally.count:
-                yield from sensor.results(topic)
-
-    def _why_silent(self, lost: int) -> str:
-        if not self._surveyed.as_written:
-            return "what a recorder lacks before its first one, or after its last, is not certified"
-        return f"the scenario loses all {lost} of this segment" if lost else "none arrives within this segment"
-
-    def _last(self, sensor: SegmentSensor, topic: TopicLaws, *, is_last: bool) -> int:
-        """Number of the last reading that a topic is to have in a segment."""
-        own, high = self._surveyed.as_written, topic.tally.high
-        if not is_last and sensor.goes_on:
-            assert sensor.end_ns is not None
-            return sensor.arrived_until(sensor.end_ns) - 1
-        if is_last:
-            end_ns = self._end_ns if sensor.end_ns is None else min(self._end_ns, sensor.end_ns)
-        else:  # a reset that takes a sensor away leaves out what it would have read until then
-            end_ns = sensor.last_sample_ns
-        return max(high, sensor.arrived_until(end_ns) - 1) if own else high
 
 
 def other_software(bag: Bag | Recording) -> str | None:

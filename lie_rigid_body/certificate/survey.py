@@ -1,14 +1,18 @@
-"""What a bag has of its segments, found as its samples pass."""
+"""What a bag has of its segments: which samples there are, and how complete, found as they pass."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from lie_rigid_body.certificate.surveyed_segment import SegmentTally, SurveyedSegment, tally_pairs
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
+from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.pairing import Block
@@ -16,12 +20,192 @@ from lie_rigid_body.recording.samples import numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
     as_written,
     declared_segments,
+    number_samples,
     segment_parts,
     segments_with_samples,
     with_inertia,
 )
 from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack
 from lie_rigid_body.simulation import Segment
+
+
+@dataclass(frozen=True)
+class SurveyedSegment:
+    """A segment and how complete it is.
+
+    Parameters
+    ----------
+    segment : Segment
+        The segment that the bag declares.
+    count : int
+        Samples that have both pose and twist.
+    first : int or None
+        Number of the first of them.
+    last_ns : int or None
+        Stamp of the last one.
+    stamps : LawResult
+        Whether the stamps of pose and twist are complete, even and in order.
+    begins_late : bool
+        Whether it may begin after the segment's start, as a recorder that subscribed to a running node does.
+    unpaired : int
+        Stamps between the first and the last sample that only one of the two topics has.
+    longest_span : float
+        Longest time between neighbours, s.
+    followed_span : float
+        The longest over which the flow is followed, s.
+    """
+
+    segment: Segment
+    count: int
+    first: int | None
+    last_ns: int | None
+    stamps: LawResult
+    begins_late: bool
+    unpaired: int
+    longest_span: float = 0.0
+    followed_span: float = 0.0
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample since the segment's start, s."""
+        return 0.0 if self.last_ns is None else (self.last_ns - self.segment.start_ns) * 1e-9
+
+    @classmethod
+    def whole(cls, segment: Segment, count: int) -> SurveyedSegment:
+        """A segment that has its first samples, so many, and no other."""
+        clock, first = segment.clock(), segment.first_sample
+        span = (count > 1) * math.ceil(clock.period_ns) * 1e-9
+        followed = span if span * segment.scenario.rate_bound() <= LONGEST_TURN else 0.0
+        stamps = stamp_result("stamps", clock, [], 2 * count)
+        last_ns = clock.stamp_ns(first + count - 1)
+        return cls(
+            segment,
+            count,
+            first,
+            last_ns,
+            stamps,
+            begins_late=False,
+            unpaired=0,
+            longest_span=span,
+            followed_span=followed,
+        )
+
+    def is_held_as(self, other: SurveyedSegment) -> bool:
+        """Whether laws of its samples have the same limits, and follow their flow in the same steps, as of another."""
+        return self.segment is other.segment and self.last_ns == other.last_ns and self._flow == other._flow
+
+    @property
+    def _flow(self) -> tuple[int, int]:
+        return substeps_and_terms(self.segment.scenario.rate_bound() * self.followed_span)
+
+
+class SegmentTally:
+    """The stamps of a segment as they come.
+
+    Parameters
+    ----------
+    segment : Segment
+
+    Attributes
+    ----------
+    stamps : dict of str to StampTally
+        Those of pose and twist.
+    """
+
+    def __init__(self, segment: Segment) -> None:
+        self.segment = segment
+        self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
+        self._count = self._unpaired = self._alone_since = 0
+        self._first_ns = self._last_ns = 0
+        self._fastest = segment.scenario.rate_bound()
+        self._longest = self._followed = 0.0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether neither topic has a sample."""
+        return not any(tally.count for tally in self.stamps.values())
+
+    def pair(self, common: Integers, alone: Integers) -> None:
+        """Take the stamps that come next, of both topics and of one alone."""
+        if not len(common):
+            self._alone_since += len(alone) if self._count else 0
+            return
+        self._span(np.diff(common, prepend=self._last_ns if self._count else common[0]) * 1e-9)
+        if self._count:
+            self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
+        else:
+            self._first_ns = int(common[0])
+        self._unpaired += int(np.count_nonzero((alone > common[0]) & (alone < common[-1])))
+        self._alone_since = int(np.count_nonzero(alone > common[-1]))
+        self._count += len(common)
+        self._last_ns = int(common[-1])
+
+    def _span(self, spans: Array) -> None:
+        self._longest = max(self._longest, float(spans.max()))
+        self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
+
+    def result(self, following: int | None, *, late_start: bool, open_end: bool, cut_off: bool) -> SurveyedSegment:
+        """The segment, before one that starts at ``following``, ns."""
+        segment, is_last = self.segment, following is None
+        law = stamp_law(
+            segment,
+            following,
+            self.stamps,
+            late_start=late_start,
+            open_end=open_end and is_last,
+            cut_off=cut_off and is_last,
+        )
+        if not self._count:
+            return SurveyedSegment(segment, 0, None, None, law, late_start, 0)
+        first = int(number_samples(segment.clock(), np.array([self._first_ns]))[0])
+        return SurveyedSegment(
+            segment,
+            self._count,
+            first,
+            self._last_ns,
+            law,
+            late_start,
+            self._unpaired,
+            self._longest,
+            self._followed,
+        )
+
+
+class Counts:
+    """What is counted of all poses and twists as they pass.
+
+    Attributes
+    ----------
+    messages : list of int
+        Poses and twists.
+    frames : tuple of set of str
+        Frames that poses and twists name.
+    moved : int
+        Components of position and linear velocity that are not 0.
+    logged_otherwise : int
+        Messages that were not logged at their stamps, scenarios at their starts.
+    first_ns : int
+        The least stamp, ns.
+    """
+
+    def __init__(self) -> None:
+        self.messages = [0, 0]
+        self.frames: tuple[set[str], set[str]] = set(), set()
+        self.moved = self.logged_otherwise = 0
+        self.first_ns = int(np.iinfo(np.int64).max)
+
+    def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+        """Give the batches on, and count what is in them."""
+        for poses, twists in batches:
+            tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
+            for i, track in enumerate(tracks):
+                self.frames[i].update(track.frame_ids)
+                self.messages[i] += len(track.log_times_ns)
+                if track.stamps_ns is not None and len(track.stamps_ns):
+                    self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
+                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
+            self.moved += sum(int(np.count_nonzero(column)) for column in (*poses.positions.T, *twists.linear.T))
+            yield poses, twists
 
 
 @dataclass(frozen=True)
@@ -36,25 +220,13 @@ class Survey:
         All that the bag declares, in the order of their starts.
     as_written : bool
         See `as_written`.
-    poses, twists : int
-        Messages.
-    world_frames, body_frames : frozenset of str
-        Frames that poses and twists name.
-    moved : int
-        Components of position and linear velocity that are not 0.
-    logged_otherwise : int
-        Messages that were not logged at their stamps, scenarios at their starts.
+    counts : Counts
     """
 
     segments: tuple[SurveyedSegment, ...]
     declared: tuple[Segment, ...]
     as_written: bool
-    poses: int
-    twists: int
-    world_frames: frozenset[str]
-    body_frames: frozenset[str]
-    moved: int
-    logged_otherwise: int
+    counts: Counts
 
     def is_as(self, foreseen: Survey) -> bool:
         """Whether laws that were held as for another survey, of the same bag, are as they are to be for this one."""
@@ -89,9 +261,9 @@ class Surveyor:
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
         declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
-        self._bag, self._own, self._facts = bag, as_written(bag), _Facts()
-        self._facts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
-        self._segments = [with_inertia(segment, inertia) for segment in declared.values()]
+        self._bag, self._own, self._counts = bag, as_written(bag), Counts()
+        self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
+        self._segments = tuple(with_inertia(segment, inertia) for segment in declared.values())
         self._tallies = [SegmentTally(segment) for segment in self._segments]
 
     def foreseen(self) -> Survey | None:
@@ -109,7 +281,7 @@ class Surveyor:
                 return None
             found.append(SurveyedSegment.whole(segment, count))
             rest -= count
-        return None if rest else self._facts.survey(found, self._segments, as_written=True)
+        return None if rest else Survey(tuple(found), self._segments, as_written=True, counts=self._counts)
 
     def blocks(self, sensors: Collection[str], take: TakeReadings) -> Iterator[tuple[int, Block]]:
         """Read the bag, and give its samples as `numbered_blocks` does, for all segments that it declares."""
@@ -117,19 +289,26 @@ class Surveyor:
 
     def samples(self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None) -> Iterator[Block]:
         """Read the bag, and give its samples as they are counted, without numbers."""
-        batches = self._facts.counted(self._bag.batches(sensors, take))
+        batches = self._counts.counted(self._bag.batches(sensors, take))
         for topics, block, alone in paired(self._bag, self._segments, batches):
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
                 for i, rows in segment_parts(self._segments, topic.stamps_ns):
                     self._tallies[i].stamps[name].add(topic.stamps_ns[rows])
-            tally_pairs(self._tallies, block.stamps_ns, alone)
+            self._pair(block.stamps_ns, alone)
             yield block
+
+    def _pair(self, common: Integers, alone: Integers) -> None:
+        """Give each segment its part of the stamps that come next, of both topics and of one alone."""
+        in_common, in_alone = (dict(segment_parts(self._segments, stamps)) for stamps in (common, alone))
+        for i in sorted(in_common.keys() | in_alone.keys()):
+            none = slice(0, 0)
+            self._tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
 
     def result(self) -> Survey:
         """What was found, after all samples."""
-        found = list(self._surveyed())
-        require_samples(self._bag.name, self._segments, self._facts.first_ns, sum(segment.count for segment in found))
-        return self._facts.survey(found, self._segments, as_written=self._own)
+        found = tuple(self._surveyed())
+        require_samples(self._bag.name, self._segments, self._counts.first_ns, sum(segment.count for segment in found))
+        return Survey(found, self._segments, self._own, self._counts)
 
     def _surveyed(self) -> Iterator[SurveyedSegment]:
         bag, own, late_start = self._bag, self._own, not self._own
@@ -138,41 +317,3 @@ class Surveyor:
         for i, following in segments_with_samples(self._segments, seen, whole=own):
             yield self._tallies[i].result(following, late_start=late_start, open_end=not own, cut_off=cut_off)
             late_start = False
-
-
-class _Facts:
-    """What is counted of all messages as they pass."""
-
-    def __init__(self) -> None:
-        self.first_ns = int(np.iinfo(np.int64).max)
-        self._counts = [0, 0]
-        self._frames: tuple[set[str], set[str]] = set(), set()
-        self._moved = self.logged_otherwise = 0
-
-    def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
-        """Give the batches on, and count what is in them."""
-        for poses, twists in batches:
-            tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
-            for i, track in enumerate(tracks):
-                self._frames[i].update(track.frame_ids)
-                self._counts[i] += len(track.log_times_ns)
-                if track.stamps_ns is not None and len(track.stamps_ns):
-                    self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
-                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
-            self._moved += sum(int(np.count_nonzero(column)) for column in (*poses.positions.T, *twists.linear.T))
-            yield poses, twists
-
-    def survey(self, segments: list[SurveyedSegment], declared: list[Segment], *, as_written: bool) -> Survey:
-        """Together with these segments."""
-        (poses, twists), (worlds, bodies) = self._counts, map(frozenset, self._frames)
-        return Survey(
-            tuple(segments),
-            tuple(declared),
-            as_written,
-            poses,
-            twists,
-            worlds,
-            bodies,
-            self._moved,
-            self.logged_otherwise,
-        )

@@ -7,7 +7,6 @@ late, a part of it without a gap. A size may differ in the last bits where a lib
 
 from __future__ import annotations
 
-import itertools
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -140,8 +139,7 @@ class FaultLaw:
         if fault.begin_ns < self._start_ns and not self._is_whole:
             self.early += 1
             return
-        for expected in self._coming(min(fault.begin_ns, self._horizon_ns)):
-            self._remember(expected)
+        self._expect(min(fault.begin_ns, self._horizon_ns))
         found, where = self._found(text, fault), f"message {self._count} ({_in_words(fault)})"
         if found is None:
             self._note("of which the scenario makes none", where, fault.begin_ns)
@@ -156,15 +154,13 @@ class FaultLaw:
                 self._note("out of order", where, fault.begin_ns)
             self._last = max(self._last, found.number)
 
-    def _coming(self, until_ns: int) -> Iterator[_MadeFault]:
+    def _expect(self, until_ns: int) -> None:
+        """Remember the faults that begin up to a time, ns, and the oldest ones no more."""
         for fault in self._expected.until(until_ns):
-            yield _MadeFault(self._number, fault)
+            self._known[replace(fault, size=None)] = _MadeFault(self._number, fault)
             self._number += 1
-
-    def _remember(self, expected: _MadeFault) -> None:
-        self._known[replace(expected.fault, size=None)] = expected
-        if len(self._known) > _MOST_KEPT:
-            self._miss([self._known.popitem(last=False)[1]])
+            if len(self._known) > _MOST_KEPT:
+                self._miss([self._known.popitem(last=False)[1]])
 
     def _found(self, text: str, fault: Fault) -> _MadeFault | None:
         """The fault that a message tells of, if the scenarios make it."""
@@ -187,8 +183,9 @@ class FaultLaw:
 
     def result(self, topic: str, until_ns: int) -> LawResult:
         """Whether the bag tells of every fault, of a bag that is to be whole of every one that begins up to a time."""
-        rest = self._coming(until_ns) if self._is_whole else ()
-        self._miss(itertools.chain(self._known.values(), rest), until_ns)
+        if self._is_whole:
+            self._expect(until_ns)
+        self._miss(self._known.values(), until_ns)
         self._known.clear()
         parts = [f"{count} {what}, the first: {first}" for what, (count, first) in self._wrong.items()]
         wrong = sum(count for count, _ in self._wrong.values())

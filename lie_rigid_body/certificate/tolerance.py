@@ -15,16 +15,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.certificate.propagation import Propagation
+from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion import METHODS, ClosedForm
+from lie_rigid_body.motion.description import MotionConstants
 from lie_rigid_body.motion.drift import ConditionNumbers, Drift, MoserVeselovDrift, MuntheKaasDrift, NoDrift, U
+from lie_rigid_body.motion.error_growth import ErrorGrowth
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
@@ -50,6 +52,48 @@ FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
 SHARED: Final = 512
 """Largest number of segments whose limits are kept: one batch of a bag may be of as many."""
+_NODES: Final = 257
+"""Number of states along the motion, or along one of its periods."""
+_ASIDE: Final = 2.0**-30 * np.array([0.61, -0.53, 0.59])
+"""Change of the initial body rate, relative to its size, that takes it off a steady rotation, where errors of the rate
+would seem not to grow; a growth by more than its inverse makes every limit its cap."""
+
+
+@dataclass(frozen=True)
+class Propagation:
+    """States of the exact motion of a body for ``duration`` seconds, and the growth of errors between them.
+
+    Parameters
+    ----------
+    body : RigidBody
+    duration, fastest : float
+        s, and bound of the body rate, rad/s.
+    states : State
+        Shapes (K, 4) and (K, 3).
+    growth : ErrorGrowth
+    """
+
+    body: RigidBody
+    duration: float
+    fastest: float
+    states: State
+    growth: ErrorGrowth
+
+    @classmethod
+    def of(cls, body: RigidBody, start: State, duration: float, fastest: float) -> Propagation:
+        """The propagation along the motion from a start."""
+        near = State(start.attitude_xyzw, start.body_rate + _ASIDE * so3.norm(start.body_rate))
+        circulation = MotionConstants.of(body, near).circulation
+        # energy and momentum do not tell a state from that half a period later
+        period = duration if circulation is None else min(duration, 0.5 * circulation.period_s)
+        t_ns = np.linspace(0.0, period * 1e9, _NODES).astype(np.int64)
+        states = ClosedForm(body, near).at(t_ns)
+        return cls(body, duration, fastest, states, ErrorGrowth.of(body, np.asarray(1e-9 * t_ns), states, fastest))
+
+    @cached_property
+    def largest_growth(self) -> float:
+        """Largest factor by which an error grows between two times of the motion."""
+        return self.growth.largest(self.body, self.fastest, self.duration)
 
 
 @dataclass(frozen=True)
@@ -103,11 +147,11 @@ class Tolerance:
         """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
 
         That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
-        between them add, and an error of the rate before them.
+        between them add, and an error of the rate before them, which is capped as that of any gyro.
         """
         spans = np.array([span])
         turn, growth = self.fastest * spans, self._growth(self.fastest * spans)
-        between = self.drift.attitude_step(spans) + turn * (self.drift.rate_step(spans) + self.drift.rate(t))
+        between = self.drift.attitude_step(spans) + turn * self.drift.rate_step(spans) + spans * self.stepper_rate(t)
         turned = np.minimum(2.0 * self.drift.attitude(t), growth * between)
         return np.asarray(np.minimum(turned, ATTITUDE_CAP) / span)
 

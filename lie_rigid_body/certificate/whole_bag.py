@@ -1,4 +1,4 @@
-"""The laws of a bag as a whole, beside those of its segments."""
+"""A bag as a whole: its laws beside those of the segments, and what no law speaks of."""
 
 from __future__ import annotations
 
@@ -6,43 +6,51 @@ import itertools
 from collections.abc import Iterator
 
 from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
-def laws(bag: Bag | Recording, surveyed: Survey) -> tuple[LawResult, ...]:
+def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[LawResult, ...]:
     """The laws of a bag: declared frames, zero translation, scenarios that agree, log times and the count of samples.
+
+    And those of its sensors that are of no segment with samples.
 
     Parameters
     ----------
     bag : Bag or Recording
     surveyed : Survey
+    sensors : SensorFindings
         Of the same bag.
     """
-    laws = [_frames(surveyed), _at_rest(surveyed), _declaration(bag, surveyed)]
-    if surveyed.as_written:
-        laws.append(_log_times(bag, surveyed))
+    counts, faults = surveyed.counts, [*_clock_faults(surveyed), *_twist_faults(bag, surveyed)]
+    laws = [
+        _frames(surveyed),
+        _flag(
+            "position and linear velocity",
+            counts.moved,
+            f"{counts.moved} components of position or linear velocity are not 0",
+        ),
+        _flag("declaration", len(faults), "; ".join(faults)),
+    ]
+    if surveyed.as_written:  # this package logs and publishes every message at its stamp: by that they are replayed
+        off = bag.published_otherwise + counts.logged_otherwise + sensors.logged_otherwise
+        laws.append(_flag("log times", off, f"{off} messages are not logged, or not published, at their stamps"))
     if bag.expected_samples is not None:
-        found = max(surveyed.poses, surveyed.twists)
-        missing = abs(bag.expected_samples - found)
+        found = max(counts.messages)
         message = f"the bag's end counts {bag.expected_samples} samples, the bag holds {found}"
-        laws.append(_flag("sample count", missing, message))
-    return tuple(laws)
+        laws.append(_flag("sample count", abs(bag.expected_samples - found), message))
+    return (*laws, *sensors.whole)
 
 
 def _frames(surveyed: Survey) -> LawResult:
     worlds = {found.segment.scenario.world_frame for found in surveyed.segments}
     bodies = {found.segment.scenario.body_frame for found in surveyed.segments}
-    others = sorted((surveyed.world_frames - worlds) | (surveyed.body_frames - bodies))
+    of_poses, of_twists = surveyed.counts.frames
+    others = sorted((of_poses - worlds) | (of_twists - bodies))
     message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
     return _flag("frames", len(others), message)
-
-
-def _declaration(bag: Bag | Recording, surveyed: Survey) -> LawResult:
-    """The scenarios agree with each other and with the type of the twists."""
-    faults = [*_clock_faults(surveyed), *_twist_faults(bag, surveyed)]
-    return _flag("declaration", len(faults), "; ".join(faults))
 
 
 def _clock_faults(surveyed: Survey) -> Iterator[str]:
@@ -66,19 +74,6 @@ def _twist_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
         yield f"a scenario declares stamped_twist {str(not stamped).lower()}, the twists are otherwise"
 
 
-def _log_times(bag: Bag | Recording, surveyed: Survey) -> LawResult:
-    """Every message is logged and published at its stamp, as this package writes them: by that they are replayed."""
-    off = bag.published_otherwise + surveyed.logged_otherwise
-    return _flag("log times", off, f"{off} messages are not logged, or not published, at their stamps")
-
-
-def _at_rest(surveyed: Survey) -> LawResult:
-    moving = surveyed.moved
-    return _flag(
-        "position and linear velocity", moving, f"{moving} components of position or linear velocity are not 0"
-    )
-
-
 def _flag(name: str, faults: int, message: str) -> LawResult:
     """The result of a law of the bag as a whole, which holds where there are no faults."""
     return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")
@@ -87,3 +82,58 @@ def _flag(name: str, faults: int, message: str) -> LawResult:
 def impossible(error: ParameterError) -> LawResult:
     """The broken law of a bag that declares what cannot be: a body that cannot be has no motion to hold it against."""
     return _flag("declaration", 1, f"the bag declares an impossible scenario: {error}")
+
+
+def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
+    """What of a bag is not certified, in words.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    surveyed : Survey
+    sensors : SensorFindings
+        Of the same bag.
+    """
+    return (
+        f"who wrote it (it says {bag.library!r:.50})",
+        f"the names of topics ({bag.pose_topic}, {bag.twist_topic})",
+        "with which stepper (motion, method and max_step set the limits)",
+        "the scale of the inertia, which no torque-free motion shows",
+        *_ends(bag, surveyed),
+        *_unshown(surveyed),
+        *uncovered(bag, surveyed, sensors),
+        *_unread(bag),
+        "and the fields that docs/certificate.md says are not",
+    )
+
+
+def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
+    """What is not certified of this bag, and would be, or would not be there, in one that its scenarios determine.
+
+    Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
+    `not_certified` for the parameters.
+    """
+    followed = {found.segment.start_ns for found in surveyed.segments}
+    unused = sum(segment.start_ns not in followed for segment in surveyed.declared)
+    return (*([f"scenarios without a sample: {unused}"] if unused else []), *sensors.not_certified, *bag.others)
+
+
+def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+    if not surveyed.as_written:
+        yield "log times: a recorder's"
+        yield "what came before its first sample"
+    yield "what came after its last sample" + (
+        "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
+    )
+
+
+def _unshown(surveyed: Survey) -> Iterator[str]:
+    if any(segment.scenario.has_sensors for segment in surveyed.declared):
+        yield "parameters of the sensors that no reading shows"
+
+
+def _unread(bag: Bag | Recording) -> Iterator[str]:
+    for topic in bag.undefined:
+        yield f"the definition of {topic}: none that is compared"
+    if bag.without_checksum:
+        yield f"bytes that no law reads: parts without a checksum: {bag.without_checksum}"

@@ -29,16 +29,27 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("campaign", "Record and certify many runs with parameters drawn at random.")
-    parser.add_argument(
-        "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
-    )
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        type=console.path,
-        required=True,
-        help="folder of the table and the bags; resumed if begun",
+    parser = console.Parser(
+        "campaign",
+        "Record and certify many runs with parameters drawn at random.",
+        console.argument(
+            "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
+        ),
+        console.argument(
+            "--out",
+            metavar="DIR",
+            type=console.path,
+            required=True,
+            help="folder of the table and the bags; resumed if begun",
+        ),
+        console.argument("--no-bags", action="store_true", help="keep the table only"),
+        console.argument(
+            "--report",
+            metavar="OUT.html",
+            type=console.path,
+            help="write the runs and the sizes of their residuals as one page (needs plotly)",
+        ),
+        console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
@@ -47,14 +58,6 @@ def _parser() -> console.Parser:
     where.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tcp://host:8786"
     )
-    parser.add_argument("--no-bags", action="store_true", help="keep the table only")
-    parser.add_argument(
-        "--report",
-        metavar="OUT.html",
-        type=console.path,
-        help="write the runs and the sizes of their residuals as one page (needs plotly)",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
     return parser
 
 

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 from collections.abc import Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Final
-
-from tqdm import tqdm
+from typing import Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.cluster import MOST_FAILURES, client_of, finished, require_address
-from lie_rigid_body.campaign.connection import SchedulerGoneError
-from lie_rigid_body.campaign.estimator import ERROR, MENDED, SCORES, estimator
+from lie_rigid_body.campaign.cluster import MOST_FAILURES, SchedulerGoneError, client_of, finished, require_address
 from lie_rigid_body.campaign.journal import RESUMED, Journal
+from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.overview_page import Line, page
+from lie_rigid_body.report.overview import Line, page
+from lie_rigid_body.runs.estimators import MENDED, estimator
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened
 
 MOST_TRIED: Final = 1000
@@ -47,7 +45,7 @@ def run_campaign(given: argparse.Namespace) -> int:
         try:
             with interruption.allowed():
                 _look_at_bags(journal, wanted=not given.no_bags)
-                failed = _carry_out(campaign, journal, given, interruption)
+                failed = _carry_out(campaign, journal, given)
         except KeyboardInterrupt:
             console.complain(
                 console.program("campaign"),
@@ -64,7 +62,7 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
     """
     first = range(min(campaign.runs, MOST_TRIED))
     try:
-        bar = tqdm(first, "parameters", unit=" runs", file=sys.stderr, disable=None, leave=False)
+        bar = console.progress(first, desc="parameters", unit=" runs")
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -88,19 +86,16 @@ def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
         console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
-def _carry_out(
-    campaign: Campaign, journal: Journal, given: argparse.Namespace, interruption: Interruption
-) -> dict[int, BaseException]:
+def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> dict[int, BaseException]:
     """Carry out the runs that are not finished, and return the errors of those that failed, by their numbers."""
     failed: dict[int, BaseException] = {}
     errors: list[float | str | None] = []
     if len(journal) == campaign.runs:
         return failed
     runs = (run for run in range(campaign.runs) if run not in journal)
-    # disable=None: shown on a terminal only
     with (
-        tqdm(total=campaign.runs, initial=len(journal), unit=" runs", file=sys.stderr, disable=None) as bar,
-        client_of(given.workers, given.scheduler, interruption.put_off) as client,
+        console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
+        client_of(given.workers, given.scheduler) as client,
     ):
         rows = finished(
             client,
@@ -110,7 +105,7 @@ def _carry_out(
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
             lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
-            alone=_say_alone,
+            alone=partial(_say_alone, bar),
         )
         try:
             for run, row in rows:
@@ -131,8 +126,8 @@ def _carry_out(
     return failed
 
 
-def _say_alone(address: str) -> None:
-    with tqdm.external_write_mode(sys.stderr):
+def _say_alone(bar: Any, address: str) -> None:
+    with bar.external_write_mode():
         console.complain(
             console.program("campaign"), f"no worker at {address}: waiting for one; Ctrl-C ends it", "warning"
         )

@@ -24,36 +24,39 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("check", "Certify that a bag obeys the laws of torque-free motion, and how exactly.")
-    parser.add_argument(
-        "bags",
-        metavar="BAG",
-        type=console.path,
-        nargs="+",
-        help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders below it",
+    return console.Parser(
+        "check",
+        "Certify that a bag obeys the laws of torque-free motion, and how exactly.",
+        console.argument(
+            "bags",
+            metavar="BAG",
+            type=console.path,
+            nargs="+",
+            help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders "
+            "below it",
+        ),
+        console.argument("--json", action="store_true", help="print the certificate for programs"),
+        console.argument(
+            "--inertia",
+            metavar="a,b,c",
+            help="3 principal moments or 6 tensor entries to use in place of the declared ones",
+        ),
+        console.TOPIC,
+        console.argument(
+            "--prove",
+            metavar="N",
+            type=int,
+            help="enclose the true motion at N samples spread over the bag, and at the worst ones, in ball arithmetic "
+            "(needs python-flint)",
+        ),
+        console.argument(
+            "--report",
+            metavar="OUT.html",
+            type=console.path,
+            help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
+        ),
+        console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
     )
-    parser.add_argument("--json", action="store_true", help="print the certificate for programs")
-    parser.add_argument(
-        "--inertia",
-        metavar="a,b,c",
-        help="3 principal moments or 6 tensor entries to use in place of the declared ones",
-    )
-    console.add_topic_argument(parser)
-    parser.add_argument(
-        "--prove",
-        metavar="N",
-        type=int,
-        help="enclose the true motion at N samples spread over the bag, and at the worst ones, in ball arithmetic "
-        "(needs python-flint)",
-    )
-    parser.add_argument(
-        "--report",
-        metavar="OUT.html",
-        type=console.path,
-        help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
-    return parser
 
 
 def _inertia(text: str) -> list[float]:

@@ -4,28 +4,27 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.certificate.certification import passes
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
-from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
-from lie_rigid_body.cli.bags import bags_of, is_folder_of_bags, progress_bar, size
+from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bag_folders import files_of
+from lie_rigid_body.recording.bag_files import is_one_bag
+from lie_rigid_body.recording.bag_folders import bags_in, files_of
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificate_text, html_page, overview
 from lie_rigid_body.report.certificate_page import page
-from lie_rigid_body.report.overview_page import verdicts_page
-from lie_rigid_body.wording import listed, printable
+from lie_rigid_body.report.drawing import answer
+from lie_rigid_body.wording import listed
 
 
 def check(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
@@ -46,6 +45,20 @@ def check(given: argparse.Namespace, inertia: list[float] | None, topics: Mappin
         return _check_one(given, inertia, topics)
     _refuse_proof(given)
     return _answer(given, judge_all(bags_of(given.bags), inertia, topics))
+
+
+def is_folder_of_bags(name: str) -> bool:
+    """Whether an argument is a folder that is not one bag itself."""
+    return Path(name).is_dir() and not is_one_bag(Path(name))
+
+
+def bags_of(names: Sequence[str]) -> list[str]:
+    """Bags that the arguments name, each once; folders of bags are searched."""
+    found: dict[Path, str] = {}
+    for name in names:
+        for bag in bags_in(Path(name)) if is_folder_of_bags(name) else [name]:
+            found.setdefault(Path(bag).resolve(), str(bag))
+    return list(found.values())
 
 
 def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
@@ -69,13 +82,10 @@ def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: M
         return _answer(given, verdicts)
     proof = None if given.prove is None else _proof(whole[0], certificate, given.prove, inertia)
     with np.errstate(all="ignore"):  # recorded numbers may be anything
-        content = None if residuals is None else page(name, certificate, residuals, pieces, proof)
+        files = {} if residuals is None else {given.report: page(name, certificate, residuals, pieces, proof)}
     data = certificate_text.as_json(name, certificate, proof)
-    _say(
-        given,
-        json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof),
-        content,
-    )
+    text = json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof)
+    answer(text, files, overwrite=given.force, named=not given.json)
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
 
@@ -85,18 +95,10 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[overview.Verdict]) -> 
         if verdict.reason:
             console.complain(console.program("check"), verdict.reason)
     has_page = given.report is not None and any(verdict.certificate for verdict in verdicts)
-    content = verdicts_page(f"Certificates of {listed(given.bags)}", verdicts) if has_page else None
-    data = overview.as_json(verdicts)
-    _say(given, json.dumps(data, indent=2) if given.json else overview.as_table(verdicts), content)
+    content = overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts) if has_page else b""
+    text = json.dumps(overview.as_json(verdicts), indent=2) if given.json else overview.as_table(verdicts)
+    answer(text, {given.report: content} if has_page else {}, overwrite=given.force, named=not given.json)
     return max(verdict.status for verdict in verdicts)
-
-
-def _say(given: argparse.Namespace, text: str, content: bytes | None) -> None:
-    """Write the page, if there is one, and print the answer with its name."""
-    if content is not None:
-        write_file(given.report, content, overwrite=given.force)
-    wrote = "" if content is None or given.json else f"\nwrote {printable(given.report)}"
-    console.say(text + wrote, done="" if content is None else f"{given.report} is written")
 
 
 def _refuse_proof(given: argparse.Namespace) -> None:
@@ -107,5 +109,4 @@ def _refuse_proof(given: argparse.Namespace) -> None:
 
 
 def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
-    samples = prove(bag, certificate, count, inertia)
-    return Proof(tuple(tqdm(samples, unit=" samples", file=sys.stderr, disable=None, leave=False)))
+    return Proof(tuple(console.progress(prove(bag, certificate, count, inertia), unit=" samples")))

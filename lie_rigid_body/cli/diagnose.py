@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,20 +15,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
 
-    from tqdm import tqdm
-
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.interruption import count_as_handled
-    from lie_rigid_body.recording.output_file import require_room, write_file
-    from lie_rigid_body.report.diagnosis_text import as_text
+    from lie_rigid_body.recording.output_file import require_room
+    from lie_rigid_body.report.diagnoses import as_text, page
+    from lie_rigid_body.report.drawing import answer
     from lie_rigid_body.scenario.parameter_file import gather
-    from lie_rigid_body.wording import printable
 
     if given.report is not None:
         require_room(given.report, given.params_file, overwrite=given.force)
     parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
-    # disable=None: shown on a terminal only
-    with tqdm(desc="diagnose", unit=" runs", file=sys.stderr, disable=None, leave=False) as bar:
+    with console.progress(desc="diagnose", unit=" runs") as bar:
         found = diagnose(
             given.estimator,
             workers=given.workers,
@@ -40,14 +36,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
     if found.interrupted:
         count_as_handled()
-    wrote = ""
+    files = {}
     if given.report is not None:
-        from lie_rigid_body.report.diagnosis_page import page
-
-        write_file(given.report, page(given.estimator, found), overwrite=given.force)
-        wrote = f"\nwrote {printable(given.report)}"
-    said = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else f"{as_text(found)}{wrote}"
-    console.say(said, done=f"{given.report} is written" if given.report else "")
+        files[given.report] = page(given.estimator, found)
+    text = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else as_text(found)
+    answer(text, files, overwrite=given.force, named=not given.json)
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")
         return console.INTERRUPTED
@@ -57,30 +50,32 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> console.Parser:
     from lie_rigid_body.diagnosis.examination import MOST_RUNS, TIMEOUT_S
 
-    parser = console.Parser("diagnose", "Say what is wrong with an attitude filter, by repairing it from outside.")
-    parser.epilog = "Exit status: 0, 1 where a mistake is named or a probe failed, 2 when the filter cannot be run."
-    parser.add_argument(
-        "estimator",
-        metavar="ESTIMATOR",
-        help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
+    parser = console.Parser(
+        "diagnose",
+        "Say what is wrong with an attitude filter, by repairing it from outside.",
+        console.argument(
+            "estimator",
+            metavar="ESTIMATOR",
+            help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
+        ),
+        console.argument("--json", action="store_true", help="print what is found for programs"),
+        console.argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page"),
+        console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
+        console.argument("--workers", metavar="N", type=int, help="processes; one per core if absent"),
+        console.argument(
+            "--max-runs",
+            metavar="N",
+            type=int,
+            default=MOST_RUNS,
+            help="runs of the filter after which no more pairs of repairs are begun (default: %(default)s)",
+        ),
+        console.argument(
+            "--timeout",
+            metavar="SECONDS",
+            type=float,
+            default=TIMEOUT_S,
+            help="longest time of one run of the filter (default: %(default)g)",
+        ),
+        epilog="Exit status: 0, 1 where a mistake is named or a probe failed, 2 when the filter cannot be run.",
     )
-    console.add_scenario_arguments(parser)
-    parser.add_argument("--json", action="store_true", help="print what is found for programs")
-    parser.add_argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page")
-    parser.add_argument("--force", action="store_true", help="replace OUT.html if it exists")
-    parser.add_argument("--workers", metavar="N", type=int, help="processes; one per core if absent")
-    parser.add_argument(
-        "--max-runs",
-        metavar="N",
-        type=int,
-        default=MOST_RUNS,
-        help="runs of the filter after which no more pairs of repairs are begun (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--timeout",
-        metavar="SECONDS",
-        type=float,
-        default=TIMEOUT_S,
-        help="longest time of one run of the filter (default: %(default)g)",
-    )
-    return parser
+    return console.add_scenario_arguments(parser)

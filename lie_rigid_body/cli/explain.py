@@ -39,9 +39,11 @@ def _title(given: argparse.Namespace) -> str:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("explain", "Tell what the mathematics says about a scenario, without running it.")
-    console.add_scenario_arguments(parser)
-    parser.add_argument(
-        "--json", action="store_true", help="print it for programs; infinite and absent numbers are null"
+    parser = console.Parser(
+        "explain",
+        "Tell what the mathematics says about a scenario, without running it.",
+        console.argument(
+            "--json", action="store_true", help="print it for programs; infinite and absent numbers are null"
+        ),
     )
-    return parser
+    return console.add_scenario_arguments(parser)

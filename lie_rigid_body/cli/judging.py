@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,8 +14,6 @@ from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait as wait_for
 from typing import Final
-
-from tqdm import tqdm
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import certify
@@ -91,9 +88,7 @@ def _by_processes(one: Judge, bags: Sequence[str], most: int, interruption: Inte
     with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:
         futures = [pool.submit(one, bag) for bag in bags]
         with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
-            # disable=None: shown on a terminal only
-            done = as_completed(futures)
-            for _ in tqdm(done, total=len(bags), unit=" bags", file=sys.stderr, disable=None, leave=False):
+            for _ in console.progress(as_completed(futures), total=len(bags), unit=" bags"):
                 pass
         return [None if isinstance(future.exception(), BrokenProcessPool) else future.result() for future in futures]
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from io import BytesIO
-from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 from lie_rigid_body.wording import printable
 
@@ -18,8 +15,7 @@ from lie_rigid_body.wording import printable
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
-    if Path(given.out).suffix.lower() != ".png":
-        raise InputError(f"-o {given.out}: plot writes PNG only; give a name that ends in .png")
+    console.require_suffix("-o", given.out, ".png")
 
     from lie_rigid_body.recording.bag_folders import files_of
     from lie_rigid_body.recording.bodies import topic_types
@@ -32,24 +28,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.recording.samples import thinned_segments
+    from lie_rigid_body.report.drawing import png
     from lie_rigid_body.report.recording_picture import draw
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    picture = BytesIO()
     with np.errstate(all="ignore"):  # recorded numbers may be anything
-        draw(pieces).savefig(picture, format="png")
-    write_file(given.out, picture.getvalue(), overwrite=given.force)
+        picture = png(draw(pieces))
+    write_file(given.out, picture, overwrite=given.force)
     console.say(f"wrote {printable(given.out)}", done=f"{given.out} is written")
     return console.SUCCESS
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("plot", "Draw body rate, drifts and polhode of a bag into one PNG.")
-    parser.add_argument(
-        "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
+    return console.Parser(
+        "plot",
+        "Draw body rate, drifts and polhode of a bag into one PNG.",
+        console.argument(
+            "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
+        ),
+        console.TOPIC,
+        console.argument(
+            "-o", "--out", metavar="OUT.png", type=console.path, required=True, help="the picture to write"
+        ),
+        console.argument("--force", action="store_true", help="replace OUT.png if it exists"),
     )
-    console.add_topic_argument(parser)
-    parser.add_argument("-o", "--out", metavar="OUT.png", type=console.path, required=True, help="the picture to write")
-    parser.add_argument("--force", action="store_true", help="replace OUT.png if it exists")
-    return parser

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from collections.abc import Sequence
-from fractions import Fraction
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -18,16 +17,14 @@ from lie_rigid_body.wording import counted, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.simulation import Simulation
 
-COMPRESSIONS: Final = {"zstd": "zstd", "lz4": "lz4", "none": ""}
-"""Compressions by their names for users, with their names in MCAP files."""
-BYTES_PER_SAMPLE: Final = {"zstd": 105, "lz4": 130, "none": 260}
-"""Number of bytes of a pose and a twist in a bag."""
-BYTES_PER_READING: Final = {"zstd": 145, "lz4": 160, "none": 750}
-"""Number of bytes of a reading in a bag: a little more than an IMU with noise takes, its bias included."""
-LARGEST_CHUNK: Final = 16 * 1024**2
+_COMPRESSIONS: Final = {"zstd": ("zstd", 105, 145), "lz4": ("lz4", 130, 160), "none": ("", 260, 750)}
+"""Compressions by their names for users: the name in MCAP files, and how many bytes a sample and a reading take.
+
+A sample is a pose and a twist. A reading takes a little more than that of an IMU with noise, its bias included.
+"""
+_LARGEST_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
 
@@ -39,10 +36,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
-    from lie_rigid_body.recording.bag_writer import BagWriter
+    from lie_rigid_body.recording.bag_writer import BagWriter, write_run
     from lie_rigid_body.recording.output_file import require_other
     from lie_rigid_body.scenario.parameter_file import files_read
-    from lie_rigid_body.simulation import Simulation
+    from lie_rigid_body.simulation import SampleClock, Simulation
 
     require_other(given.out, files_read(given.scenario, given.params_file))
     scenario = console.scenario(given)
@@ -53,82 +50,68 @@ def main(argv: Sequence[str] | None = None) -> int:
     last_ns = simulation.clock.last_ns_before(duration)
     out = Path(given.out)
     simulation.require_stamps(last_ns)  # before a file is made
-    _require_room(out, given.compression, count, _readings(scenario, duration))
+    compression, per_sample, per_reading = _COMPRESSIONS[given.compression]
+    readings = sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
+    _require_room(out, count, count * per_sample + readings * per_reading)
     with Interruption() as interruption:
         with BagWriter(
             out,
             stamped_twist=scenario.stamped_twist,
             overwrite=given.force,
-            compression=COMPRESSIONS[given.compression],
+            compression=compression,
             chunk_size=chunk_size,
         ) as bag:
-            _record(simulation, bag, count, last_ns, interruption, quiet=given.quiet)
+            bar = console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet)
+            with bar, suppress(KeyboardInterrupt):
+                for written in write_run(bag, simulation, last_ns, interruption.allowed):
+                    bar.update(written)
         return _report(bag, simulation, count, interruption, quiet=given.quiet)
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("record", "Write a bag of a scenario, without ROS.")
-    parser.add_argument("out", metavar="OUT.mcap", type=console.path, help="the file to write")
-    console.add_scenario_arguments(parser)
-    parser.add_argument(
-        "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+    parser = console.Parser(
+        "record",
+        "Write a bag of a scenario, without ROS.",
+        console.argument("out", metavar="OUT.mcap", type=console.path, help="the file to write"),
+        console.argument(
+            "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+        ),
+        console.argument(
+            "--compression", choices=_COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
+        ),
+        console.argument(
+            "--chunk-size",
+            metavar="BYTES",
+            default=str(512 * 1024),
+            help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
+        ),
+        console.argument(
+            "--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"
+        ),
+        console.argument("--quiet", action="store_true", help="print errors only"),
     )
-    parser.add_argument(
-        "--compression", choices=COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
-    )
-    parser.add_argument(
-        "--chunk-size",
-        metavar="BYTES",
-        default=str(512 * 1024),
-        help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole")
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-    return parser
+    return console.add_scenario_arguments(parser)
 
 
 def _chunk_size(text: str) -> int:
-    if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= LARGEST_CHUNK):
+    if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= _LARGEST_CHUNK):
         raise InputError(
-            f"--chunk-size {text} is not a number of bytes from 1 to {LARGEST_CHUNK}: give for example 524288"
+            f"--chunk-size {text} is not a number of bytes from 1 to {_LARGEST_CHUNK}: give for example 524288"
         )
     return int(text)
 
 
-def _readings(scenario: Scenario, duration: Fraction) -> int:
-    """Number of readings of all sensors in a time, s."""
-    from lie_rigid_body.simulation import SampleClock
-
-    return sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
-
-
-def _require_room(out: Path, compression: str, count: int, readings: int) -> None:
+def _require_room(out: Path, count: int, needed: int) -> None:
+    """Refuse samples that need more bytes than are free where they are to be written."""
     try:
         total, _, free = shutil.disk_usage(out.parent)
     except OSError:
         return  # opening the file will say what is wrong with the folder
-    needed = count * BYTES_PER_SAMPLE[compression] + readings * BYTES_PER_READING[compression]
     if needed > free and total:  # /proc and its like have no size at all
         raise BagError(
             f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
             "record a shorter time, a lower rate, or elsewhere"
         )
-
-
-def _record(
-    simulation: Simulation, bag: BagWriter, count: int, last_ns: int, interruption: Interruption, *, quiet: bool
-) -> None:
-    from tqdm import tqdm
-
-    from lie_rigid_body.recording.bag_writer import write_run
-
-    # disable=None: shown on a terminal only
-    with tqdm(total=count, unit=" samples", unit_scale=True, file=sys.stderr, disable=quiet or None) as bar:
-        try:
-            for written in write_run(bag, simulation, last_ns, interruption.allowed):
-                bar.update(written)
-        except KeyboardInterrupt:
-            return
 
 
 def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:

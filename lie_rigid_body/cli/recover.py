@@ -45,25 +45,27 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("recover", "Write every whole message of a bag that was cut off into a new one.")
-    parser.add_argument(
-        "broken",
-        metavar="BROKEN",
-        type=console.path,
-        help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
+    return console.Parser(
+        "recover",
+        "Write every whole message of a bag that was cut off into a new one.",
+        console.argument(
+            "broken",
+            metavar="BROKEN",
+            type=console.path,
+            help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
+        ),
+        console.argument(
+            "-o",
+            "--out",
+            metavar="FIXED",
+            type=console.path,
+            required=True,
+            help="the file to write, or the folder to make",
+        ),
+        console.argument(
+            "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
+        ),
     )
-    parser.add_argument(
-        "-o",
-        "--out",
-        metavar="FIXED",
-        type=console.path,
-        required=True,
-        help="the file to write, or the folder to make",
-    )
-    parser.add_argument(
-        "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
-    )
-    return parser
 
 
 def _how_much(out: str, parts: Sequence[Recovery]) -> str:

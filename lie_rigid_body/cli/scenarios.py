@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from lie_rigid_body import console
 
@@ -12,8 +13,11 @@ from lie_rigid_body import console
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    parser = console.Parser("scenarios", "List the scenarios that come with the package, for --scenario NAME.")
-    parser.add_argument("--json", action="store_true", help="print them for programs, with all parameters")
+    parser = console.Parser(
+        "scenarios",
+        "List the scenarios that come with the package, for --scenario NAME.",
+        console.argument("--json", action="store_true", help="print them for programs, with all parameters"),
+    )
     given = parser.parse_args(argv)
 
     from lie_rigid_body.scenario.parameter_file import scenario_files
@@ -23,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return console.SUCCESS
 
 
-def _entry(name: str, path: Path) -> dict[str, object]:
+def _entry(name: str, path: Path) -> dict[str, Any]:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file
 
@@ -37,10 +41,7 @@ def describe(path: Path) -> str:
     return next((line.lstrip("# ").rstrip() for line in lines if line.startswith("#")), "")
 
 
-def _paragraph(entry: dict[str, object]) -> str:
-    facts = f"inertia {_vector(entry['inertia'])} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
+def _paragraph(entry: dict[str, Any]) -> str:
+    inertia = " ".join(f"{value:g}" for value in entry["inertia"])
+    facts = f"inertia {inertia} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
     return f"{entry['name']}\n    {entry['description']}\n    {facts}"
-
-
-def _vector(values: object) -> str:
-    return " ".join(f"{value:g}" for value in values) if isinstance(values, tuple) else str(values)

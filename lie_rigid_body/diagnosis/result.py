@@ -151,7 +151,7 @@ class FilterDiagnosis:
         }
 
     def __str__(self) -> str:
-        """What a person needs to know first; `lie_rigid_body.report.diagnosis_text` makes the tables."""
+        """What a person needs to know first; `lie_rigid_body.report.diagnoses` makes the tables."""
         return "\n".join(self.sentences)
 
 

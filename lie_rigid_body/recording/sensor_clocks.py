@@ -140,6 +140,8 @@ class SensorClocks:
         """Stamps that the clock may have shown within a segment: which they are, and what `_read` gives of them."""
         numbers, times, off = self._read(place, stamps_ns)
         inside = np.flatnonzero(np.searchsorted(self._starts, times - off, side="right") - 1 == place)
+        if self._models[place] is None:
+            off = np.full_like(off, _FAR)  # where there is no sensor, any clock of one shows a stamp rather
         return inside, numbers[inside], times[inside], off[inside]
 
     def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers, Integers]:

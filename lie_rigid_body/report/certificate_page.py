@@ -7,10 +7,10 @@ from html import escape
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
-from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report import body_figure, certificate_text, html_page, motion_figures, residual_figures
+from lie_rigid_body.report import certificate_text, html_page, motion_figures, residual_figures
 from lie_rigid_body.report.html_page import figure, grid
 
 MOST_TABLES: Final = 30
@@ -47,7 +47,8 @@ def page(
         *_verdict(certificate, proof),
         *_laws(certificate),
         *_figures(certificate, residuals, pieces),
-        *_rest(certificate),
+        html_page.listing("Not certified", map(escape, certificate.not_certified)),
+        *(html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES]),
     ]
     return html_page.document(f"Certificate of {bag}", parts, with_figures=True)
 
@@ -104,8 +105,8 @@ def _figures(
 def _motion(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     first = pieces[0]
     whose = " of the first segment" if len(pieces) > 1 else ""
-    if content := body_figure.body(first):
-        yield figure(f"The body{whose}", content, body_figure.caption(first), kind="body")
+    if film := motion_figures.body(first):
+        yield figure(f"The body{whose}", *film, kind="body")
     yield figure("Body rate", motion_figures.rate(pieces), "Angular velocity in the frame of the body.")
     paths = (
         (
@@ -117,9 +118,3 @@ def _motion(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     )
     drawn = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
     yield grid(drawn, wide=True) if drawn else html_page.paragraph("The body is at rest: no polhode, no herpolhode.")
-
-
-def _rest(certificate: Certificate) -> Iterator[str]:
-    yield html_page.listing("Not certified", map(escape, certificate.not_certified))
-    for segment in certificate.segments[:MOST_TABLES]:
-        yield html_page.scenario(segment.segment)

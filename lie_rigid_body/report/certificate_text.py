@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
-from lie_rigid_body.certificate.proved import Proof, ProvedSample
+from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -44,18 +44,18 @@ def as_table(bag: str, certificate: Certificate, proof: Proof | None = None) -> 
         first, *others = segment_facts(i, len(certificate.segments), segment)
         lines += ["", first, *(f"  {fact}" for fact in others), "", _COLUMNS.format(*HEADINGS).rstrip()]
         lines += [law_row(law, segment.time_s(law)) for law in segment.laws]
-        lines += [_wrapped(note, " note: ") for note in segment.notes]
+        lines += [wrapped(note, " note: ") for note in segment.notes]
     lines += [law_row(law, None) for law in certificate.whole]
     lines += ["", verdict(certificate)]
     if certificate.not_certified:
-        lines.append(_wrapped("; ".join(certificate.not_certified) + ".", "Not certified: "))
+        lines.append(wrapped("; ".join(certificate.not_certified) + ".", "Not certified: "))
     return "\n".join([*lines, *([] if proof is None else [proved(proof)])])
 
 
 def verdict(certificate: Certificate) -> str:
     """Sentences that say to what accuracy a bag is certified, or which laws it breaks."""
     if not certificate.passed:
-        return "\n".join(["NOT CERTIFIED", *(_wrapped(message, "  - ") for message in certificate.messages)])
+        return "\n".join(["NOT CERTIFIED", *(wrapped(message, "  - ") for message in certificate.messages)])
     lines = [
         f"CERTIFIED: attitude within {certificate.attitude_accuracy:.2g} rad of the exact motion "
         f"(limit {_loosest(certificate):.2g}),",
@@ -66,9 +66,7 @@ def verdict(certificate: Certificate) -> str:
     if certificate.to_the_bit is not None:
         lines.append(f"  It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here.")
     if certificate.sensors:
-        lines.append(
-            _wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  ")
-        )
+        lines.append(wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  "))
     return "\n".join(lines)
 
 
@@ -161,21 +159,20 @@ def _proof_json(proof: Proof) -> dict[str, object]:
     return {
         "passed": proof.passed,
         "attitude_rad": _finite(at_most),
-        "samples": [_sample_json(sample) for sample in proof.samples],
-    }
-
-
-def _sample_json(sample: ProvedSample) -> dict[str, object]:
-    return {
-        "segment": sample.segment,
-        "sample": sample.sample,
-        "stamp_ns": sample.stamp_ns,
-        "time_s": sample.time_s,
-        "attitude_at_least_rad": _finite(sample.at_least),
-        "attitude_at_most_rad": _finite(sample.at_most),
-        "attitude_limit_rad": sample.limit,
-        "body_rate_at_most_rad_s": _finite(sample.rate_at_most),
-        "holds": sample.holds,
+        "samples": [
+            {
+                "segment": sample.segment,
+                "sample": sample.sample,
+                "stamp_ns": sample.stamp_ns,
+                "time_s": sample.time_s,
+                "attitude_at_least_rad": _finite(sample.at_least),
+                "attitude_at_most_rad": _finite(sample.at_most),
+                "attitude_limit_rad": sample.limit,
+                "body_rate_at_most_rad_s": _finite(sample.rate_at_most),
+                "holds": sample.holds,
+            }
+            for sample in proof.samples
+        ],
     }
 
 
@@ -236,8 +233,17 @@ def of_limit(worst: float, limit: float) -> str:
     return f"{worst / limit:.2g}" if limit > 0.0 else f"{worst:.2g} of 0" if worst != 0.0 else "0"
 
 
-def _wrapped(sentence: str, mark: str) -> str:
-    return textwrap.fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent=" " * min(len(mark), 7))
+def wrapped(sentence: str, mark: str) -> str:
+    """Lines of a sentence for a terminal, the first after a mark; paths stay whole."""
+    indent = " " * min(len(mark), 7)
+    return textwrap.fill(
+        sentence,
+        _WIDTH,
+        initial_indent=mark,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _numbers(values: Iterable[float]) -> str:

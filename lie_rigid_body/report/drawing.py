@@ -1,49 +1,60 @@
-"""Picture and page of a score from Python: those that ``evaluate --plot`` and ``--report`` write."""
+"""Pictures in the formats of files, and the files of a verb with its answer."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import warnings
+from collections.abc import Mapping
+from io import BytesIO, StringIO
 from typing import TYPE_CHECKING
 
-from lie_rigid_body.console import require_suffix
+from lie_rigid_body.console import say
+from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:
-    from lie_rigid_body.evaluation import Score
-
-TITLE = "attitude estimate"
+    from matplotlib.figure import Figure
 
 
-def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
+_NO_GLYPH = "Glyph .* missing from"
+"""Warning of characters that the font lacks, such as Chinese ones of a name."""
+
+
+def png(figure: Figure) -> bytes:
+    """PNG of a figure of Matplotlib."""
+    out = BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", _NO_GLYPH, UserWarning)
+        figure.savefig(out, format="png")
+    return out.getvalue()
+
+
+def svg(figure: Figure) -> str:
+    """SVG element of a figure of Matplotlib: the same bytes for the same figure, and text that a browser can search."""
+    import matplotlib
+
+    out = StringIO()
+    with warnings.catch_warnings(), matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
+        warnings.filterwarnings("ignore", _NO_GLYPH, UserWarning)
+        figure.savefig(out, format="svg", metadata={"Date": None})
+    text = out.getvalue()
+    return text[text.index("<svg") :]
+
+
+def answer(text: str, files: Mapping[str, bytes], *, overwrite: bool, named: bool = True) -> None:
+    """Write the files of a verb, and print its answer on stdout.
 
     Parameters
     ----------
-    score : Score
-    path : str or Path
-        Its name ends in ``.png``.
-    title : str, optional
-    overwrite : bool, optional
-        Whether an existing file is replaced.
-
-    Raises
-    ------
-    InputError, BagError
-        If the name ends otherwise, or the file exists or cannot be written.
+    text : str
+    files : mapping of str to bytes
+        Contents by path.
+    overwrite : bool
+        Whether existing files are replaced.
+    named : bool, optional
+        Whether lines that name the files follow the text.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.score_picture import png
 
-    require_suffix("path", str(path), ".png")
-    write_file(path, png(title, score), overwrite=overwrite)
-
-
-def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Write score, findings and picture as one HTML page, which needs no network.
-
-    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
-    """
-    from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report.score_page import page
-
-    require_suffix("path", str(path), ".html")
-    write_file(path, page(title, None, score), overwrite=overwrite)
+    for path, content in files.items():
+        write_file(path, content, overwrite=overwrite)
+    lines = [text, *(f"wrote {printable(path)}" for path in files if named)]
+    say("\n".join(lines), done=", ".join(f"{path} is written" for path in files))

@@ -116,7 +116,11 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
     bytes
         UTF-8. No script runs but those that are meant, and nothing is loaded from anywhere, whatever the parts hold.
     """
-    scripts = [_plotly_js(), _DRAW] if with_figures else []
+    scripts: list[str] = []
+    if with_figures:
+        from plotly.offline import get_plotlyjs
+
+        scripts = [get_plotlyjs(), _DRAW]
     allowed = " ".join(f"'sha256-{_sha256(script)}'" for script in scripts) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
     text = "\n".join(
@@ -134,12 +138,6 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
         ]
     )
     return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
-
-
-def _plotly_js() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return str(get_plotlyjs())
 
 
 def _sha256(script: str) -> str:

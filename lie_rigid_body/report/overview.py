@@ -1,23 +1,30 @@
-"""The verdicts on several bags, or on several bodies, as one table for people and as JSON for programs."""
+"""Verdicts on many bags or runs: a table for people, JSON for programs, and a page of residuals."""
 
 from __future__ import annotations
 
+import math
 import re
-import textwrap
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.report import certificate_text
+from lie_rigid_body.report import html_page, residual_figures
+from lie_rigid_body.report.certificate_text import as_json as certificate_json
+from lie_rigid_body.report.certificate_text import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _COLUMNS: Final = "{:<9} {:>9} {:>8} {:<34} {:>7}  {}"
 _MOST_TOLD: Final = 10
 """Number of broken bags of which the table is followed by what is broken, and of things that are not certified."""
+MOST_LINES: Final = 500
+"""Largest number of lines of the table; of more the worst are shown."""
+MOST_MESSAGES: Final = 100
+"""Largest number of broken laws that are told in words."""
 _NUMBERS: Final = re.compile(r" \(\d+ messages\)|: \d+$")
 """Numbers of messages, which may differ from bag to bag where the same thing is not certified."""
 
@@ -60,7 +67,7 @@ class Verdict:
 def as_table(verdicts: Sequence[Verdict]) -> str:
     """Lines for a terminal: a row for each verdict, how many there are of each, what is broken or left out."""
     head = _COLUMNS.format("verdict", "samples", "rad", "worst law", "of limit", "bag")
-    left_out = [_item(line) for line in uncovered(verdicts)]
+    left_out = [wrapped(line, "  - ") for line in uncovered(verdicts)]
     remark = ["Not certified, besides what is not of any bag:"] if left_out else []
     return "\n".join([head, *map(_row, verdicts), "", _summary(verdicts), *_faults(verdicts), *remark, *left_out])
 
@@ -80,7 +87,7 @@ def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
 def _json(verdict: Verdict) -> dict[str, object]:
     if verdict.certificate is None:
         return {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
-    return certificate_text.as_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
+    return certificate_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
 
 
 def _row(verdict: Verdict) -> str:
@@ -88,7 +95,7 @@ def _row(verdict: Verdict) -> str:
     if certificate is not None:
         samples, worst = sum(segment.samples for segment in certificate.segments), _worst_law(certificate)
         accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
-        cells = str(samples), accuracy, worst.name, certificate_text.of_limit(worst.worst, worst.limit)
+        cells = str(samples), accuracy, worst.name, of_limit(worst.worst, worst.limit)
     return _COLUMNS.format(_VERDICTS[verdict.status], *cells, printable(verdict.name)).rstrip()
 
 
@@ -120,7 +127,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     for name, certificate in broken[:_MOST_TOLD]:
         others = len(certificate.messages) - 1
         more = f" ({others} more)" if others else ""
-        yield _item(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}")
+        yield wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
 
@@ -141,8 +148,136 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
 
-def _item(text: str) -> str:
-    """Point of a list, in lines that leave paths whole."""
-    return textwrap.fill(
-        text, 80, initial_indent="  - ", subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+@dataclass(frozen=True)
+class Line:
+    """One of many bags, or of the runs of a campaign.
+
+    Parameters
+    ----------
+    cells : tuple of str
+        What it is: its name or number first.
+    certified : bool
+    accuracy : float
+        Bound of the error of its attitudes, rad.
+    residuals : mapping of str to (float, float)
+        `Certificate.residuals`.
+    """
+
+    cells: tuple[str, ...]
+    certified: bool
+    accuracy: float
+    residuals: Mapping[str, Sequence[float]]
+
+    @property
+    def worst(self) -> tuple[str, str]:
+        """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
+        if not self.residuals:
+            return "", ""
+        name, (worst, limit) = max(self.residuals.items(), key=lambda item: _share(*item[1]))
+        return name, of_limit(worst, limit)
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Key of order, smaller for what is worse."""
+        return self.certified, -math.inf if math.isnan(self.accuracy) else -self.accuracy
+
+    @property
+    def row(self) -> tuple[tuple[str, ...], bool]:
+        """Cells of the table, and whether it is certified: only then its attitudes are worth a bound."""
+        accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
+        name, *others = self.cells  # the verdict beside it: a wide table is cut off at the right
+        return (name, verdict, *others, *self.worst, accuracy), self.certified
+
+
+def _share(worst: float, limit: float) -> tuple[bool, float]:
+    """Key of order, larger for what goes farther beyond its limit; NaN does by any."""
+    return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
+
+
+def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
+    """Make the page of several bags, or of several bodies, of which at least one has a certificate.
+
+    Parameters
+    ----------
+    title : str
+    verdicts : sequence of Verdict
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
+    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
+    broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
+    if len(broken) > MOST_MESSAGES:
+        broken[MOST_MESSAGES:] = [f"and {len(broken) - MOST_MESSAGES} more"]
+    more = [
+        html_page.listing("Broken laws", map(escape, broken)),
+        html_page.listing("Not certified, besides what is not of any bag", map(escape, uncovered(verdicts))),
+        html_page.listing("Not judged", map(escape, unusable)),
+    ]
+    lines = [Line((name,), each.passed, each.attitude_accuracy, each.residuals) for name, each in judged]
+    return page(title, kind_of(verdicts), ("bag",), lines, more, len(unusable))
+
+
+def page(
+    title: str, what: str, headings: Sequence[str], lines: Sequence[Line], more: Sequence[str] = (), unusable: int = 0
+) -> bytes:
+    """Make the page of lines.
+
+    Parameters
+    ----------
+    title : str
+    what : str
+        Noun in the plural for what the lines are.
+    headings : sequence of str
+        Of their own cells.
+    lines : sequence of Line
+        At least one.
+    more : sequence of str, optional
+        HTML at the end.
+    unusable : int, optional
+        How many others could not be judged.
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    count = len(lines) + unusable
+    accuracies = [line.accuracy for line in lines if line.certified]
+    certified = len(accuracies)
+    whose = "Attitudes" if certified == count else f"The attitudes of the {what} that are certified"
+    parts = [
+        html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
+        *(
+            [html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")]
+            if accuracies
+            else []
+        ),
+        *_distributions(what, lines),
+        *_table(what, headings, lines),
+        *more,
+    ]
+    return html_page.document(title, parts, with_figures=True)
+
+
+def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
+    names = dict.fromkeys(name for line in lines for name in line.residuals)
+    laws = [(name, [line.residuals[name] for line in lines if name in line.residuals]) for name in names]
+    if panels := list(residual_figures.distributions(laws, what)):
+        yield "<h2>Residuals</h2>"
+        yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
+        yield html_page.grid(panels)
+
+
+def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterator[str]:
+    yield f"<h2>{what.capitalize()}</h2>"
+    if len(lines) > MOST_LINES:
+        shown = {id(line) for line in sorted(lines, key=lambda line: line.rank)[:MOST_LINES]}
+        yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
+        lines = [line for line in lines if id(line) in shown]
+    yield html_page.table(
+        (*headings[:1], "", *headings[1:], "worst law", "of limit", "attitude, rad"), [line.row for line in lines]
     )

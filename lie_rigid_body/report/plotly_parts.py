@@ -76,10 +76,9 @@ def mark(point: Array, name: str, **look: Any) -> dict[str, Any]:
 
 
 def coordinates(points: Array) -> dict[str, Any]:
-    """Components of points of shape (..., 2) or (..., 3) by the names of the axes, as short as a screen needs."""
-    return dict(zip("xyz", map(short, np.moveaxis(points, -1, 0)), strict=False))
+    """Components of points of shape (..., 2) or (..., 3) by the names of the axes.
 
-
-def short(values: Array) -> Array:
-    """Numbers to six digits, which take less room in a page and are as many as a screen needs."""
-    return np.array([float(f"{value:.6g}") for value in values.ravel()]).reshape(values.shape)
+    They have six digits, which take less room in a page and are as many as a screen needs.
+    """
+    short = np.array([float(f"{value:.6g}") for value in points.ravel()]).reshape(points.shape)
+    return dict(zip("xyz", np.moveaxis(short, -1, 0), strict=False))

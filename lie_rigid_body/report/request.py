@@ -1,20 +1,23 @@
-"""Request of a command line for a score, and the answer: table or JSON, picture, page, exit status."""
+"""Request for a score, from a command line or from Python, and the answer: table or JSON, picture, page, status."""
 
 from __future__ import annotations
 
 import argparse
 import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed, printable
+from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
+TITLE: Final = "attitude estimate"
+"""Title of a picture or a page that is given none."""
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
 """Options that go with a bag, each with the topic that one remaps without a bag."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
@@ -59,48 +62,59 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _parser() -> console.Parser:
-    parser = console.Parser("evaluate", "Score and diagnose an attitude estimate against the truth.")
-    parser.epilog = _EPILOG
-    parser.add_argument(
-        "run", metavar="RUN", type=console.path, nargs="?", help="an MCAP file, or a folder that 'ros2 bag record' made"
+    return console.Parser(
+        "evaluate",
+        "Score and diagnose an attitude estimate against the truth.",
+        console.argument(
+            "run",
+            metavar="RUN",
+            type=console.path,
+            nargs="?",
+            help="an MCAP file, or a folder that 'ros2 bag record' made",
+        ),
+        console.argument(
+            "--estimate",
+            metavar="TOPIC",
+            help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
+        ),
+        console.argument(
+            "--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"
+        ),
+        console.TOPIC,
+        console.argument("--json", action="store_true", help="print the score for programs"),
+        console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
+        console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
+        console.argument(
+            "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
+        ),
+        console.argument(
+            "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
+        ),
+        console.argument(
+            "--max-after",
+            metavar="TIME:ANGLE",
+            action="append",
+            default=[],
+            help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
+        ),
+        console.argument(
+            "--covariance-axes",
+            choices=("world", "body"),
+            default="world",
+            help="what the covariance of the estimate is about (default: %(default)s)",
+        ),
+        console.argument("--force", action="store_true", help="replace OUT.png and OUT.html if they exist"),
+        console.argument(
+            "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
+        ),
+        console.argument(
+            "--wait",
+            metavar="SECONDS",
+            type=float,
+            help="of topics: end when no estimate could be compared for so long",
+        ),
+        epilog=_EPILOG,
     )
-    parser.add_argument(
-        "--estimate",
-        metavar="TOPIC",
-        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
-    )
-    parser.add_argument("--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN")
-    console.add_topic_argument(parser)
-    parser.add_argument("--json", action="store_true", help="print the score for programs")
-    parser.add_argument("--series", action="store_true", help="with --json: also the errors of every sample")
-    parser.add_argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time")
-    parser.add_argument(
-        "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
-    )
-    parser.add_argument(
-        "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
-    )
-    parser.add_argument(
-        "--max-after",
-        metavar="TIME:ANGLE",
-        action="append",
-        default=[],
-        help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
-    )
-    parser.add_argument(
-        "--covariance-axes",
-        choices=("world", "body"),
-        default="world",
-        help="what the covariance of the estimate is about (default: %(default)s)",
-    )
-    parser.add_argument("--force", action="store_true", help="replace OUT.png and OUT.html if they exist")
-    parser.add_argument(
-        "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
-    )
-    parser.add_argument(
-        "--wait", metavar="SECONDS", type=float, help="of topics: end when no estimate could be compared for so long"
-    )
-    return parser
 
 
 def require_room(given: argparse.Namespace) -> None:
@@ -143,21 +157,54 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     int
         The exit status.
     """
-    from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import score_page, score_picture, score_text
+    from lie_rigid_body.report import drawing, score_picture, scores
 
     title = f"{source}: {read.track.topic}" if source else read.track.topic
-    makes = {
-        given.plot: lambda: score_picture.png(title, score),
-        given.report: lambda: score_page.page(title, read, score),
-    }
-    files = [path for path in makes if path is not None]
-    for path in files:
-        write_file(path, makes[path](), overwrite=given.force)
+    files: dict[str, bytes] = {}
+    if given.plot is not None:
+        files[given.plot] = drawing.png(score_picture.draw(title, score))
+    if given.report is not None:
+        files[given.report] = scores.page(title, read, score)
     if given.json:
-        content = score_text.as_json(source or None, read, score, series=given.series)
-        said = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+        content = scores.as_json(source or None, read, score, series=given.series)
+        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     else:
-        said = "\n".join([score_text.as_table(title, read, score), *(f"wrote {printable(path)}" for path in files)])
-    console.say(said, done=", ".join(f"{path} is written" for path in files))
+        text = scores.as_table(title, read, score)
+    drawing.answer(text, files, overwrite=given.force, named=not given.json)
     return console.SUCCESS if score.passed else console.BROKEN
+
+
+def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
+    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
+
+    Parameters
+    ----------
+    score : Score
+    path : str or Path
+        Its name ends in ``.png``.
+    title : str, optional
+    overwrite : bool, optional
+        Whether an existing file is replaced.
+
+    Raises
+    ------
+    InputError, BagError
+        If the name ends otherwise, or the file exists or cannot be written.
+    """
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report import drawing, score_picture
+
+    console.require_suffix("path", str(path), ".png")
+    write_file(path, drawing.png(score_picture.draw(title, score)), overwrite=overwrite)
+
+
+def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
+    """Write score, findings and picture as one HTML page, which needs no network.
+
+    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
+    """
+    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.report import scores
+
+    console.require_suffix("path", str(path), ".html")
+    write_file(path, scores.page(title, None, score), overwrite=overwrite)

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.certificate.residuals_over_time import LawOverTime, ResidualsOverTime
+from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
 from lie_rigid_body.report.html_page import figure
 from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic, mark, over_time
 from lie_rigid_body.report.recorded_motion import COLOURS, GREY, RED
@@ -107,11 +107,8 @@ def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: 
         residuals, limits = np.array(pairs, dtype=np.float64).T
         shown = np.isfinite(residuals) & (residuals > 0.0)
         if shown.any() and limits.max() > 0.0:
-            content, caption = (
-                _distribution(residuals[shown], limits[shown], limits, whose),
-                _left_out(residuals, whose),
-            )
-            yield figure(name, content, caption)
+            content = _distribution(residuals[shown], limits[shown], limits, whose)
+            yield figure(name, content, _left_out(residuals, whose))
 
 
 def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:

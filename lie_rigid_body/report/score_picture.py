@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -37,39 +33,12 @@ _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic."""
 
 
-def png(title: str, score: Score) -> bytes:
-    """PNG of the picture."""
-    out = BytesIO()
-    with _without_glyphs():
-        _draw(title, score).savefig(out, format="png", dpi=120)
-    return out.getvalue()
-
-
-def svg(title: str, score: Score) -> str:
-    """SVG element of the picture."""
-    import matplotlib
-
-    out = StringIO()
-    # the same bytes for the same score, and text that a browser can search
-    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}), _without_glyphs():
-        _draw(title, score).savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
-    return text[text.index("<svg") :]
-
-
-@contextmanager
-def _without_glyphs() -> Iterator[None]:
-    """Context without warnings of characters that the font lacks, such as Chinese ones of a name."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
-        yield
-
-
-def _draw(title: str, score: Score) -> Figure:
+def draw(title: str, score: Score) -> Figure:
+    """Figure of a score, under a title that may hold anything."""
     from matplotlib.figure import Figure
 
     rows = 2 if score.consistency is None else 3
-    figure = Figure(figsize=(10.0, 2.2 + 2.0 * rows), layout="constrained")
+    figure = Figure(figsize=(10.0, 2.2 + 2.0 * rows), dpi=120, layout="constrained")
     panels: list[Axes] = list(figure.subplots(rows, sharex=True))
     _draw_angles(panels[0], score, "total")
     if score.best is not None and not score.best.unobserved:

@@ -166,7 +166,9 @@ class RandomWalk:
     def skip(self, count: int) -> None:
         """Leave out the next ``count`` vectors. Steps have to be drawn for it, unless all of them are 0."""
         if self._steps.sigma == 0.0:
-            self._steps.skip(count)
+            few = min(count, BLOCK)  # after so many zeros of either sign, their sum is +0
+            self.draw(few)
+            self._steps.skip(count - few)
             return
         for done in range(0, count, _SKIPPED_AT_ONCE):
             self.draw(min(count - done, _SKIPPED_AT_ONCE))

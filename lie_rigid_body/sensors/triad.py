@@ -176,8 +176,9 @@ class Triad:
     def skip(self, count: int) -> None:
         """Leave out the next readings; of an axis that is stuck the next ones are then not those of `signals`."""
         self._noise.skip(count)
-        if self._walks:
-            for done in range(0, count, _SKIPPED_AT_ONCE):
-                self._next_bias(min(count - done, _SKIPPED_AT_ONCE))
+        if not self._walks:
+            self._bias.skip(count)
+        for done in range(0, count if self._walks else 0, _SKIPPED_AT_ONCE):
+            self._next_bias(min(count - done, _SKIPPED_AT_ONCE))
         if self._faults is not None:
             self._faults.skip(count)

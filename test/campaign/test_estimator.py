@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.estimator import SCORES, scores
+from lie_rigid_body.campaign.run import SCORES, scores
 
 MODULE = """
 import numpy as np

@@ -91,7 +91,7 @@ def test_an_estimator_without_any_score_is_an_error(
     with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
         rows = [replace(row, scores={**scores, "estimator_error": said_there}) for row in journal.rows()]
     heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
-    (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(row.to_dict()) for row in rows), ""]))
+    (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(vars(row)) for row in rows), ""]))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
     said = capsys.readouterr()
     assert said_there in said.out

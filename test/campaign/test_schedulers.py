@@ -16,7 +16,6 @@ import pytest
 from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table_of, written
 
 from lie_rigid_body import console
-from lie_rigid_body.campaign import connection
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.cli.campaign import main
 
@@ -117,7 +116,7 @@ def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
         if len(journal) == 1:
             workers[0].kill()
 
-    monkeypatch.setattr(connection, "WITHOUT_RESULT_S", 0.0)
+    monkeypatch.setattr("lie_rigid_body.campaign.cluster.WITHOUT_RESULT_S", 0.0)
     monkeypatch.setattr(console, "complain", told)
     monkeypatch.setattr(Journal, "add", kept)
     path = written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 9"))

@@ -66,6 +66,17 @@ def test_resets_that_change_the_clock(tmp_path, grade, motion):
         assert found.sensors == ALL
 
 
+@pytest.mark.parametrize("offset", [0.15, -0.15])
+def test_readings_of_a_clock_that_errs_are_not_those_of_a_segment_without_the_sensor(tmp_path, offset):
+    """Their stamps lie in the segment before or after their own, which has no such sensor."""
+    without, having = {**START, "magnetometer_rate": 0.0}, {**START, "magnetometer_clock_offset": offset}
+    path = write(tmp_path / "a.mcap", (without, 0.3), (having, 0.4), (without, 0.3))
+    for change in (lambda ms: ms, recorded(0.1, 0.01)):
+        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        assert found.passed, found.messages
+        assert found.sensors == ALL
+
+
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"

@@ -12,7 +12,7 @@ import pytest
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.residuals_over_time import Watch
+from lie_rigid_body.certificate.law_result import Watch
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag

@@ -11,7 +11,7 @@ from tampering import Change, at, on, tamper, with_numbers
 from test_certified_faults import ATTITUDE, EVERY, LATER, SUN
 
 from lie_rigid_body.certificate import Certificate, certify
-from lie_rigid_body.certificate.readings import Replay, WalkBudget
+from lie_rigid_body.certificate.readings import Replay, Replays
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
@@ -104,7 +104,7 @@ def test_what_happens_widens_the_limit_of_its_own_readings_alone(size):
     """A spike stands in one reading on one axis, and its round-off in the limit of that reading, on that axis."""
     spikes = {"gyro_spike_probability": 0.02, "gyro_spike_size": size, "motion": "closed_form", "imu_rate": 300.0}
     segment = Simulation(Scenario.from_parameters(spikes)).segment
-    piece = Replay(segment, "imu", 2.0, WalkBudget()).piece(np.arange(600))
+    piece = Replay(segment, "imu", 2.0, Replays()).piece(np.arange(600))
     assert piece is not None
     gyro = piece.arrays["gyro"]
     hit = np.abs(gyro.signal) > 0.5 * size

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.special
+from sensor_bags import EPOCH, recorded
 from tampering import at, declared, on, tamper, with_numbers
 from test_certified_fault_messages import CLOCKS
 from test_certified_faults import EVERY, LATE, LATER, LOST
@@ -100,6 +101,8 @@ def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
     simulate("tumbling_cubesat", duration=2.0, motion="closed_form", **given).to_bag(path)
     found = certify(Bag(path))
     assert (found.passed, found.to_the_bit) == (True, True)
+    bias_free = tmp_path / "bias_free.mcap"
+    simulate("tumbling_cubesat", duration=2.0, motion="closed_form", imu_rate=50.0, epoch_ns=EPOCH).to_bag(bias_free)
     told: Any = as_json("a", found)["certified"]
     assert told["to_the_bit"] is True
     assert " equal to the bit" in as_table("a", found)
@@ -109,6 +112,11 @@ def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
     assert "not equal to the bit" in as_table("b", other)
     last_bit = on("/twist", at(7, lambda m: with_numbers(m, 3, lambda x: np.nextafter(x, 9))))
     assert certify(Bag(tamper(path, tmp_path / "c.mcap", last_bit))).to_the_bit is False
+    zero = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(-0.0 * x[:3], x[3:]))))
+    signed = certify(Bag(tamper(bias_free, tmp_path / "f.mcap", zero)))
+    assert (certify(Bag(bias_free)).to_the_bit, signed.passed, signed.to_the_bit) == (True, True, False)
+    late = certify(Bag(tamper(bias_free, tmp_path / "g.mcap", recorded(1.0))))
+    assert (late.passed, late.to_the_bit) == (True, True)
     older = certify(Bag(tamper(path, tmp_path / "d.mcap", declared(software="lie_rigid_body 0.0.9"))))
     assert (older.passed, older.to_the_bit) == (True, None)
     simulate("tumbling_cubesat", duration=2.0, **given).to_bag(tmp_path / "e.mcap")

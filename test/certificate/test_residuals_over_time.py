@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.residuals_over_time import INTERVALS, LawOverTime, ResidualsOverTime
+from lie_rigid_body.certificate.law_result import INTERVALS, LawOverTime, ResidualsOverTime
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter

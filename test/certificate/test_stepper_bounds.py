@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import simulate
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, tolerance
 from lie_rigid_body.motion import METHODS
 from stepper_bounds import DURATIONS, MOTIONS, STEPS, Run, runs
 
@@ -35,6 +36,14 @@ def test_errors_of_short_steps_stay_below_their_limits(motion: str, rate: float)
 def test_a_gyro_of_runge_kutta_steps_near_the_separatrix_is_certified(imu_rate: float, gyro_rate: str) -> None:
     run = simulate("dzhanibekov", duration=60.0, method="rkmk4", imu_rate=imu_rate, gyro_rate=gyro_rate)
     assert run.certificate().passed
+
+
+def test_an_integrated_gyro_has_no_wider_limit_than_an_instantaneous_one():
+    """Near the separatrix errors of the rate are capped: those of its mean as well, whatever the interval."""
+    scenario = Run("separatrix, 1e-4", "rkmk4", 100.0, 1e-3, 60.0).scenario()
+    limits, t = tolerance(scenario, 60.0), np.array([60.0])
+    assert limits.stepper_rate(t) == limits.fastest * ATTITUDE_CAP
+    assert limits.stepper_mean_rate(t, 0.01) < 1.05 * limits.stepper_rate(t)
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from tampering import at, flipped, on, scaled_rate, tamper
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.certification import passes
-from lie_rigid_body.certificate.residuals_over_time import ResidualsOverTime
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording import bag_reader, pairing, samples

@@ -15,7 +15,8 @@ from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import Limits
-from lie_rigid_body.report.score_picture import _draw, svg
+from lie_rigid_body.report.drawing import svg
+from lie_rigid_body.report.score_picture import draw
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 
@@ -74,18 +75,18 @@ def test_picture_and_page(bag, tmp_path, capsys):
 @pytest.mark.filterwarnings("error")
 def test_a_picture_has_any_name(score):
     name = os.fsdecode(b"'$\\frac{$ <b>&r\xff\n\x1b") + "日本.mcap"
-    title = re.search(r"<text[^>]*>('[^<]*)</text>", svg(f"{name}: {40 * 'm'}", score))
+    title = re.search(r"<text[^>]*>('[^<]*)</text>", svg(draw(f"{name}: {40 * 'm'}", score)))
     assert title is not None
     said = html.unescape(title[1])
     assert said.startswith(r"'$\frac{$ <b>&r\udcff\n\x1b日本.mcap: mmm")
-    long = re.search(r"<text[^>]*>('[^<]*)</text>", svg(f"{name}: {300 * 'm'}", score))
+    long = re.search(r"<text[^>]*>('[^<]*)</text>", svg(draw(f"{name}: {300 * 'm'}", score)))
     assert long is not None
     assert len(html.unescape(long[1])) <= 110
 
 
 def test_a_limit_is_on_its_picture_also_far_above_the_errors(score):
     limit = 10.0 * score.total_deg.max
-    total, parts, *_ = _draw("far", replace(score, limits=Limits(max_rms_deg=limit))).axes
+    total, parts, *_ = draw("far", replace(score, limits=Limits(max_rms_deg=limit))).axes
     assert total.get_ylim()[1] > limit
     assert total.get_ylim()[0] == parts.get_ylim()[0] == 0.0
 

@@ -26,7 +26,7 @@ from lie_rigid_body.__main__ import main
 def send_itself(number, place):
     # in place of a call: the signal, and then the call
     module, _, name = place.partition(":")
-    holder = import_module(f"lie_rigid_body.{module}")
+    holder = import_module(module)
     if "." in name:
         holder, name = getattr(holder, name.partition(".")[0]), name.partition(".")[2]
     call = getattr(holder, name)
@@ -50,10 +50,12 @@ for told in sys.argv[1:]:
     print(chr(0), json.dumps([status, sorted(map(str, Path(".").rglob("*")))]), chr(0), sep="", end="", flush=True)
     print(chr(0), end="", file=sys.stderr, flush=True)
 """
-CHUNK = "recording.mcap_file:McapFile.add_chunk"
-READ = "recording.bag_files:BagFiles.contents"
-WRITTEN = "recording.output_file:OutputFile.commit"
-DISCARDED = "recording.output_file:OutputFile.discard"
+CHUNK = "lie_rigid_body.recording.mcap_file:McapFile.add_chunk"
+READ = "lie_rigid_body.recording.bag_files:BagFiles.contents"
+WRITTEN = "lie_rigid_body.recording.output_file:OutputFile.commit"
+BAR = "tqdm.std:DisableOnWriteError"
+"""The first call by which a progress bar is made."""
+DISCARDED = "lie_rigid_body.recording.output_file:OutputFile.discard"
 PLOT = "plot bag.mcap -o new.png"
 RECOVER = "recover bag.mcap -o new.mcap"
 VERBS = {
@@ -65,10 +67,20 @@ VERBS = {
     "evaluate bag.mcap --estimate /pose --report new.html": WRITTEN,
     RECOVER: CHUNK,
     "recover run -o new": CHUNK,
-    "record new.mcap --duration 1": "console:scenario",
-    "explain": "console:scenario",
-    "scenarios": "console:say",
+    "record new.mcap --duration 1": "lie_rigid_body.console:scenario",
+    "explain": "lie_rigid_body.console:scenario",
+    "scenarios": "lie_rigid_body.console:say",
 }
+WITH_BARS = {
+    "check .": "",
+    "check bag.mcap": "",
+    PLOT: "",
+    "evaluate bag.mcap --estimate /pose": "",
+    "record new.mcap --duration 1": "",
+    "diagnose nothing:here": "",
+    "campaign campaign.yaml --out new": "distributed",
+}
+"""Commands that show how far they are, and the library that they need."""
 """Commands, and the call at which the signal comes."""
 
 
@@ -117,6 +129,17 @@ def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path) -> 
         assert ended.err.startswith(f"lie-rigid-body {verb.split()[0]}: ")
         assert ended.out.startswith(f"at {VERBS[verb]} ")
         assert (" new" in ended.out) == (VERBS[verb] in {WRITTEN, CHUNK})
+
+
+def test_no_half_made_progress_bar_complains(folder: Path) -> None:
+    """As `tqdm.__del__` does of older versions does of a bar whose making was interrupted."""
+    program = f"from tqdm import tqdm; tqdm.__del__ = lambda bar: bar.disable\n{PROGRAM}"
+    (folder / "campaign.yaml").write_text("{runs: 2, seed: 1, duration: 0.1}")
+    verbs = [verb for verb, library in WITH_BARS.items() if not library or find_spec(library)]
+    found = run(folder, *((verb, [(signal.SIGINT, BAR)]) for verb in verbs), program=program)
+    for verb, ended in zip(verbs, found, strict=True):
+        assert ended.out.startswith(f"at {BAR} "), verb
+        assert (verb, ended.status, ended.err.count("\n")) == (verb, 130, 1), ended.err
 
 
 def test_an_older_file_outlives_an_interruption(folder: Path) -> None:

@@ -25,9 +25,8 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import thinned_segments
-from lie_rigid_body.report import body_figure, html_page, motion_figures
-from lie_rigid_body.report.overview import Verdict
-from lie_rigid_body.report.overview_page import MOST_LINES, Line, page, verdicts_page
+from lie_rigid_body.report import html_page, motion_figures
+from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
@@ -216,9 +215,11 @@ def piece(bag: Path) -> Any:
 
 def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
     """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
-    content: Any = body_figure.body(piece)
+    film = motion_figures.body(piece)
+    assert film is not None
+    content: Any = film[0]
     pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
-    assert 100 < len(pictures) <= body_figure.FRAMES
+    assert 100 < len(pictures) <= motion_figures.FRAMES
     assert len(content["film"]["times"]) == len(pictures)
     for k in (0, len(pictures) // 2, len(pictures) - 1):
         corners = np.stack([pictures[k][name][0] for name in "xyz"], axis=-1)
@@ -261,7 +262,7 @@ def test_a_long_curve_keeps_its_peaks() -> None:
 
 def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -> None:
     poor = certify(read_bag(write_bag(tmp_path / "poor.mcap", 50, method="rkmk1")))
-    text = verdicts_page(
+    text = page_of_verdicts(
         "Bags", [Verdict(bag.name, None, certify(read_bag(bag))), Verdict("<b>poor", None, poor)]
     ).decode()
     assert "1 of 2 bags CERTIFIED" in text
@@ -278,7 +279,7 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     assert (float(used) > 1.0, attitude) == (True, "")
     assert (
         "0 of 2 bodies CERTIFIED"
-        in verdicts_page("Bodies", [Verdict("x", "/a", poor), Verdict("x", "/b", None, "no pose")]).decode()
+        in page_of_verdicts("Bodies", [Verdict("x", "/a", poor), Verdict("x", "/b", None, "no pose")]).decode()
     )
 
 

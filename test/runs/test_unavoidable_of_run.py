@@ -177,7 +177,7 @@ def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, columns
     t_ns = run.imu.t_ns
     kept = (t_ns < t_ns[0] + 2_000_000_000) | (t_ns > t_ns[0] + 3_000_000_000)
     score = run.score(run.attitude().at(t_ns[kept]), t_ns[kept])
-    score_picture.png("a gap", score)
+    score_picture.draw("a gap", score)
     for t, error in drawn:
         [gap] = np.flatnonzero(np.isnan(t))
         assert t[gap - 1] < 2.0

@@ -9,8 +9,7 @@ docs/closed_form.md derives it. In the order of a computation:
 - `jacobi`: sn, cn, dn and the libration of the precession, by theta functions;
 - `attitude`: attitude and body rate from phases;
 - `states`: the row of constants and the formula of each kind of motion;
-- `evaluation`: many states of one kind, in floats, on arrays or compiled;
-- `ensemble`, `solution`: motions of all kinds, and the class.
+- `solution`: many states of one kind, in floats, on arrays or compiled, motions of all kinds, and the class.
 """
 
 from lie_rigid_body.motion.closed_form.solution import ClosedForm

@@ -1,16 +1,27 @@
-"""The closed form as a motion: states at any times from bodies and starts."""
+"""The closed form as a motion: states at any times from bodies and starts.
+
+Motions of one kind are evaluated together: few samples in floats, more on arrays, very many compiled. The formulas are
+those of `states` in every case, and so are the bits.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
+from lie_rigid_body.arithmetic.numbers import Number
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.closed_form.evaluation import Ensemble
-from lie_rigid_body.motion.closed_form.motion_parameters import Starts
+from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
+from lie_rigid_body.motion.closed_form.fast_constants import fast_motions
+from lie_rigid_body.motion.closed_form.motion_parameters import BodyMotion, Members, Starts
+from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, KindOfMotion, kind_and_row
 from lie_rigid_body.motion.motion import (
     DEFAULT_MEMORY_LIMIT,
     WorkingMemory,
@@ -21,8 +32,141 @@ from lie_rigid_body.motion.motion import (
 )
 from lie_rigid_body.wording import call_repr
 
+MOST_SAMPLES_IN_FLOATS: Final = 16
+"""Largest number of samples computed one by one, in floats, which is faster than on arrays."""
+
+SAMPLES_PER_CALL: Final = 4_000_000
+"""Largest number of samples in one call of compiled code, which lets no signal through."""
+
 _WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
 """Bytes beside the states; a sample being computed takes 340 to 420 bytes, by measurement."""
+
+
+def compile_all() -> bool:
+    """Compile the functions of every kind now, for what is to be timed or compared; whether numba is there to do it."""
+    return all(kind.work.compile() for kind in KINDS)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Motions of one kind, ready to be evaluated.
+
+    Attributes
+    ----------
+    kind : KindOfMotion
+    table : ndarray, shape (constants, B)
+        Their rows of constants, side by side.
+    members : ndarray of int, shape (B,)
+        Their places in the ensemble.
+    """
+
+    kind: KindOfMotion
+    table: Array
+    members: Members
+
+    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        """Write the states into arrays of shapes (bodies, N, 4) and (bodies, N, 3).
+
+        Parameters
+        ----------
+        attitude_xyzw, body_rate : ndarray
+        t_ns : ndarray of int64, shape (N,)
+        block : int
+            Largest number of samples on arrays at once.
+        """
+        samples = len(self.members) * len(t_ns)
+        compiled = self.kind.work.compiled_for(samples)
+        if compiled is not None:
+            self._compiled(compiled, attitude_xyzw, body_rate, t_ns)
+        elif 0 < samples <= MOST_SAMPLES_IN_FLOATS:
+            self._one_by_one(attitude_xyzw, body_rate, t_ns.tolist())
+        elif samples:
+            self._by_blocks(attitude_xyzw, body_rate, t_ns, block)
+
+    def _compiled(self, compiled: Any, attitude_xyzw: Array, body_rate: Array, t_ns: Integers) -> None:
+        columns = np.empty(WORK_AREA)
+        for some, times in _pieces(len(self.members), len(t_ns), SAMPLES_PER_CALL):
+            table, members = self.table[:, some], self.members[some]
+            compiled(table, members, t_ns[times], attitude_xyzw, body_rate, columns, times.start)
+
+    def _one_by_one(self, attitude_xyzw: Array, body_rate: Array, t_ns: list[int]) -> None:
+        times = [from_integer(t) for t in t_ns]
+        for row, member in zip(self.table.T.tolist(), self.members.tolist(), strict=True):
+            constants = self.kind.constants(row)
+            samples = [self.kind.sample(constants, time) for time in times]
+            attitude_xyzw[member] = [sample[:4] for sample in samples]
+            body_rate[member] = [sample[4:] for sample in samples]
+
+    def _by_blocks(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        for some, times in _pieces(len(self.members), len(t_ns), block):
+            members = self.members[some]
+            sample = self.kind.sample(self._constants(some), from_integers(t_ns[times]))
+            for k in range(4):
+                attitude_xyzw[members, times, k] = sample[k]
+            for k in range(3):
+                body_rate[members, times, k] = sample[4 + k]
+
+    def _constants(self, some: slice) -> Any:
+        """The constants of one motion as floats, of many as columns, which broadcast with times."""
+        if some.stop - some.start == 1:
+            return self.kind.constants(self.table[:, some.start].tolist())
+        return self.kind.constants(list(self.table[:, some, np.newaxis]))
+
+
+def _pieces(bodies: int, times: int, most: int) -> Iterator[tuple[slice, slice]]:
+    """Slices of the bodies and of the times that together cover all, each of at most ``most`` samples."""
+    breadth = max(1, min(times, most))
+    for some in _slices(bodies, most // breadth):
+        for part in _slices(times, breadth):
+            yield some, part
+
+
+def _slices(length: int, step: int) -> Iterator[slice]:
+    return (slice(begin, min(begin + step, length)) for begin in range(0, length, max(step, 1)))
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """The motions of B bodies, those of a kind together."""
+
+    evaluations: tuple[Evaluation, ...]
+
+    @classmethod
+    def of(cls, starts: Starts) -> Ensemble:
+        """The motions of bodies from their starts."""
+        by_kind: dict[KindOfMotion, list[tuple[Array, Members]]] = {}
+        for motion, members in _motions(starts):
+            kind, row = kind_and_row(motion)
+            by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
+        return cls(tuple(_evaluation(kind, parts) for kind, parts in by_kind.items()))
+
+    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), ``block`` samples at once."""
+        for evaluation in self.evaluations:
+            evaluation.fill(attitude_xyzw, body_rate, t_ns, block)
+
+
+def _motions(starts: Starts) -> Iterator[tuple[BodyMotion, Members]]:
+    """Every motion with its place in the ensemble; those that are computed together, as one with its places."""
+    rest = np.ones(len(starts.inertia), dtype=np.bool_)
+    for motion, members in fast_motions(starts):
+        rest[members] = False
+        yield motion, members
+    yield from decimal_motions(starts, np.flatnonzero(rest))
+
+
+def _table(row: list[Number], count: int) -> Array:
+    """The constants of ``count`` motions, shape (constants, count)."""
+    if count == 1:
+        return np.array(row, dtype=np.float64).reshape(-1, 1)
+    return np.stack([np.broadcast_to(entry, count) for entry in row])
+
+
+def _evaluation(kind: KindOfMotion, parts: list[tuple[Array, Members]]) -> Evaluation:
+    if len(parts) == 1:
+        return Evaluation(kind, *parts[0])
+    tables, members = zip(*parts, strict=True)
+    return Evaluation(kind, np.concatenate(tables, axis=1), np.concatenate(members))
 
 
 class ClosedForm:

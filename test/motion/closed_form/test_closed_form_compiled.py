@@ -14,8 +14,8 @@ from test_ensembles import INERTIAS, RATES, attitudes, many, tensors
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form import evaluation
-from lie_rigid_body.motion.closed_form.evaluation import compile_all
+from lie_rigid_body.motion.closed_form import solution
+from lie_rigid_body.motion.closed_form.solution import compile_all
 from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS
 
 RANDOM = np.random.default_rng(12)
@@ -95,7 +95,7 @@ def test_compiled_code_looks_at_signals_between_pieces(monkeypatch):
     motion, t_ns = ClosedForm(body, start), times(300)
     whole = bits(motion.at(t_ns))
     for most in (1, 100, 1000, 2000):
-        monkeypatch.setattr(evaluation, "SAMPLES_PER_CALL", most)
+        monkeypatch.setattr(solution, "SAMPLES_PER_CALL", most)
         np.testing.assert_array_equal(
             bits(motion.at(t_ns[:50] if most == 1 else t_ns)), whole[:, : 50 if most == 1 else None]
         )

@@ -20,9 +20,9 @@ from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
 from lie_rigid_body.motion.closed_form.decimal_constants import frame_and_polhode, general_motion
 from lie_rigid_body.motion.closed_form.decimal_frames import digits_for, principal_axes
-from lie_rigid_body.motion.closed_form.evaluation import Ensemble
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motion_of_one
 from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion, Starts
+from lie_rigid_body.motion.closed_form.solution import Ensemble
 
 ATTITUDE = [0.1, -0.7, 0.3, -0.5]
 MIXED = 1.0 - 2.0**-20, 1.0 + 2.0**-20

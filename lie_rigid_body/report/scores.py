@@ -1,9 +1,14 @@
-"""A score as a table for people and as JSON for programs."""
+"""Scores: a table for people, JSON for programs, and a page that needs no other file and no network."""
 
 from __future__ import annotations
 
+from html import escape
+
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.score import findings, table, verdict, wrapped
+from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, findings, numbers, table, verdict, wrapped
+from lie_rigid_body.report import html_page
+from lie_rigid_body.report.drawing import svg
+from lie_rigid_body.report.score_picture import draw
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import printable
 
@@ -41,3 +46,32 @@ def extent(read: RecordedEstimate | None, score: Score) -> str:
         f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth{source} at "
         f"these stamps{left_out}"
     )
+
+
+def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
+    """Make the page.
+
+    Parameters
+    ----------
+    title : str
+    read : RecordedEstimate or None
+        None of an estimate in arrays.
+    score : Score
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    parts = [
+        *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
+        html_page.paragraph(f"{extent(read, score)}."),
+        html_page.table(("error, deg", *HEADINGS), [((name, *numbers(found)), True) for name, found in angles(score)]),
+        html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
+        html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
+        html_page.listing("Notes", map(escape, read.notes if read else ())),
+        f"<h2>Errors over time</h2><figure>{svg(draw(title, score))}</figure>",
+        *map(html_page.scenario, read.segments if read else ()),
+        html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
+    ]
+    return html_page.document(title, parts, with_figures=False)

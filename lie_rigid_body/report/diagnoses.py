@@ -1,0 +1,108 @@
+"""Diagnoses: tables for a terminal, and a page that needs no other file and no network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from lie_rigid_body.diagnosis import FilterDiagnosis
+from lie_rigid_body.diagnosis.result import degrees
+from lie_rigid_body.evaluation.score import wrapped
+from lie_rigid_body.report import drawing, html_page
+from lie_rigid_body.wording import counted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MISTAKES: Final = "{:<20} {:<18} {:>10} {:>10}  {}"
+_PROBES: Final = "{:<20} {:<8} {:>10}  "
+_SMALLEST_DEG: Final = 1e-4
+"""Smallest error that is drawn, degrees."""
+_COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#333333")
+"""Distinct in every kind of colour vision."""
+
+
+def as_text(found: FilterDiagnosis) -> str:
+    """The sentences, the mistakes, the probes and the notes, without a final newline."""
+    return "\n".join(_lines(found))
+
+
+def _lines(found: FilterDiagnosis) -> Iterator[str]:
+    for sentence in found.sentences:
+        yield from wrapped(sentence)
+    if found.mistakes:
+        yield from ("", _MISTAKES.format("mistake", "repair", "before", "after", "does as well"))
+    for m in found.mistakes:
+        numbers = degrees(m.rms_deg_before), degrees(m.rms_deg_after)
+        yield _MISTAKES.format(m.code, m.repair[:18], *numbers, ", ".join(m.or_else)).rstrip()
+    if found.probes:
+        yield from ("", _PROBES.format("probe", "", "value").rstrip())
+    for p in found.probes:
+        value = "" if p.value is None else f"{p.value:.3g}"
+        yield from wrapped(p.message, _PROBES.format(p.code, "passed" if p.passed else "FAILED", value))
+    yield ""
+    for note in found.notes:
+        yield from wrapped(note.message, f"note: {note.code}: ")
+    for remark in found.remarks:
+        yield from wrapped(remark)
+    yield f"{counted(found.filter_runs, 'run')} of the filter."
+
+
+def page(name: str, found: FilterDiagnosis) -> bytes:
+    """The page.
+
+    Parameters
+    ----------
+    name : str
+        What the filter is called.
+    found : FilterDiagnosis
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    return html_page.document(f"Diagnosis of {name}", _parts(found), with_figures=False)
+
+
+def _parts(found: FilterDiagnosis) -> Iterator[str]:
+    yield from (html_page.badge(sentence, passed=found.passed) for sentence in found.sentences)
+    if found.mistakes:
+        rows = [
+            ((m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else)), True)
+            for m in found.mistakes
+        ]
+        yield "<h2>Mistakes</h2>"
+        yield html_page.table(("mistake", "repair", "error before", "error after", "does as well"), rows)
+    if found.errors:
+        yield f"<h2>Errors over time</h2><figure>{drawing.svg(_draw(found))}</figure>"
+    entries = (
+        f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
+        for p in found.probes
+    )
+    yield html_page.listing("Probes", entries)
+    yield html_page.listing("Notes", (f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes))
+    yield from map(html_page.paragraph, found.remarks)
+    yield html_page.paragraph(
+        f"{found.filter_runs} runs of the filter, with perfect sensors but where a probe says otherwise. Nothing is "
+        f"looked for below {found.floor_deg:.2g}°, a tenth of the turn between two readings."
+    )
+
+
+def _draw(found: FilterDiagnosis) -> Figure:
+    """The total error before and after each named repair."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    axes = figure.subplots()
+    for number, each in enumerate(found.errors):
+        errors = np.maximum(each.error_deg, _SMALLEST_DEG)
+        axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=each.label)
+    axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
+    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False)
+    return figure
