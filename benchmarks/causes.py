@@ -5,8 +5,8 @@
     python benchmarks/causes.py --half even those by which the rule was made; odd are the hidden ones
 
 A case is a motion, sensors of a grade, a right filter or the truth with errors of its own, and no, one or two mistakes.
-It is fair where each mistake moves the estimate by at least four times of what the filter errs without it. A name is
-right where it is that of the mistake, or where the message says that the motion does not tell it from that, or where
+It is fair where each mistake moves the estimate by at least four times of what the filter errs without it, and by more
+than the declared errors of the sensors leave. A name is right where it is that of the mistake, or where the message says that the motion does not tell it from that, or where
 no more causes leave no more than undoing the mistakes does: of a spin several are the same map.
 """
 
@@ -429,7 +429,8 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str, float]:
                 was = SampledTruth(old, before).at(stamps[shared])
             else:
                 was = before[np.isin(old, stamps)]
-            fair &= bool(np.median(angles_between(q[shared], was)) > 4.0 * settled) and settled < np.radians(20.0)
+            least = max(4.0 * settled, r.left or 0.0)
+            fair &= bool(np.median(angles_between(q[shared], was)) > least) and settled < np.radians(20.0)
     return r, stamps, q, fair, where, float(np.degrees(np.sqrt(np.mean(error**2))))
 
 

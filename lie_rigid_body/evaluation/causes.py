@@ -63,6 +63,11 @@ class Track:
 
     __repr__ = short_repr
 
+    @property
+    def since_s(self) -> Array:
+        """Times since the first stamp, s, shape (N,)."""
+        return np.asarray((self.stamps_ns - self.stamps_ns[0]) / 1e9)
+
     def part(self, chosen: slice | Integers) -> Track:
         """Some of the samples."""
         return replace(self, stamps_ns=self.stamps_ns[chosen], attitude_xyzw=self.attitude_xyzw[chosen])
@@ -234,8 +239,8 @@ def _moved(track: Track, lag_s: Array) -> Track:
 
 
 def _by_clock(track: Track, rate: Array) -> Track:
-    since = np.round((track.stamps_ns - track.stamps_ns[0]) * rate[0]).astype(np.int64)
-    return replace(track, stamps_ns=track.stamps_ns[0] + since)
+    since_ns = np.round(1e9 * track.since_s * rate[0]).astype(np.int64)
+    return replace(track, stamps_ns=track.stamps_ns[0] + since_ns)
 
 
 def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:
@@ -299,26 +304,6 @@ def _lag_of(sign: float) -> Callable[[Tracks], Sequence[Array]]:
 def _euler(tracks: Tracks) -> Sequence[Array]:
     """Every two orders of axes that differ."""
     return [np.array(pair, dtype=np.float64) for pair in permutations(range(len(_ORDERS)), 2)]
-
-
-def _vertical(track: Track, truth: Array, rate: Array) -> Array:
-    return quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis]
-
-
-def _world_axes(track: Track, truth: Array, rate: Array) -> Array:
-    return np.swapaxes(quaternion.rotate(quaternion.conjugate(truth)[:, np.newaxis], np.eye(3)), 1, 2)
-
-
-def _body_axes(track: Track, truth: Array, rate: Array) -> Array:
-    return np.broadcast_to(np.eye(3), (len(truth), 3, 3))
-
-
-def _later(track: Track, truth: Array, rate: Array) -> Array:
-    return -rate[..., np.newaxis]
-
-
-def _faster(track: Track, truth: Array, rate: Array) -> Array:
-    return (rate * ((track.stamps_ns - track.stamps_ns[0]) / 1e9)[:, np.newaxis])[..., np.newaxis]
 
 
 def angle_and_axis(rotation: Array) -> str:
@@ -392,7 +377,7 @@ CAUSES: Final = (
         ),
         lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate",
         (_ABOUT_UP,),
-        _vertical,
+        lambda track, truth, rate: quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis],
     ),
     Cause(
         "world_turned",
@@ -402,7 +387,7 @@ CAUSES: Final = (
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
         _said("Turned back from the left the estimate"),
         (_OF_WORLD,),
-        _world_axes,
+        lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
     ),
     Cause(
@@ -412,7 +397,7 @@ CAUSES: Final = (
         _lag_of(1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         _said("With these stamps it"),
-        slopes=_later,
+        slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "leading",
@@ -421,7 +406,7 @@ CAUSES: Final = (
         _lag_of(-1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         _said("With these stamps it"),
-        slopes=_later,
+        slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "clock_rate",
@@ -430,7 +415,7 @@ CAUSES: Final = (
         _of_time(8, np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)),
         lambda c: f"The clock of the estimate's stamps runs {1.0 / c[0]:.5g} times as fast as that of the readings",
         _said("Stamped with the time of the readings it"),
-        slopes=_faster,
+        slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
     ),
     Cause(
         "body_mounting",
@@ -440,7 +425,7 @@ CAUSES: Final = (
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
         _said("Turned back from the right the estimate"),
         (_OF_BODY,),
-        _body_axes,
+        lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),
     ),
 )

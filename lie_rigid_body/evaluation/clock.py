@@ -189,13 +189,15 @@ def _rms_over_shifts(G: Array, errors: Array) -> float:
     return rms(np.fft.irfft(spectra.sum(axis=1), n=len(G)))
 
 
-def other_clock(track: Track) -> tuple[Clock, Track] | None:
+def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | None:
     """Search for another clock by which an estimate follows the truth.
 
     Parameters
     ----------
     track : Track
         All samples, also those outside of the truth's times.
+    beyond_s : float
+        Lags up to this were judged before, s.
 
     Returns
     -------
@@ -212,7 +214,7 @@ def other_clock(track: Track) -> tuple[Clock, Track] | None:
         for k in _lowest(_costs(track, rates, lags)):
             lag = (BY_CODE["lagging"], np.array([lags[k]]))
             clock = [lag] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]])), lag]
-            found += _refined(track, clock)
+            found += [one for one in _refined(track, clock) if len(clock) > 1 or abs(one[0][0][1][0]) > beyond_s]
     # as good as each other: one constant before two
     return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].errors())), default=None)
 

@@ -168,7 +168,7 @@ class Explanation:
 
 
 def _counted(left: Array) -> Array:
-    return np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2)
+    return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
 
 
 def spread(count: int, most: int) -> Integers:

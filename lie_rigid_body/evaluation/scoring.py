@@ -177,7 +177,7 @@ def _diagnosis(
     at_limit = choice is not None and choice.at_limit
     lost = unlike and (choice is None or not (choice.named.causes or choice.follows))
     everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
-    found = other_clock(everything) if longest_lag_s is None and (lost or at_limit) else None
+    found = other_clock(everything, longest_s) if longest_lag_s is None and (lost or at_limit) else None
     if found is not None:
         clock, moved = found
         lag = clock_lag(clock, moved)
