@@ -6,8 +6,9 @@
 
 A case is a motion, sensors of a grade, a right filter or the truth with errors of its own, and no, one or two mistakes.
 It is fair where each mistake moves the estimate by at least four times of what the filter errs without it, and by more
-than the declared errors of the sensors leave. A name is right where it is that of the mistake, or where the message says that the motion does not tell it from that, or where
-no more causes leave no more than undoing the mistakes does: of a spin several are the same map.
+than the declared errors of the sensors leave. A name is right where it is that of the mistake, or where the message
+says that the motion does not tell it from that, or where no more causes leave no more than undoing the mistakes does:
+of a spin several are the same map.
 """
 
 from __future__ import annotations

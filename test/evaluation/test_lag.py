@@ -31,7 +31,7 @@ NED, FRD = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
 WRITTEN = {
     "ned_world": lambda q: quaternion.multiply(NED, q),
     "inverted": quaternion.conjugate,
-    "heading_offset": lambda q: quaternion.multiply(quaternion.exp([0.0, 0.0, 0.07]), q),
+    "heading_offset": lambda q: quaternion.multiply(quaternion.exp([0.0, 0.0, 0.3]), q),
     "body_mounting": lambda q: quaternion.multiply(q, FRD),
 }
 
