@@ -176,7 +176,7 @@ def readings(motion: str, grade: str, seed: int) -> Readings:
     north = np.array(model.field) / np.linalg.norm(model.field)
     truth = SampledTruth(fine, run.attitude().at(fine))
     true = truth.at(imu.t_ns)
-    return Readings(imu.t_ns, step_ns / 1e9, imu.gyro, *unit, north, true, truth, left_by_sensors(run))
+    return Readings(imu.t_ns, step_ns / 1e9, imu.gyro, unit[0], unit[1], north, true, truth, left_by_sensors(run))
 
 
 def left_by_sensors(run: Run) -> Any:
@@ -259,10 +259,11 @@ class Together:
 def everything() -> dict[str, Array]:
     """The attitudes of every filter on every run, (runs, N, 4), in the order of `RUNS`."""
     each = [readings(*run) for run in RUNS]
-    stacked = [np.stack([getattr(r, name) for r in each]) for name in ("gyro", "up", "field", "north", "truth_xyzw")]
+    names = ("gyro", "up", "field", "north", "truth_xyzw")
+    stacked = {name: np.stack([getattr(r, name) for r in each]) for name in names}
     rng = np.random.default_rng(5)
     bias = rng.normal(size=(len(RUNS), 1, 3)) * np.radians(10.0 ** rng.uniform(-2.0, 0.0, (len(RUNS), 1, 1)))
-    r = Together(np.array([[one.step_s] for one in each]), *stacked, bias)
+    r = Together(step_s=np.array([[one.step_s] for one in each]), bias=bias, **stacked)
     return {name: run(r) for name, run in FILTERS.items()}
 
 
@@ -408,10 +409,10 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str, float]:
         attitude = filtered("biased", motion, grade, seed) if biased else honest(case.kind[0], r, rng)
         return r, r.stamps_ns, attitude, True, where, 0.0
     if case.kind[0] in {"turn_rate", "turn_axes"}:
-        stamps, q, right = r.stamps_ns, of_gyro(case.kind[0], r, rng), integrated(r, r.gyro)
-        error = float(np.median(angles_between(right, r.truth_xyzw)))
+        q, right = of_gyro(case.kind[0], r, rng), integrated(r, r.gyro)
+        drift = float(np.median(angles_between(right, r.truth_xyzw)))
         moved = float(np.median(angles_between(q, right)))
-        return r, stamps, q, moved > 4.0 * error and moved > 0.5, where, 0.0
+        return r, r.stamps_ns, q, moved > max(4.0 * drift, 0.5), where, 0.0
     if name == "truth":
         noise = np.radians(10.0 ** rng.uniform(-2.0, 0.3)) * rng.normal(size=(len(r.stamps_ns), 3))
         right = quaternion.multiply(r.truth_xyzw, quaternion.exp(noise))

@@ -19,11 +19,13 @@ from lie_rigid_body.evaluation.naming import (
     BOTH,
     FEWEST,
     LEAD,
+    LEAST_LATE,
     NEGLIGIBLE,
     SHARE,
     UNLIKE,
     Explanation,
     quarters,
+    spins,
     spread,
     still,
 )
@@ -39,8 +41,6 @@ SURE: Final = 8.0
 """Least lag, in standard errors, that is told and named also where other errors are larger."""
 UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of each half of a run and that of the whole; a drift makes a half."""
-LEAST_LATE: Final = 0.5
-"""Least lag, in samples, that is named where other errors are larger."""
 LARGEST_INFLATION: Final = 10.0
 """Largest variance inflation factor at which a lag counts as told apart from turns."""
 SLOWEST_RATE: Final = 1e-6
@@ -68,8 +68,6 @@ GRID_SAMPLES: Final = 60
 FIT_SAMPLES: Final = 300
 """Largest number of samples by which clocks are tried, and fitted."""
 MOST_REFINED: Final = 5
-SPIN: Final = 0.9
-"""Squared length of the mean axis of rotation above which a body turns about one axis: so an error of a gyro does."""
 FAR: Final = 1.5
 """Ratio of two rates above which no error of a gyro feigns it."""
 MOSTLY_SPANNED: Final = 0.8
@@ -292,8 +290,7 @@ def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
     most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
     if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []
-    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
-    if np.sum(np.mean(axes, axis=0) ** 2) > SPIN:
+    if spins(rate):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi

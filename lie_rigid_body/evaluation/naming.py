@@ -32,7 +32,11 @@ from lie_rigid_body.wording import short_repr
 SHARE: Final = 1.0 / 3.0
 """Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
 LAG_SHARE: Final = 0.5
-"""The same of a lag: slow errors hardly go with the rate of the body."""
+"""Largest such share of a lag: slow errors hardly go with the rate of a body, unless it turns about one axis."""
+SPIN: Final = 0.9
+"""Squared length of the mean axis of rotation above which a body turns about one axis."""
+LEAST_LATE: Final = 0.5
+"""Least lag, in samples, that is named where other errors are as large."""
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25}
 """Prices of causes with constants, in halved errors; of one without a constant it is 1."""
 FAR: Final = 1.0
@@ -186,6 +190,12 @@ def still(truth_xyzw: Array) -> float:
     return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
 
 
+def spins(rate: Array) -> bool:
+    """Whether a body with some rates, (N, 3), turns about one axis: so do errors of a gyro."""
+    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
+    return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
+
+
 @cache
 def _base(turned: Turned) -> Array:
     """Base of the repairs of each form followed by turns, shape (forms, d, 16)."""
@@ -233,7 +243,7 @@ class Evidence:
         self._known: dict[tuple[int, Turned, bool], Explanation] = {}
         truth, rate = self.track.truth.states(self.track.stamps_ns)
         self.fastest = float(sizes(rate).max())
-        self.still = still(truth)
+        self.still, self.spins = still(truth), spins(rate)
         self.floor = FLOOR * self.fastest * self.period_s
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
@@ -391,7 +401,7 @@ class Choice:
 
     def with_lag(self, lag_s: float | None) -> Choice:
         """The choice with a lag beside the causes that are named, if it is about the same without other turns."""
-        if lag_s is None or self.named.lag_s is not None or self.named.turned not in LATE:
+        if lag_s is None or self.named.lag_s is not None or self.named.turned not in LATE or self.evidence.spins:
             return self
         late = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
         same = late.lag_s is not None and abs(late.lag_s - lag_s) <= 0.25 * abs(lag_s)
@@ -477,7 +487,8 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
     if explanation.far and left.max() > UNEVEN**2 * left.min():
         return False
     for cause in explanation.causes:
-        share = LAG_SHARE if cause == "lag" else SHARE
+        is_lag = cause == "lag" and abs(explanation.lag_s or 0.0) >= LEAST_LATE * evidence.period_s
+        share = LAG_SHARE if is_lag and not evidence.spins else SHARE
         if np.any(left > share**2 * _counted(evidence.without(explanation, cause).left)):
             return False
     return True

@@ -32,6 +32,8 @@ LONGEST_LAG_S: Final = 1.0
 ABSENT: Final = 0.05
 """Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 
+MOST_NAMED: Final = 2
+"""Number of causes above which the turns of an estimate are asked whether something simpler does the same."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
@@ -187,7 +189,9 @@ def _diagnosis(
     lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
     choice = choice.with_lag(lag.lag_s if lag.sure else None)
     named = findings(track, choice) if choice.named.causes else ()
-    return _Diagnosed(lag, named, turned.other() if lost and not named else (), choice.of_sensors)
+    # a gyro on other axes is the same map as three conventions and a turned world
+    other = turned.other() if (lost and not named) or len(named) > MOST_NAMED else ()
+    return _Diagnosed(lag, () if other else named, other, choice.of_sensors)
 
 
 def _apart(stamps: Integers, given: int, truth: Truth) -> str:

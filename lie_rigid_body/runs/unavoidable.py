@@ -104,9 +104,11 @@ def _left_by_errors(scenario: Scenario) -> float:
     aids = [aid for model in sensors for aid in model.aids if isinstance(aid, VectorAid)]
     if imu is None:
         return 0.0
-    directions = np.array([aid.reference / np.linalg.norm(aid.reference) for aid in aids]).reshape(-1, 3)
+    references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
+    lengths = np.linalg.norm(references, axis=-1)
+    directions = references / lengths[:, np.newaxis]
     across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
-    told = [np.sqrt(2.0) * aid.turn_on_bias / np.linalg.norm(aid.reference) for aid in aids]
+    told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
     vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
     rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * np.linalg.norm(scenario.initial_body_rate)

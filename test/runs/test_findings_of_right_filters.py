@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,8 +28,8 @@ CONSUMER = {
 
 
 @cache
-def recorded(grade: str, **given: float) -> Run:
-    return simulate(
+def recorded(grade: str, **given: Any) -> Run:
+    run: Run = simulate(
         "tumbling_cubesat",
         duration=30.0,
         imu_rate=100.0,
@@ -38,6 +39,13 @@ def recorded(grade: str, **given: float) -> Run:
         sensor_grade=grade,
         **given,
     )
+    return run
+
+
+def true(run: Run) -> np.ndarray:
+    """True attitudes at the readings of the IMU."""
+    assert run.imu is not None
+    return run.attitude().at(run.imu.t_ns)
 
 
 def unit(v: np.ndarray) -> np.ndarray:
@@ -96,10 +104,10 @@ def test_a_right_filter_is_told_nothing(grade, ahead):
 def test_what_declared_hard_iron_turns_is_said_to_be_of_the_sensors():
     """Without any noise as well, where nothing bounds an estimator's error."""
     run = recorded("perfect", magnetometer_hard_iron=(1.3e-6, -1.3e-6, 1.3e-6))
-    turned = quaternion.multiply(quaternion.exp(np.radians(2.0) * UP), run.attitude().at(run.imu.t_ns))
+    turned = quaternion.multiply(quaternion.exp(np.radians(2.0) * UP), true(run))
     score = run.score(turned)
     assert score.findings == ()
     assert score.of_sensors_deg == pytest.approx(np.degrees(left_by_errors_of(run.segments)))
     assert "about what these sensors leave" in str(score)
-    larger = quaternion.multiply(quaternion.exp(np.radians(20.0) * UP), run.attitude().at(run.imu.t_ns))
+    larger = quaternion.multiply(quaternion.exp(np.radians(20.0) * UP), true(run))
     assert [finding.code for finding in run.score(larger).findings] == ["heading_offset"]
