@@ -495,9 +495,10 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
 
 
 def is_small(evidence: Evidence, explanation: Explanation, left_by_sensors: float) -> bool:
-    """Whether one of the turns, or that in a lag, is no larger than what the sensors leave."""
-    sizes_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-    late = [] if explanation.lag_s is None else [abs(explanation.lag_s) * evidence.fastest]
-    return any(size <= left_by_sensors for size in late) or any(
-        size <= max(left_by_sensors, evidence.floor) for size in sizes_rad
-    )
+    """Whether one of the turns is no larger than what the sensors leave, or that in a lag that leaves some error."""
+    turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+    if min(turns_rad, default=np.inf) <= max(left_by_sensors, evidence.floor):
+        return True
+    if explanation.lag_s is None or explanation.error <= FOLLOWING * evidence.without(explanation, "lag").error:
+        return False
+    return abs(explanation.lag_s) * evidence.fastest <= left_by_sensors
